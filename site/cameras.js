@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Characters from cameras beside the layered one: which surface, how it is drawn, from how many cameras. Both viewers
-// look from where the visitor has turned either.
+// look from where the visitor has turned either, and play the same moment.
 import './fourdvt-viewer/fourdvt-viewer.js';
-import { turnTogether } from './together.js';
+import { playTogether, turnTogether } from './together.js';
 
 const byId = (id) => document.getElementById(id);
 const cameras = byId('cameras');
@@ -33,7 +33,9 @@ let ready = 0;
 for (const viewer of [cameras, layers]) {
   viewer.addEventListener('canplay', () => {
     byId('notice').hidden = true;
-    if (++ready === 2) turnTogether(cameras, layers);
+    if (++ready < 2) return;
+    turnTogether(cameras, layers);
+    playTogether(layers, cameras);
   }, { once: true });
   viewer.addEventListener('error', (e) => {
     byId('notice').textContent = e.detail.message;
