@@ -5,6 +5,7 @@
 // some out. Which frame a picture is the player reads from its barcode; the element's media time is a first guess.
 // requestVideoFrameCallback says when there is a new one; without it the element's time is polled.
 import type { DecoderCallbacks, Picture, PictureDecoder } from './frame-decoder.js';
+import type { DecoderFault } from './generated/abi.js';
 import { initSegment, mediaType, SegmentWriter, type TrackConfig, type TrackSample } from './media-segments.js';
 
 const FRAME_US = 40_000; // between timestamps of the player, whatever the sequence's frame rate
@@ -19,6 +20,13 @@ const HAVE_CURRENT_DATA = 2; // readyState
 const LEAST_RATE = 0.0625; // the range that browsers play at
 const MOST_RATE = 16;
 const RATE_STEP = 0.03; // smaller changes are not worth an adjustment
+const STUCK_MS = 2000; // of turns without what is awaited, before the element is sent there; twice as long each further time
+const SEEK_MS = 6000; // likewise, while it seeks: a slow machine may be on the way
+const LONGEST_TURN_MS = 100; // that counts: a page that stands still awaits nothing
+const MOST_NUDGES = 2;
+const HELD_BACK_US = 30 * FRAME_US; // browsers keep the last pictures to themselves until more samples come, or their end
+const MOST_SKIPPED = 8; // frames
+const REFUSED_MS = 1000; // before a refused play() is tried again
 
 type MediaSourceClass = typeof MediaSource;
 const sourceClass = (): MediaSourceClass | undefined =>
@@ -39,12 +47,17 @@ class VideoElementDecoder implements PictureDecoder {
   #sought = false; // the element has been sent to the goal
   #picture: Picture | null = null;
   #taken = -1; // timestamp of the picture that was taken last
+  #takenMs = 0; // time of that
   #again = -1; // timestamp of the picture that was sought last
   #timer = 0;
   #last = -1; // the greatest timestamp so far
   #pace = 0;
   #polls = false;
   #callback = 0;
+  #turnMs = 0; // time of the last feed
+  #stuckMs = 0; // since something came of what is awaited
+  #nudges = 0; // since then
+  #refusedMs = -Infinity; // time at which the browser refused to play
 
   constructor(callbacks: DecoderCallbacks) {
     this.#callbacks = callbacks;
@@ -107,12 +120,14 @@ class VideoElementDecoder implements PictureDecoder {
     this.#pace = pace;
     this.#appendSamples();
     this.#steer();
+    this.#watch();
     // The element's time may be of the next frame already when that cannot be copied yet: name the one a little before.
     if (this.#polls) this.#onFrame((this.#video?.currentTime ?? 0) * 1e6 - START_US - INSIDE_US);
   }
   peek(): Picture | undefined { return this.#picture ?? undefined; }
   shift(): void {
     if (this.#picture) this.#taken = this.#picture.timestampUs;
+    this.#takenMs = performance.now();
     this.#picture = null;
     this.#steer();
   }
@@ -123,6 +138,7 @@ class VideoElementDecoder implements PictureDecoder {
     this.#picture = null;
     this.#goal = Infinity; // the next one that is wanted
     this.#sought = this.#ended = false;
+    this.#moved();
   }
 
   #open(type: string): void {
@@ -144,7 +160,7 @@ class VideoElementDecoder implements PictureDecoder {
     });
     for (const event of ['canplay', 'durationchange']) video.addEventListener(event, () => this.#steer());
     video.addEventListener('seeked', () => this.#offerLater());
-    video.addEventListener('ended', () => { if (this.#taken !== this.#last && this.#goal < 0) this.#offer(this.#last); });
+    video.addEventListener('ended', () => { if (this.#ended && this.#taken !== this.#last && this.#goal < 0) this.#offer(this.#last); });
     video.src = this.#url = URL.createObjectURL(source);
     this.#polls = !('requestVideoFrameCallback' in video);
     if (!this.#polls) this.#await(video);
@@ -174,6 +190,7 @@ class VideoElementDecoder implements PictureDecoder {
     this.#offer(timestampUs);
   }
   #offer(timestampUs: number): void {
+    this.#moved();
     this.#picture = { kind: 'video', timestampUs, video: this.#video! };
     this.#callbacks.onPicture();
   }
@@ -212,7 +229,10 @@ class VideoElementDecoder implements PictureDecoder {
   #next(first = false): void {
     const buffer = this.#buffer;
     if (!buffer || buffer.updating) return;
-    if (!first) this.#pending.shift();
+    if (!first) {
+      this.#pending.shift();
+      this.#stuckMs = 0;
+    }
     this.#steer();
     const operation = this.#pending[0];
     if (!operation) return this.#freeBehind();
@@ -225,6 +245,7 @@ class VideoElementDecoder implements PictureDecoder {
 
   #freeBehind(): void {
     const { buffered, currentTime } = this.#video!;
+    if (this.#ended) return; // it would take the end away
     if (this.#goal >= 0 || !buffered.length || currentTime - buffered.start(0) < MOST_BEHIND_S) return;
     this.#then(() => this.#buffer!.remove(0, currentTime - KEPT_BEHIND_S));
   }
@@ -235,10 +256,11 @@ class VideoElementDecoder implements PictureDecoder {
   #steer(): void {
     const video = this.#video;
     if (!video || !this.#track) return;
+    if (this.#goal < 0 && this.#pace > 0 && !this.#picture && this.#last > this.#taken && this.#mustSeek) this.#seek(this.#nextUs);
     if (this.#goal >= 0) {
-      const at = (START_US + this.#goal + INSIDE_US) / 1e6;
-      // Another rung goes on where the one before ends: no seek, no gap.
-      const goesOn = this.#pace > 0 && Math.abs(video.currentTime - at) < NEAR_S;
+      const at = mediaTime(this.#goal);
+      // Another rung goes on where the one before ends: no seek, no gap. One that has ended stays there until it is sent on.
+      const goesOn = this.#pace > 0 && !this.#mustSeek && Math.abs(video.currentTime - at) < NEAR_S;
       if (!goesOn && !video.paused) video.pause();
       // The duration, which an end of stream has cut, may lag behind what is buffered.
       if (this.#sought || !covers(video.buffered, at) || at >= video.duration) return;
@@ -247,22 +269,72 @@ class VideoElementDecoder implements PictureDecoder {
         video.currentTime = at;
         return;
       }
+      this.#taken = this.#goal - FRAME_US; // the goal is the next one
       this.#goal = -1;
     }
     if (this.#pace <= 0 || this.#picture) return video.paused ? undefined : video.pause();
     const rate = Math.min(Math.max((this.#pace * FRAME_US) / 1e6, LEAST_RATE), MOST_RATE);
     if (Math.abs(rate / video.playbackRate - 1) > RATE_STEP) video.playbackRate = rate;
     // One that has ended would begin again at the front.
-    if (video.paused && !video.ended) video.play().catch(() => undefined);
+    if (video.paused && !video.ended) video.play().catch((reason: unknown) => this.#onRefused(reason));
+  }
+  #seek(timestampUs: number): void {
+    this.#goal = timestampUs;
+    this.#sought = false;
   }
 
-  #fail(fault: 'samples' | 'unsupported', reason: string): void {
+  // It stands at an end that has samples behind it by now, or the browser does not let it play (autoplay policy, saving of power).
+  get #mustSeek(): boolean {
+    const { ended, buffered, currentTime } = this.#video!;
+    return this.#isRefused || (ended && covers(buffered, currentTime + INSIDE_US / 1e6));
+  }
+  get #isRefused(): boolean { return performance.now() - this.#refusedMs < REFUSED_MS; }
+  #onRefused(reason: unknown): void {
+    if ((reason as Error).name === 'NotAllowedError') this.#refusedMs = performance.now();
+  }
+  // The picture to come; one by one they take longer than the pace allows, so that some are left out.
+  get #nextUs(): number {
+    const passed = this.#isRefused ? Math.floor(((performance.now() - this.#takenMs) / 1000) * this.#pace) : 1;
+    return Math.min(this.#taken + FRAME_US * Math.min(Math.max(1, passed), MOST_SKIPPED), this.#last);
+  }
+
+  // --- an element that stands still ---
+
+  // Browsers let a seek or a play() come to nothing at times. Sends the element to what is awaited again; if that is of no use,
+  // the player takes another element.
+  #watch(): void {
+    const nowMs = performance.now(), turnMs = Math.min(nowMs - this.#turnMs, LONGEST_TURN_MS);
+    this.#turnMs = nowMs;
+    if (!this.#video) return;
+    this.#stuckMs = this.#isAwaited ? this.#stuckMs + turnMs : 0;
+    if (this.#stuckMs < (this.#video.seeking ? SEEK_MS : STUCK_MS) * 2 ** this.#nudges) return;
+    if (++this.#nudges > MOST_NUDGES) return this.#fail('taken-away', 'the <video> element stands still');
+    this.#stuckMs = 0;
+    if (this.#goal < 0) this.#goal = this.#nextUs;
+    if (this.#goal === Infinity) return;
+    this.#sought = true;
+    this.#video.currentTime = mediaTime(this.#goal);
+  }
+  #moved(): void { this.#stuckMs = this.#nudges = 0; }
+
+  // An operation on the buffer is under way, or the browser has all that the wanted picture takes.
+  get #isAwaited(): boolean {
+    if (this.#pending.length) return true;
+    const hasAll = (afterUs: number): boolean => this.#last - afterUs > (this.#ended ? 0 : HELD_BACK_US);
+    if (this.#goal >= 0) return hasAll(this.#goal - FRAME_US);
+    return this.#pace > 0 && !this.#picture && hasAll(this.#taken);
+  }
+
+  #fail(fault: DecoderFault, reason: string): void {
     this.dispose();
     this.#callbacks.onFault(fault, reason);
   }
 }
 
 export const makeVideoDecoder = (callbacks: DecoderCallbacks): PictureDecoder => new VideoElementDecoder(callbacks);
+
+// Inside the frame.
+const mediaTime = (timestampUs: number): number => (START_US + timestampUs + INSIDE_US) / 1e6;
 
 function covers(ranges: TimeRanges, time: number): boolean {
   for (let i = 0; i < ranges.length; ++i) if (ranges.start(i) <= time && time < ranges.end(i)) return true;
