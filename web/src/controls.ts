@@ -3,7 +3,7 @@
 // fourdvt-more.js.
 import type { Chapter } from './chapters.js';
 import { fill } from './strings-more.js';
-import { adopt } from './styles.js';
+import { adopt } from './documents.js';
 
 const CSS = `
 .controls { position: absolute; left: 0; right: 0; bottom: 0; display: flex; align-items: center; gap: 2px; padding: 0 4px; color: #fff;
@@ -118,7 +118,7 @@ export class Controls {
     });
     for (const type of ['pointerdown', 'keydown']) this.#mute.addEventListener(type, () => (silent = isSilent()), { signal: this.#abort.signal });
     this.#full = make('button', 'fullscreen', () => {
-      const change = viewer.matches(':fullscreen') ? document.exitFullscreen() : viewer.requestFullscreen();
+      const change = viewer.matches(':fullscreen') ? viewer.ownerDocument.exitFullscreen() : viewer.requestFullscreen();
       change.catch((reason: unknown) => console.warn('fourdvt-viewer:', reason)); // the browser may refuse it
     });
     const slot = document.createElement('slot');
@@ -129,7 +129,7 @@ export class Controls {
     root.append(this.#box);
     const names = ['playing', 'play', 'pause', 'ended', 'seeked', 'timeupdate', 'durationchange', 'canplay', 'emptied', 'volumechange', 'sequencechange'];
     for (const name of names) viewer.addEventListener(name, () => this.#show(), { signal: this.#abort.signal });
-    document.addEventListener('fullscreenchange', () => this.#show(), { signal: this.#abort.signal });
+    viewer.addEventListener('fullscreenchange', () => this.#show(), { signal: this.#abort.signal });
     slot.addEventListener('slotchange', () => this.#show(), { signal: this.#abort.signal });
   }
 
@@ -152,7 +152,7 @@ export class Controls {
     const viewer = this.#viewer, s = this.#strings, mode = viewer.getAttribute('controls');
     const own = viewer.querySelector(':scope > [slot=controls]') !== null;
     const whole = own || (mode !== null && mode !== 'none'), timed = viewer.duration > 0 && viewer.duration < Infinity;
-    const full = document.fullscreenEnabled === true, isFull = viewer.matches(':fullscreen');
+    const full = viewer.ownerDocument.fullscreenEnabled === true, isFull = viewer.matches(':fullscreen');
     const offered = !whole && this.#offer?.hidden === false; // one button is enough
     const silent = viewer.muted || this.#sound.blocked;
     const state = [this.#sound.present, silent, viewer.paused, mode, own, timed, isFull, viewer.readyState > 0, offered].join();

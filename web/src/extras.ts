@@ -6,7 +6,7 @@ import { Controls, type Controlled } from './controls.js';
 import { Hotspots, type HotspotScene } from './hotspots.js';
 import { Sound, type Audible, type Heard } from './sound.js';
 import { addStrings } from './strings-more.js';
-import { adopt } from './styles.js';
+import { adopt } from './documents.js';
 import { stringsOf, type Languages } from './strings.js';
 
 const PROMPT_MS = 3000; // without an input, before it is shown

@@ -22,15 +22,17 @@ export class DrawPace {
 
 export class FrameLoop {
   readonly #turn: (clockS: number, stepS: number) => boolean;
+  readonly #view: Pick<Window, 'requestAnimationFrame' | 'cancelAnimationFrame'>;
   #request = 0;
   #lastMs = 0;
   #clockS = 0;
   #idle = 0;
   #active = true;
 
-  /** `turn` returns true while it needs further turns. Seconds, without the time off-screen. */
-  constructor(turn: (clockS: number, stepS: number) => boolean) {
+  /** `turn` returns true while it needs further turns. Seconds, without the time off-screen. view: the window that shows the element. */
+  constructor(turn: (clockS: number, stepS: number) => boolean, view: Pick<Window, 'requestAnimationFrame' | 'cancelAnimationFrame'> = globalThis) {
     this.#turn = turn;
+    this.#view = view;
   }
 
   wake(): void {
@@ -44,12 +46,12 @@ export class FrameLoop {
   }
   /** Takes no more turns until it is woken again. */
   stop(): void {
-    cancelAnimationFrame(this.#request);
+    this.#view.cancelAnimationFrame(this.#request);
     this.#request = this.#lastMs = 0;
   }
 
   #ask(): void {
-    this.#request ||= requestAnimationFrame((nowMs) => this.#frame(nowMs));
+    this.#request ||= this.#view.requestAnimationFrame((nowMs) => this.#frame(nowMs));
   }
 
   #frame(nowMs: number): void {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Turns keys and a touch joystick into steering: left and right turn, up and down change the parameter, Space acts.
 // Does not know characters: the host turns steering into motion.
-import { adopt } from './styles.js';
+import { adopt } from './documents.js';
 
 const KEYS: Record<string, [number, number]> = {
   ArrowLeft: [-1, 0], KeyA: [-1, 0], ArrowRight: [1, 0], KeyD: [1, 0],
@@ -51,7 +51,7 @@ export class MotionControls {
     }
     joystick.setAttribute('aria-hidden', 'true'); // the keys steer as well
     joystick.append(this.#knob);
-    adopt(stage.getRootNode() as ShadowRoot, CSS);
+    adopt(stage, CSS);
     stage.after(joystick);
     this.update();
     const { signal } = this.#abort;

@@ -3,7 +3,7 @@
 // Its style is a constructable style sheet, so that the page can have a strict style-src policy.
 
 import type { Strings } from './strings.js';
-import { adopt } from './styles.js';
+import { adopt } from './documents.js';
 
 const ON_DEVELOPERS_MACHINE = /^(file:|https?:\/\/(localhost|127\.0\.0\.1|\[::1])[:/])/;
 

@@ -3,6 +3,7 @@
 // drawing.ts; what comes after the first one: later.ts. One for each src and stage; nothing of it runs after dispose().
 import { Actor } from './actor.js';
 import type { Commands } from './commands.js';
+import { viewOf } from './documents.js';
 import { Drawing } from './drawing.js';
 import { asViewerError, type ErrorDetail } from './errors.js';
 import { FrameLoop } from './frame-loop.js';
@@ -26,7 +27,7 @@ export class Session implements SessionSide, Seat {
   readonly drawing: Drawing;
   readonly #files: Transport; // of src at first
   readonly #abort = new AbortController();
-  readonly #loop = new FrameLoop((clockS, stepS) => this.drawing.turn(clockS, stepS));
+  readonly #loop: FrameLoop;
   readonly later = new Later(this);
   transport: Source['transport'];
   main: Actor | null = null;
@@ -45,6 +46,7 @@ export class Session implements SessionSide, Seat {
   constructor(options: SessionOptions, host: SessionHost) {
     this.options = options;
     this.host = host;
+    this.#loop = new FrameLoop((clockS, stepS) => this.drawing.turn(clockS, stepS), viewOf(host.element));
     ({ align: this.align, room: this.room, fresh: this.fresh } = options);
     this.host.commands.set('align', needsFlow(options.align) ? 'baked' : options.align); // until flow is loaded
     this.transport = this.#files = this.openTransport(options.src, options.fresh ? 'reload' : 'default');

@@ -3,6 +3,7 @@
 // Nothing is fetched before it is heard. The pictures' clock leads: where the sound is off by more than the tolerance, it begins anew; where
 // the pictures do not keep up with their own time, it is silent until they do.
 import { AudioOutput } from './audio-output.js';
+import { viewOf } from './documents.js';
 import type { SideFiles, SidePlayer } from './session-side.js';
 import { SoundBuffers } from './sound-buffers.js';
 import { readSound, type SoundTrack } from './sound-manifest.js';
@@ -32,6 +33,12 @@ export interface Audible extends HTMLElement {
   readonly loop: boolean;
   readonly muted: boolean;
   readonly volume: number;
+}
+
+// Time of the window's turn, by the script's clock, which began at another time than that of another window.
+function turnMs(viewer: Element): number {
+  const { document, performance: clock } = viewOf(viewer);
+  return Number(document.timeline?.currentTime ?? clock.now()) + clock.timeOrigin - performance.timeOrigin;
 }
 
 /** State of what it shows; null while there is nothing. */
@@ -89,7 +96,8 @@ export class Sound {
       AudioOutput.ofPage()?.enter(this);
       if (viewer.paused) AudioOutput.leave(this);
     }, { signal });
-    document.addEventListener('visibilitychange', () => { if (document.hidden) this.#rest(); }, { signal });
+    const { ownerDocument } = viewer;
+    ownerDocument.addEventListener('visibilitychange', () => { if (ownerDocument.hidden) this.#rest(); }, { signal });
   }
 
   /** The motion has sound. */
@@ -109,7 +117,7 @@ export class Sound {
     const output = session && current && this.#track ? this.#output() : null;
     if (!output) return this.#rest();
     if (!output.enter(this)) return this.#stop();
-    const heardS = output.heardAt(Number(document.timeline?.currentTime ?? performance.now()) + 1000 * DISPLAY_S);
+    const heardS = output.heardAt(turnMs(viewer) + 1000 * DISPLAY_S);
     if (!Number.isFinite(heardS)) return;
     const time = clockTime(session!.wholePlayer), loops = viewer.hasAttribute('loop') ? viewer.loop : current!.loop;
     if (this.#track!.steps) this.#turnSteps(output, heardS, time, loops);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature of <fourdvt-viewer>: where it is on the page, and what it may have there: `loading`, and the page's ledger. What is far
 // from the screen is freed, what is not on it stands still.
+import { viewOf } from '../documents.js';
 import { Ledger, type Claim, type Grant, type LoadingMode, type Member } from '../ledger.js';
 import { Stage } from '../stage.js';
 import { holds, onAttribute, onConnected, onEvent, onGranted, onLeft, parts, touched, updateActive, type Constructor, type ViewerBase } from './base.js';
@@ -21,24 +22,30 @@ interface Watched extends Element {
 }
 const seen: unique symbol = Symbol();
 
-let page: { ledger: Ledger; observers: IntersectionObserver[] } | null = null;
+let ledger: Ledger | null = null;
+const observers = new WeakMap<typeof globalThis, IntersectionObserver[]>();
 
-// Makes the ledger and the observers for the page's first viewer.
-function ofPage(): NonNullable<typeof page> {
-  if (page) return page;
+// Makes the ledger for the first viewer; also those that were moved into other documents share it.
+function ofPage(): Ledger {
+  if (ledger) return ledger;
   const { deviceMemory = 8 } = navigator as { deviceMemory?: number }, phone = matchMedia(PHONE).matches;
-  return (page = {
-    ledger: new Ledger({
-      usedBytes: () => Stage.usedBytes(),
-      bytes: phone || deviceMemory <= 4 ? PHONE_BYTES : DESKTOP_BYTES,
-      decoders: phone ? PHONE_DECODERS : DESKTOP_DECODERS,
-      now: () => performance.now(),
-      later: (run) => queueMicrotask(run),
-    }),
-    observers: MARGINS.map((rootMargin, i) => new IntersectionObserver((entries) => {
+  return (ledger = new Ledger({
+    usedBytes: () => Stage.usedBytes(),
+    bytes: phone || deviceMemory <= 4 ? PHONE_BYTES : DESKTOP_BYTES,
+    decoders: phone ? PHONE_DECODERS : DESKTOP_DECODERS,
+    now: () => performance.now(),
+    later: (run) => queueMicrotask(run),
+  }));
+}
+// Makes the observers for a window's first viewer.
+function observersOf(view: typeof globalThis): IntersectionObserver[] {
+  let all = observers.get(view);
+  if (!all) {
+    observers.set(view, (all = MARGINS.map((rootMargin, i) => new view.IntersectionObserver((entries) => {
       for (const entry of entries) (entry.target as Watched)[seen](i ? null : entry);
-    }, { rootMargin, threshold: i ? 0 : STEPS })),
-  });
+    }, { rootMargin, threshold: i ? 0 : STEPS }))));
+  }
+  return all;
 }
 
 export function withPresence<T extends Constructor<ViewerBase>>(Base: T): T & Constructor<Presence> {
@@ -47,7 +54,7 @@ export function withPresence<T extends Constructor<ViewerBase>>(Base: T): T & Co
 
     #grant: Grant = { load: false, run: false };
     #seen: IntersectionObserverEntry | null = null;
-    #hides: AbortController | null = null;
+    #left = new AbortController(); // the document
 
     get loading(): LoadingMode {
       const mode = this.getAttribute('loading');
@@ -57,21 +64,21 @@ export function withPresence<T extends Constructor<ViewerBase>>(Base: T): T & Co
 
     override [onConnected](): void {
       super[onConnected]();
-      const { ledger, observers } = ofPage();
-      for (const observer of observers) observer.observe(this);
-      this.#hides = new AbortController();
-      document.addEventListener('visibilitychange', () => this[updateActive](), { signal: this.#hides.signal });
+      const { signal } = (this.#left = new AbortController());
+      for (const observer of observersOf(viewOf(this))) {
+        observer.observe(this);
+        signal.addEventListener('abort', () => observer.unobserve(this));
+      }
+      this.ownerDocument.addEventListener('visibilitychange', () => this[updateActive](), { signal });
       ++Stage.viewers;
-      ledger.add(this);
+      ofPage().add(this);
     }
     override [onLeft](): void {
-      const { ledger, observers } = ofPage();
-      for (const observer of observers) observer.unobserve(this);
-      this.#hides?.abort();
+      this.#left.abort();
       this.#seen = null;
       this.#grant = { load: false, run: false };
       --Stage.viewers;
-      ledger.remove(this);
+      ofPage().remove(this);
       super[onLeft]();
     }
     override [onAttribute](name: string, before: string | null, value: string | null): void {
@@ -95,7 +102,7 @@ export function withPresence<T extends Constructor<ViewerBase>>(Base: T): T & Co
 
     claim(): Claim {
       const { session } = this[parts], shown = session ? session.ended || session.drawing.shown : !this.hasAttribute('src');
-      const { left, right, top, bottom, width, height } = this.getBoundingClientRect();
+      const { left, right, top, bottom, width, height } = this.getBoundingClientRect(), { innerWidth, innerHeight } = viewOf(this);
       const across = Math.max(0, left - innerWidth, -right) / innerWidth, down = Math.max(0, top - innerHeight, -bottom) / innerHeight;
       const { width: w, height: h } = this.#seen?.intersectionRect ?? { width, height };
       // Styles may show at any time what they hide; what a scroller clips is near.
@@ -112,8 +119,8 @@ export function withPresence<T extends Constructor<ViewerBase>>(Base: T): T & Co
     get #onScreen(): boolean { return this.#seen?.isIntersecting ?? true; }
 
     override [updateActive](): void {
-      const { session } = this[parts], decodes = this.#grant.run && !document.hidden;
-      if (this[parts].connected) ofPage().ledger.review();
+      const { session } = this[parts], decodes = this.#grant.run && !this.ownerDocument.hidden;
+      if (this[parts].connected) ofPage().review();
       session?.setActive(decodes && (this.#onScreen || !session.drawing.shown), decodes);
     }
   };

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// What an element uses of the document that it is in, which may be another one than its script's (an element that was moved into a
+// frame or a picture-in-picture window): the window, and styles of shadow trees. These are constructable style sheets, so that the page can have a strict
+// style-src policy.
+
+const sheets = new WeakMap<Document, Map<string, CSSStyleSheet>>();
+
+/** The window that shows the node: its observers, its frames and its pixel ratio are those that count. */
+export const viewOf = (node: Node): typeof globalThis => (node.ownerDocument?.defaultView as typeof globalThis | null | undefined) ?? globalThis;
+
+/** Adds the style to the node's tree, once; trees of one document share the sheet. A tree that is adopted by another document loses its styles. */
+export function adopt(node: Node, css: string): void {
+  const root = node.getRootNode() as ShadowRoot, { ownerDocument } = root;
+  if (!ownerDocument.defaultView) return; // nothing shows it
+  let ofDocument = sheets.get(ownerDocument);
+  if (!ofDocument) sheets.set(ownerDocument, (ofDocument = new Map()));
+  let sheet = ofDocument.get(css);
+  if (!sheet) {
+    ofDocument.set(css, (sheet = new (viewOf(root).CSSStyleSheet)()));
+    sheet.replaceSync(css);
+  }
+  if (!root.adoptedStyleSheets.includes(sheet)) root.adoptedStyleSheets = [...root.adoptedStyleSheets, sheet];
+}
