@@ -83,12 +83,13 @@ export class Controls {
   #marked = ''; // chapters that the slider marks
   #shown = ''; // state that the controls show
 
-  constructor(viewer: Controlled, root: ShadowRoot, sound: SoundState, chaptersOf: (motion: string) => Chapter[]) {
+  /** content: fills the viewer's content box. */
+  constructor(viewer: Controlled, content: HTMLElement, sound: SoundState, chaptersOf: (motion: string) => Chapter[]) {
     this.#chaptersOf = chaptersOf;
     this.#viewer = viewer;
     this.#sound = sound;
-    this.#offer = root.querySelector('.play');
-    adopt(root, CSS);
+    this.#offer = content.querySelector('.play');
+    adopt(content, CSS);
     const make = <K extends 'button' | 'input' | 'span'>(tag: K, part: string, on?: () => void): HTMLElementTagNameMap[K] => {
       const made = document.createElement(tag);
       made.setAttribute('part', part);
@@ -126,7 +127,7 @@ export class Controls {
     slot.style.display = 'contents';
     slot.append(this.#play, this.#time, this.#marks, this.#clock, this.#chapter, this.#mute, this.#full);
     this.#box.append(slot);
-    root.append(this.#box);
+    content.append(this.#box);
     const names = ['playing', 'play', 'pause', 'ended', 'seeked', 'timeupdate', 'durationchange', 'canplay', 'emptied', 'volumechange', 'sequencechange'];
     for (const name of names) viewer.addEventListener(name, () => this.#show(), { signal: this.#abort.signal });
     viewer.addEventListener('fullscreenchange', () => this.#show(), { signal: this.#abort.signal });

@@ -32,7 +32,7 @@ export class Extras {
 
   /** stage: of the viewer's shadow tree. languages: gets the texts of this part. */
   constructor(viewer: Controlled & Announced & Audible, stage: HTMLElement, languages: Languages, scene: HotspotScene & { heard(): Heard }) {
-    const root = stage.getRootNode() as ShadowRoot;
+    const root = stage.getRootNode() as ShadowRoot, content = stage.parentElement!;
     addStrings(languages);
     this.#viewer = viewer;
     this.#languages = languages;
@@ -41,11 +41,11 @@ export class Extras {
     this.#prompt.name = this.#prompt.className = 'prompt';
     this.#prompt.setAttribute('part', 'prompt');
     this.#prompt.hidden = true;
-    root.append(this.#prompt);
-    this.#hotspots = new Hotspots(viewer, root, scene);
+    content.append(this.#prompt);
+    this.#hotspots = new Hotspots(viewer, content, scene);
     this.#sound = new Sound(viewer, () => scene.heard(), () => this.#controls?.show());
     this.#chapters = new Chapters(viewer, root, () => this.#controls?.show());
-    this.#controls = new Controls(viewer, root, this.#sound, (motion) => this.#chapters.of(motion));
+    this.#controls = new Controls(viewer, content, this.#sound, (motion) => this.#chapters.of(motion));
     this.#announcer = new Announcer(viewer, root);
     viewer.addEventListener('camera-change', () => this.#endPrompt(), { signal: this.#abort.signal });
     this.update();

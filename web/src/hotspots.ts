@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hotspots: elements of the page that stay on a vertex of the character, <button slot="hotspot-…" data-vertex="…">. Part of fourdvt-more.js.
 import { bytesOfView, readSurfacePoint, type ViewRecord } from './generated/abi.js';
+import { pointInBox, type PictureBox } from './picture-box.js';
 import type { SidePlayer } from './session-side.js';
 import type { WasmModule } from './wasm-abi.js';
 
@@ -13,15 +14,14 @@ export interface HotspotScene {
   /** Null before there is a character. */
   layered(): boolean | null;
   pose(): Omit<ViewRecord, 'width' | 'height'>;
-  /** Pixels of the canvas. */
-  size(): { width: number; height: number };
+  readonly picture: Pick<PictureBox, 'size' | 'canvas' | 'corners'>;
   /** Brings a turn of the frame loop about. */
   wake(): void;
 }
 
 export class Hotspots {
   readonly #viewer: HTMLElement;
-  readonly #root: ShadowRoot;
+  readonly #content: HTMLElement;
   readonly #scene: HotspotScene;
   readonly #changes = new MutationObserver(() => {
     this.#collect();
@@ -30,9 +30,10 @@ export class Hotspots {
   readonly #slots = new Map<HTMLElement, HTMLSlotElement>();
   #refused = false; // the console has the reason
 
-  constructor(viewer: HTMLElement, root: ShadowRoot, scene: HotspotScene) {
+  /** content: fills the viewer's content box. */
+  constructor(viewer: HTMLElement, content: HTMLElement, scene: HotspotScene) {
     this.#viewer = viewer;
-    this.#root = root;
+    this.#content = content;
     this.#scene = scene;
     this.#changes.observe(viewer, { childList: true, subtree: true, attributeFilter: ['slot', 'data-vertex'] });
     this.#collect();
@@ -52,10 +53,11 @@ export class Hotspots {
       console.warn('fourdvt-viewer: hotspots need a character from layers: the meshes of one from cameras change with every frame');
     }
     for (const slot of this.#slots.values()) slot.hidden = true;
-    if (layered) this.#withView((m, handle, view, scale) => this.#place(m, handle, view, scale));
+    if (layered) this.#withView((m, handle, view) => this.#place(m, handle, view));
   }
 
-  #place(m: WasmModule, handle: number, view: number, scale: number): void {
+  #place(m: WasmModule, handle: number, view: number): void {
+    const { size, canvas } = this.#scene.picture, scale = size.height / canvas.height;
     for (const [element, slot] of this.#slots) {
       const vertex = Number(element.dataset['vertex'] ?? NaN);
       const at = Number.isInteger(vertex) && vertex >= 0 ? m._fdvt_surface_point(handle, vertex, view) : 0;
@@ -69,21 +71,19 @@ export class Hotspots {
 
   /** The vertex nearest to a point of the page, CSS pixels; null where no surface is. */
   vertexAt(x: number, y: number): number | null {
-    const { left, top } = this.#viewer.getBoundingClientRect();
+    const { picture } = this.#scene, { width, height } = picture.canvas, at = pointInBox(picture.corners(), { x, y });
+    const isInside = at.x >= 0 && at.x <= 1 && at.y >= 0 && at.y <= 1;
     let vertex = -1;
-    if (this.#scene.layered()) {
-      this.#withView((m, handle, view, scale) => { vertex = m._fdvt_vertex_at(handle, view, (x - left) / scale, (y - top) / scale); });
-    }
+    if (isInside && this.#scene.layered()) this.#withView((m, handle, view) => { vertex = m._fdvt_vertex_at(handle, view, at.x * width, at.y * height); });
     return vertex < 0 ? null : vertex;
   }
 
-  // scale: CSS pixels for each pixel of the canvas.
-  #withView(action: (m: WasmModule, handle: number, view: number, scale: number) => void): void {
-    const size = this.#scene.size(), scale = this.#viewer.clientHeight / size.height;
+  #withView(action: (m: WasmModule, handle: number, view: number) => void): void {
+    const { width, height } = this.#scene.picture.canvas;
     this.#scene.player()?.tell((m, handle) => {
-      const bytes = bytesOfView({ ...this.#scene.pose(), ...size }), view = m._fdvt_alloc(bytes.length);
+      const bytes = bytesOfView({ ...this.#scene.pose(), width, height }), view = m._fdvt_alloc(bytes.length);
       m.HEAPU8.set(bytes, view);
-      action(m, handle, view, scale);
+      action(m, handle, view);
       m._fdvt_free(view);
       return 1;
     });
@@ -102,7 +102,7 @@ export class Hotspots {
       slot.name = element.slot;
       slot.className = 'hotspot';
       slot.hidden = true;
-      this.#root.append(slot);
+      this.#content.append(slot);
       this.#slots.set(element, slot);
     }
   }

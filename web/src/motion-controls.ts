@@ -120,7 +120,8 @@ export class MotionControls {
     if (length > 1) [x, y] = [x / length, y / length];
     const moved = this.#stick.moved || length > DEAD_ZONE;
     this.#stick = { id: e.pointerId, x, y, moved };
-    this.#knob.style.transform = `translate(${x * radius * 0.6}px, ${y * radius * 0.6}px)`;
+    const reachPx = 0.3 * joystick.offsetWidth; // before transforms of the page, unlike the box
+    this.#knob.style.transform = `translate(${x * reachPx}px, ${y * reachPx}px)`;
     this.#host.onInteract();
     e.stopPropagation();
   }

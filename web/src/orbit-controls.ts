@@ -3,6 +3,7 @@
 // zooms only with Ctrl (which a trackpad's pinch sends), with the `zoom` attribute, or after a click until the pointer
 // leaves the element.
 import type { OrbitCamera } from './orbit-camera.js';
+import { pointInBox, type Corners, type PictureBox, type Point } from './picture-box.js';
 
 const KEY_STEP_DEG = 10;
 const KEY_ZOOM = 1.15;
@@ -21,15 +22,18 @@ export interface ControlsHost {
 export class OrbitControls {
   readonly #stage: HTMLElement;
   readonly #camera: OrbitCamera;
+  readonly #picture: PictureBox;
   readonly #host: ControlsHost;
   readonly #abort = new AbortController();
-  readonly #pointers = new Map<number, { x: number; y: number }>();
+  readonly #pointers = new Map<number, Point>(); // heights of the picture
+  #corners: Corners | null = null; // when the first of them came down
   #pinch = 0;
   #engaged = false; // clicked into, until the pointer leaves it
 
-  constructor(stage: HTMLElement, camera: OrbitCamera, host: ControlsHost) {
+  constructor(stage: HTMLElement, camera: OrbitCamera, picture: PictureBox, host: ControlsHost) {
     this.#stage = stage;
     this.#camera = camera;
+    this.#picture = picture;
     this.#host = host;
     const { signal } = this.#abort;
     stage.addEventListener('pointerdown', (e) => this.#down(e), { signal });
@@ -53,7 +57,8 @@ export class OrbitControls {
 
   #down(e: PointerEvent): void {
     if (!this.#host.orbits() || (e.pointerType === 'mouse' && e.button !== 0) || this.#pointers.size >= 2) return;
-    this.#pointers.set(e.pointerId, { x: e.clientX, y: e.clientY });
+    if (!this.#pointers.size) this.#corners = this.#picture.corners();
+    this.#pointers.set(e.pointerId, this.#placeOf(e));
     this.#engaged = true;
     try {
       this.#stage.setPointerCapture(e.pointerId);
@@ -67,19 +72,22 @@ export class OrbitControls {
   #move(e: PointerEvent): void {
     const last = this.#pointers.get(e.pointerId);
     if (!last) return;
-    const dx = e.clientX - last.x;
-    const dy = e.clientY - last.y;
-    last.x = e.clientX;
-    last.y = e.clientY;
+    const now = this.#placeOf(e);
+    this.#pointers.set(e.pointerId, now);
     if (this.#pointers.size === 1) {
-      const degrees = (this.#host.sensitivity().orbit * DRAG_DEG_PER_HEIGHT) / Math.max(this.#stage.clientHeight, 1);
-      this.#camera.rotate(-dx * degrees, dy * degrees);
+      const degrees = this.#host.sensitivity().orbit * DRAG_DEG_PER_HEIGHT;
+      this.#camera.rotate((last.x - now.x) * degrees, (now.y - last.y) * degrees);
     } else {
       const spread = this.#spread();
       if (this.#pinch > 0 && spread > 0) this.#zoom(this.#pinch / spread);
       this.#pinch = spread;
     }
     this.#host.onInteract();
+  }
+
+  #placeOf({ clientX, clientY }: PointerEvent): Point {
+    const { width, height } = this.#picture.size, { x, y } = pointInBox(this.#corners!, { x: clientX, y: clientY });
+    return { x: (x * width) / height, y };
   }
 
   #up(e: PointerEvent): void {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The element's shadow tree: the part that holds the canvas, poster, progress bar, play button, error line.
+// The element's shadow tree: the part that holds the canvas, poster, progress bar, play button, error line. All lie in the content
+// box of the element: the element is a size container, whose content box is 100cqw wide and 100cqh high and begins where a block in flow does.
 // Its style is a constructable style sheet, so that the page can have a strict style-src policy.
 
 import type { Strings } from './strings.js';
@@ -8,10 +9,12 @@ import { adopt } from './documents.js';
 const ON_DEVELOPERS_MACHINE = /^(file:|https?:\/\/(localhost|127\.0\.0\.1|\[::1])[:/])/;
 
 const CSS = `
-:host { display: block; position: relative; overflow: hidden; contain: strict; width: 300px; aspect-ratio: 3/4; }
+:host { display: block; position: relative; overflow: hidden; contain: strict; container-type: size; width: 300px; aspect-ratio: 3/4; }
 :host([hidden]) { display: none; }
-.stage { position: absolute; inset: 0; outline: none; touch-action: pan-y; user-select: none; -webkit-user-select: none; }
-.stage.orbits { cursor: grab; }
+.content { position: absolute; width: 100%; height: 100%; width: 100cqw; height: 100cqh; }
+.stage { position: absolute; inset: 0; outline: none; user-select: none; -webkit-user-select: none; }
+.stage.orbits { cursor: grab; touch-action: pan-y; }
+:host([disable-zoom]) .stage.orbits { touch-action: pan-y pinch-zoom; }
 .stage.orbits:active { cursor: grabbing; }
 .stage.ring:focus::after { content: ''; position: absolute; inset: 0; box-shadow: inset 0 0 0 3px var(--fourdvt-focus, #5b8def); pointer-events: none; }
 canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block; }
@@ -66,6 +69,8 @@ export class Overlay {
   readonly #progress: HTMLSlotElement;
   readonly #bar: HTMLDivElement;
   readonly #fill: HTMLDivElement;
+  /** Fills the element's content box. */
+  readonly content = document.createElement('div');
   readonly #play: HTMLButtonElement;
   readonly #error: HTMLParagraphElement;
   readonly #retry: HTMLButtonElement;
@@ -81,33 +86,36 @@ export class Overlay {
   onRetry: () => void = () => undefined;
 
   constructor(root: ShadowRoot) {
-    adopt(root, CSS);
-    this.stage = add(root, 'div', 'stage');
+    const { content } = this;
+    content.className = 'content';
+    root.append(content);
+    this.applyStyle();
+    this.stage = add(content, 'div', 'stage');
     this.stage.addEventListener('focus', () => this.stage.classList.toggle('ring', tabs));
-    this.#poster = add(root, 'slot', 'poster');
+    this.#poster = add(content, 'slot', 'poster');
     this.#poster.name = 'poster';
     this.#picture = add(this.#poster, 'img', 'picture');
     this.#picture.alt = '';
     this.#picture.addEventListener('error', () => this.setPoster(null)); // no picture is better than a broken one
     this.setPoster(null);
-    this.#progress = add(root, 'slot', 'progress-bar');
+    this.#progress = add(content, 'slot', 'progress-bar');
     this.#progress.name = 'progress-bar';
     this.#bar = add(this.#progress, 'div', 'bar');
     this.#bar.setAttribute('role', 'progressbar');
     this.#bar.setAttribute('aria-valuemin', '0');
     this.#bar.setAttribute('aria-valuemax', '100');
     this.#fill = add(this.#bar, 'div', 'fill');
-    this.#play = add(root, 'button', 'play');
+    this.#play = add(content, 'button', 'play');
     this.#play.type = 'button';
     this.#play.textContent = '▶';
     this.#play.addEventListener('click', () => this.onPlay());
-    this.#error = add(root, 'p', 'error');
+    this.#error = add(content, 'p', 'error');
     this.#error.setAttribute('role', 'alert');
     this.#message = add(this.#error, 'span', 'message');
     this.#retry = add(this.#error, 'button', 'retry');
     this.#retry.type = 'button';
     this.#retry.addEventListener('click', () => this.onRetry());
-    this.#note = add(root, 'p', 'note');
+    this.#note = add(content, 'p', 'note');
     this.#note.setAttribute('role', 'status');
     this.idle();
   }
@@ -119,6 +127,9 @@ export class Overlay {
     this.#play.ariaLabel = strings.play;
     this.#retry.textContent = strings.retry;
   }
+  /** The document has adopted it, without its style. */
+  applyStyle(): void { adopt(this.content, CSS); }
+
 
   /** Shows this canvas in place of any before. */
   showCanvas(canvas: HTMLCanvasElement): void {

@@ -7,13 +7,12 @@ import { JOIN_EVENT, type Companion } from '../companion.js';
 import { dispatch, PageElement, type ErrorDetail } from '../errors.js';
 import { OrbitCamera } from '../orbit-camera.js';
 import { Overlay } from '../overlay.js';
+import { PictureBox, type Size } from '../picture-box.js';
 import type { Session } from '../session.js';
 import type { SessionHost, SessionOptions } from '../session-host.js';
 import { STRINGS, stringsOf, type Languages, type Strings } from '../strings.js';
 import type { More } from '../wasm-module.js';
 import type { SequenceInfo } from '../wasm-player.js';
-
-const MAX_PIXEL_RATIO = 2;
 
 /** State that the features share. */
 export const parts: unique symbol = Symbol();
@@ -35,7 +34,7 @@ export const onAttribute: unique symbol = Symbol();
 export const onSession: unique symbol = Symbol();
 /** True while nothing is to be loaded. */
 export const holds: unique symbol = Symbol();
-/** Its size or its pixel ratio has changed: CSS pixels. */
+/** Its picture's size or pixel ratio has changed: CSS pixels. */
 export const onResize: unique symbol = Symbol();
 /** An event of the session, before it is dispatched. */
 export const onEvent: unique symbol = Symbol();
@@ -65,6 +64,7 @@ export const onGivenUp: unique symbol = Symbol();
 
 export interface Parts {
   readonly overlay: Overlay;
+  readonly picture: PictureBox;
   readonly camera: OrbitCamera;
   readonly commands: Commands;
   readonly companions: Set<Companion>;
@@ -72,7 +72,7 @@ export interface Parts {
   readonly reducedMotion: { readonly matches: boolean };
   session: Session | null;
   /** Of the canvas, pixels. */
-  size: { width: number; height: number };
+  readonly size: Size;
   /** In a document. */
   connected: boolean;
   /** Time of the visitor's last input, ms. */
@@ -90,14 +90,14 @@ export class ViewerBase extends PageElement {
   static get observedAttributes(): readonly string[] { return ['alt', 'camera-controls', 'lang', 'motion-controls', 'touch-action']; }
 
   readonly [parts]: Parts;
-  #sizes: ResizeObserver | null = null;
+  #watching = new AbortController(); // its picture's size
 
   constructor() {
     super();
     const commands = new Commands(), camera = new OrbitCamera(), companions = new Set<Companion>();
-    const overlay = new Overlay(this.attachShadow({ mode: 'open' }));
+    const overlay = new Overlay(this.attachShadow({ mode: 'open' })), picture = new PictureBox(overlay.content);
     const all: Parts = (this[parts] = {
-      overlay, camera, commands, companions,
+      overlay, picture, camera, commands, companions,
       host: {
         element: this, camera, commands, companions,
         animate: (dtS) => this[animate](dtS),
@@ -124,7 +124,7 @@ export class ViewerBase extends PageElement {
       },
       reducedMotion: matchMedia('(prefers-reduced-motion: reduce)'),
       session: null,
-      size: { width: 1, height: 1 },
+      get size() { return picture.canvas; },
       connected: false,
       touchedMs: -Infinity,
       get current() { return all.session?.character?.sequences[commands.state()?.sequence ?? -1] ?? null; },
@@ -137,8 +137,8 @@ export class ViewerBase extends PageElement {
   connectedCallback(): void {
     if (this[parts].connected) return; // moved within the page: it goes on
     this[parts].connected = true;
-    this.#sizes = new ResizeObserver((entries) => this.#resize(entries[entries.length - 1]!.contentRect));
-    this.#sizes.observe(this);
+    this.#watching = new AbortController();
+    this[parts].picture.watch(() => this.#resize(), this.#watching.signal);
     this[applyTexts]();
     this[onConnected]();
   }
@@ -147,7 +147,7 @@ export class ViewerBase extends PageElement {
     queueMicrotask(() => { if (!this.isConnected && this[parts].connected) this.#leave(); });
   }
   #leave(): void {
-    this.#sizes?.disconnect();
+    this.#watching.abort();
     this[parts].connected = false;
     this[onLeft]();
     this[parts].overlay.idle();
@@ -186,11 +186,10 @@ export class ViewerBase extends PageElement {
   [sessionOptions](): Partial<SessionOptions> { return {}; }
   [onGivenUp](_error?: ErrorDetail): void { /* likewise */ }
 
-  #resize({ width, height }: DOMRectReadOnly): void {
-    const ratio = Math.min(devicePixelRatio, MAX_PIXEL_RATIO), all = this[parts];
-    all.size = { width: Math.round(width * ratio), height: Math.round(height * ratio) };
-    this[onResize](width, height);
-    all.session?.resize(all.size.width, all.size.height);
+  #resize(): void {
+    const { picture: { size, canvas }, session } = this[parts];
+    this[onResize](size.width, size.height);
+    session?.resize(canvas.width, canvas.height);
   }
 
   [applyTexts](): void {

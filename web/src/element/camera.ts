@@ -39,8 +39,8 @@ export function withCamera<T extends Constructor<ViewerBase & Playback>>(Base: T
 
     override connectedCallback(): void {
       super.connectedCallback();
-      const { overlay, camera } = this[parts];
-      this.#controls ??= new OrbitControls(overlay.stage, camera, {
+      const { overlay, camera, picture } = this[parts];
+      this.#controls ??= new OrbitControls(overlay.stage, camera, picture, {
         orbits: () => this.hasAttribute('camera-controls'),
         wheelZooms: () => this.hasAttribute('zoom'),
         sensitivity: () => ({ orbit: this.#number('orbit-sensitivity', 1), zoom: this.hasAttribute('disable-zoom') ? 0 : this.#number('zoom-sensitivity', 1) }),

@@ -42,7 +42,7 @@ export function withExtras<T extends Constructor<ViewerBase & Camera & Media & M
           return character ? !character.fromCameras : null;
         },
         pose: () => this[parts].camera.pose,
-        size: () => this[parts].size,
+        picture: this[parts].picture,
         heard: () => this[parts],
       });
       this[applyTexts]();

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+// The viewer in the containers that pages put it in: padding and borders, scaled and turned ancestors, zoom, screens of another pixel ratio, other documents,
+// pages that are scrolled by touch, that are read from right to left, or that have a contrast theme.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+
+import { environment, kPatienceMs, launch, openPage, waitForEvent } from './harness.mjs';
+import { load } from './load_source.mjs';
+import { serve } from './server.mjs';
+
+const kWidth = 240, kHeight = 320; // of the viewer, CSS pixels
+const kDegPerHeight = 240;         // of a drag
+const kSource = 'src="/character/character.gltf" upload-path="i420" sequence="walk"';
+const kPage = (body, lang = 'lang="en"') => ({ headers: {}, html: `<!doctype html><html ${lang}><meta charset="utf-8"><title>viewer</title><link rel="icon" href="data:,">
+<meta name="viewport" content="width=device-width"><style>body { margin: 0 } fourdvt-viewer { width: ${kWidth}px; height: ${kHeight}px }</style>
+<script type="module" src="/fourdvt-viewer/fourdvt-viewer.js"></script>${body}` });
+const kStrip = (attributes) => kPage(`<div id="strip" style="display: flex; overflow-x: auto; width: 360px"><fourdvt-viewer ${kSource} controls="none" style="flex: none" ${attributes}></fourdvt-viewer>
+<p style="flex: none; width: 900px">picture</p></div><p style="height: 2000px">text</p>`);
+const kPages = {
+  '/plain.html': kPage(`<div id="outer" style="width: max-content; transform-origin: 0 0"><fourdvt-viewer ${kSource} camera-orbit="0deg 5deg auto" controls="none"></fourdvt-viewer></div>`),
+  '/bar.html': kPage(`<fourdvt-viewer ${kSource} style="width: 480px" controls camera-controls></fourdvt-viewer>`, 'lang="ar" dir="rtl"'),
+  '/strip.html': kStrip(''),
+  '/isolated.html': { ...kPage(''), headers: { 'Cross-Origin-Opener-Policy': 'same-origin', 'Cross-Origin-Embedder-Policy': 'require-corp' } },
+  '/moving.html': kPage(`<div id="home"><fourdvt-viewer ${kSource} autoplay loop camera-controls camera-orbit="40deg 10deg auto"></fourdvt-viewer></div><iframe id="frame" srcdoc="<!doctype html><body>" style="width: 300px; height: 360px"></iframe>`),
+};
+
+let server, shared, browser, plain, devtools; // shared: another origin that allows CORS
+before(async () => {
+  server = await serve(environment('SITE'), 0, { pages: kPages });
+  shared = await serve(environment('SITE'), 0, { headers: { 'Access-Control-Allow-Origin': '*' } });
+  browser = await launch();
+  plain = await openPage(browser, { viewport: null, deviceScaleFactor: undefined });
+  devtools = await plain.context().newCDPSession(plain);
+  await setRatio(1);
+  await plain.addInitScript(() => {
+    const native = matchMedia, queries = (globalThis.queries = []);
+    globalThis.matchMedia = (text) => {
+      const query = native(text);
+      if (text.includes('resolution')) queries.push(query);
+      return query;
+    };
+  });
+  await plain.goto(`${server.url}plain.html`);
+  await waitForEvent(plain, 'canplay');
+  // Extras come with the player's second part.
+  await until(plain, () => document.querySelector('fourdvt-viewer').vertexFromPoint(120, 160) !== null);
+});
+after(async () => {
+  await browser?.close();
+  await server?.close();
+  await shared?.close();
+});
+
+async function open(name, options = {}) {
+  const page = await openPage(browser, { viewport: { width: 700, height: 600 }, ...options });
+  await page.goto(server.url + name);
+  await waitForEvent(page, 'canplay');
+  return page;
+}
+const setRatio = (deviceScaleFactor) => devtools.send('Emulation.setDeviceMetricsOverride', { width: 700, height: 600, deviceScaleFactor, mobile: false });
+const until = (page, condition, argument) => page.waitForFunction(condition, argument, { timeout: kPatienceMs, polling: 50 });
+const viewer = (page, read, argument) => page.evaluate(`(${read})(document.querySelector('fourdvt-viewer'), ${JSON.stringify(argument)})`);
+const rendered = (page) => page.evaluate(async () => { for (let i = 0; i < 3; ++i) await new Promise((next) => requestAnimationFrame(next)); });
+const near = (seen, wanted, by, what) => seen.forEach((value, i) => assert.ok(Math.abs(value - wanted[i]) <= by, `${what}: ${seen}, not ${wanted}`));
+// Styles of the viewer and of what it stands in.
+async function dress(page, style, outer = '') {
+  await page.evaluate(([style, outer]) => {
+    document.querySelector('fourdvt-viewer').style.cssText = style;
+    document.querySelector('#outer').style.cssText = `width: max-content; transform-origin: 0 0; ${outer}`;
+  }, [style, outer]);
+  await rendered(page);
+}
+
+test('numbers: pixels of a canvas, and points in a box that is moved, scaled, turned and sheared', async () => {
+  const { canvasSize, pointInBox } = await load('picture-box');
+  assert.deepEqual(canvasSize({ width: 240, height: 320 }, 1.5), { width: 360, height: 480 });
+  assert.deepEqual(canvasSize({ width: 100.4, height: 50.2 }, 3), { width: 201, height: 100 }, 'at most two pixels for each of CSS');
+  const at = (...numbers) => {
+    const [x, y, ...corners] = numbers, pair = (i) => ({ x: corners[i], y: corners[i + 1] });
+    const point = pointInBox([pair(0), pair(2), pair(4)], { x, y });
+    return [point.x, point.y].map((value) => Number(value.toFixed(6)));
+  };
+  assert.deepEqual(at(60, 80, 0, 0, 240, 0, 0, 320), [0.25, 0.25]);
+  assert.deepEqual(at(70, 100, 10, 20, 130, 20, 10, 180), [0.5, 0.5], 'moved and halved');
+  assert.deepEqual(at(-80, 60, 0, 0, 0, 240, -320, 0), [0.25, 0.25], 'turned by 90 degrees');
+  assert.deepEqual(at(150, 50, 0, 0, 100, 0, 100, 100), [1, 0.5], 'sheared');
+  assert.deepEqual(at(-24, 352, 0, 0, 240, 0, 0, 320), [-0.1, 1.1], 'beside it');
+});
+
+test('padding, borders and box-sizing: the picture and the poster lie in the content box, in proportion', async () => {
+  const styles = ['', 'padding: 0 60px', 'padding: 60px 0', 'box-sizing: border-box; padding: 24px 60px', 'border: 30px solid', 'padding: 1em 2em 3em 4em; border: 5px solid; box-sizing: border-box',
+    'padding: 5%', 'padding: 10px 20px; direction: rtl', 'padding: 10px; display: flex; justify-content: end; align-items: end', 'width: 300px; height: auto; padding: 20px; box-sizing: border-box'];
+  for (const style of styles) {
+    await dress(plain, style);
+    const { wanted, canvas, poster, drawn } = await viewer(plain, (v) => {
+      const box = ({ left, top, width, height }) => [left, top, width, height], css = getComputedStyle(v), outer = v.getBoundingClientRect();
+      const px = (...names) => names.reduce((sum, name) => sum + parseFloat(css.getPropertyValue(name)), 0);
+      const left = px('border-left-width', 'padding-left'), top = px('border-top-width', 'padding-top');
+      const { width, height } = v.shadowRoot.querySelector('canvas');
+      return {
+        wanted: [outer.left + left, outer.top + top, outer.width - left - px('border-right-width', 'padding-right'), outer.height - top - px('border-bottom-width', 'padding-bottom')],
+        canvas: box(v.shadowRoot.querySelector('canvas').getBoundingClientRect()), poster: box(v.shadowRoot.querySelector('.poster').getBoundingClientRect()), drawn: [width, height],
+      };
+    });
+    near(canvas, wanted, 0.51, `canvas with ${style}`);
+    near(poster, wanted, 0.51, `poster with ${style}`);
+    near(drawn, wanted.slice(2), 0.51, `pixels with ${style}`);
+  }
+  await dress(plain, '');
+});
+
+const kOuter = ['', 'transform: scale(.5)', 'transform: scale(1.18)', 'transform: translate(40px, 30px) scale(.6, .9)', 'transform: translate(330px, 0) rotate(90deg)', 'transform: translate(200px, 0) rotate(30deg) scale(.8)', 'zoom: .5', 'zoom: 1.5'];
+
+test('scaled, turned and zoomed ancestors: a hotspot lies on its vertex, and the vertex under it is that one', async () => {
+  const kFew = 6;
+  await viewer(plain, (v, few) => {
+    for (let y = 60, n = 0; y < 300 && n < few; y += 20) {
+      const vertex = v.vertexFromPoint(120, y);
+      if (vertex !== null) v.insertAdjacentHTML('beforeend', `<i slot="hotspot-${++n}" data-vertex="${vertex}" style="width: 4px; height: 4px"></i>`);
+    }
+  }, kFew);
+  for (const style of ['', 'padding: 20px 40px; border: 5px solid']) {
+    for (const outer of kOuter) {
+      await dress(plain, style, outer);
+      // The vertex nearest to a hotspot may be a neighbour in the same place.
+      const same = await viewer(plain, (v) => [...v.children].filter((spot) => {
+        const { left, top, width, height } = spot.getBoundingClientRect();
+        return v.vertexFromPoint(left + width / 2, top + height / 2) === Number(spot.dataset.vertex);
+      }).length);
+      assert.ok(same >= kFew - 2, `${same} of ${kFew} with ${outer}; ${style}`);
+    }
+  }
+  await dress(plain, 'padding: 100px');
+  assert.equal(await viewer(plain, (v) => v.vertexFromPoint(50, 250)), null, 'in the padding');
+  await viewer(plain, (v) => v.replaceChildren());
+  await dress(plain, '');
+});
+
+test('a drag turns by the share of the picture that the pointer crosses, along its own axes', async () => {
+  await viewer(plain, (v) => v.setAttribute('camera-controls', ''));
+  for (const [outer, [dx, dy], share] of [['', [60, 0], 60 / kHeight], ['transform: scale(.5)', [60, 0], 120 / kHeight], ['zoom: 1.5', [60, 0], 40 / kHeight], ['transform: translate(330px, 0) rotate(90deg)', [0, 60], 60 / kHeight]]) {
+    await dress(plain, '', outer);
+    const azimuths = [];
+    for (const drag of [false, true]) {
+      if (drag) {
+        const { x, y } = await viewer(plain, (v) => { const { left, top, width, height } = v.getBoundingClientRect(); return { x: left + width / 2, y: top + height / 2 }; });
+        await plain.mouse.move(x, y);
+        await plain.mouse.down();
+        await plain.mouse.move(x + dx, y + dy, { steps: 3 });
+        await plain.mouse.up();
+      }
+      azimuths.push(await viewer(plain, (v) => { v.jumpCameraToGoal(); return v.getCameraOrbit().azimuth; }));
+    }
+    near([azimuths[0] - azimuths[1]], [share * kDegPerHeight], 0.6, `degrees with ${outer}`);
+  }
+  await viewer(plain, (v) => { v.removeAttribute('camera-controls'); v.setAttribute('camera-orbit', '0deg 5deg auto'); });
+  await dress(plain, '');
+});
+
+test('nothing of that has been reported', () => assert.deepEqual(plain.troubles, []));
