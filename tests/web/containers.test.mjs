@@ -157,4 +157,18 @@ test('a drag turns by the share of the picture that the pointer crosses, along i
   await dress(plain, '');
 });
 
+test('the canvas follows a pixel ratio that changes while the size stays: at the browser\'s event, or at the next picture', async () => {
+  for (const [ratio, plays] of [[2, false], [1.25, true], [3, false], [1, true]]) {
+    await setRatio(ratio);
+    // Emulated screens change without the event.
+    if (plays) await viewer(plain, (v) => v.play());
+    else await plain.evaluate(() => globalThis.queries.at(-1).dispatchEvent(new Event('change')));
+    await until(plain, ([width, height]) => {
+      const canvas = document.querySelector('fourdvt-viewer').shadowRoot.querySelector('canvas');
+      return canvas.width === width && canvas.height === height;
+    }, [kWidth, kHeight].map((px) => px * Math.min(ratio, 2)));
+    await viewer(plain, (v) => v.pause());
+  }
+});
+
 test('nothing of that has been reported', () => assert.deepEqual(plain.troubles, []));

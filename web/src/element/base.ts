@@ -181,7 +181,10 @@ export class ViewerBase extends PageElement {
   [onLost](_session: object): void { /* likewise */ }
   [onRestored](_session: object): boolean { return false; }
   [onTrapped](_session: object): void { /* likewise */ }
-  [animate](_dtS: number): boolean { return false; }
+  [animate](_dtS: number): boolean {
+    this[parts].picture.checkRatio();
+    return false;
+  }
   [firstWishes](): Partial<Wishes> { return {}; }
   [sessionOptions](): Partial<SessionOptions> { return {}; }
   [onGivenUp](_error?: ErrorDetail): void { /* likewise */ }
