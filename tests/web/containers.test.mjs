@@ -172,3 +172,40 @@ test('the canvas follows a pixel ratio that changes while the size stays: at the
 });
 
 test('nothing of that has been reported', () => assert.deepEqual(plain.troubles, []));
+
+test('moved into a frame, into a window and back: it keeps its style, its place and its view, and goes on by the clock of the document that it is in', async () => {
+  const page = await open('moving.html');
+  await page.evaluate(() => { globalThis.home = { document, popup: open('', '', 'width=400,height=500') }; });
+  const moves = { frame: () => document.querySelector('#frame').contentDocument, window: () => globalThis.home.popup.document, home: () => document };
+  await page.evaluate(() => {
+    globalThis.v = document.querySelector('fourdvt-viewer');
+    // The script's own window draws nothing and is hidden, as one behind a picture-in-picture window is.
+    globalThis.asleep = false;
+    const request = requestAnimationFrame;
+    globalThis.requestAnimationFrame = (turn) => (globalThis.asleep ? 0 : request(turn));
+    Object.defineProperty(document, 'hidden', { get: () => globalThis.asleep });
+  });
+  for (const [name, move] of Object.entries(moves)) {
+    await page.evaluate(([name, move]) => {
+      const there = (0, eval)(`(${move})`)();
+      globalThis.asleep = name !== 'home';
+      document.dispatchEvent(new Event('visibilitychange'));
+      globalThis.v.style.cssText = 'width: 240px; height: 320px';
+      there.body.prepend(globalThis.v);
+      globalThis.shownBefore = null;
+    }, [name, String(move)]);
+    await until(page, () => {
+      const { stats, paused, shadowRoot } = globalThis.v, shown = stats?.framesShown ?? 0;
+      globalThis.shownBefore ??= shown || null;
+      return !paused && globalThis.shownBefore !== null && shown > globalThis.shownBefore && shadowRoot.querySelector('.controls');
+    }, null);
+    const seen = await page.evaluate(() => {
+      const { v } = globalThis, root = v.shadowRoot, { width, height } = root.querySelector('canvas').getBoundingClientRect();
+      return { document: [v.ownerDocument === document, v.ownerDocument === globalThis.home.popup.document], size: [v.offsetWidth, v.offsetHeight], canvas: [width, height],
+        bar: v.ownerDocument.defaultView.getComputedStyle(root.querySelector('.controls')).position, azimuth: Math.round(v.getCameraOrbit().azimuth) };
+    });
+    assert.deepEqual(seen, { document: [name === 'home', name === 'window'], size: [kWidth, kHeight], canvas: [kWidth, kHeight], bar: 'absolute', azimuth: 40 }, name);
+  }
+  assert.deepEqual(page.troubles, []);
+  await page.close();
+});
