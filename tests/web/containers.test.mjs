@@ -209,3 +209,28 @@ test('moved into a frame, into a window and back: it keeps its style, its place 
   assert.deepEqual(page.troubles, []);
   await page.close();
 });
+
+test('touch: swipes and pinches over a viewer without camera-controls scroll and zoom the page; what a viewer does with them it keeps', async () => {
+  const page = await open('strip.html', { viewport: { width: 360, height: 640 }, hasTouch: true, isMobile: true });
+  const fingers = await page.context().newCDPSession(page);
+  const touch = (type, ...touchPoints) => fingers.send('Input.dispatchTouchEvent', { type, touchPoints });
+  const slide = async (from, to, steps = 12) => {
+    await touch('touchStart', ...from);
+    for (let i = 1; i <= steps; ++i) await touch('touchMove', ...from.map(({ id, x, y }, n) => ({ id, x: x + ((to[n].x - x) * i) / steps, y: y + ((to[n].y - y) * i) / steps })));
+    await touch('touchEnd');
+  };
+  await slide([{ id: 1, x: 200, y: 200 }], [{ x: 40, y: 200 }]);
+  await until(page, () => document.querySelector('#strip').scrollLeft > 40);
+  await page.evaluate(() => { document.querySelector('#strip').scrollLeft = 0; });
+  await slide([{ id: 1, x: 110, y: 160 }, { id: 2, x: 130, y: 160 }], [{ x: 20, y: 160 }, { x: 220, y: 160 }]);
+  await until(page, () => visualViewport.scale > 1.1);
+  const action = (name, value = '') => viewer(page, (v, [name, value]) => {
+    v.setAttribute(name, value);
+    return getComputedStyle(v.shadowRoot.querySelector('.stage')).touchAction;
+  }, [name, value]);
+  assert.equal(await action('camera-controls'), 'pan-y');
+  assert.equal(await action('disable-zoom'), 'pan-y pinch-zoom');
+  assert.equal(await action('touch-action', 'none'), 'none');
+  assert.deepEqual(page.troubles, []);
+  await page.close();
+});

@@ -196,6 +196,7 @@ export class Overlay {
     else this.#picture.removeAttribute('src');
     this.#picture.hidden = !url;
   }
+  /** Empty: what the visitor's drags and pinches do not do with the picture, they do with the page. */
   get hasPoster(): boolean {
     return !this.#picture.hidden || this.#poster.assignedNodes().length > 0;
   }

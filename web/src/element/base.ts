@@ -204,7 +204,7 @@ export class ViewerBase extends PageElement {
     const { overlay } = this[parts];
     overlay.say(stringsOf(this, (this.constructor as typeof ViewerBase).strings) as unknown as Strings);
     overlay.setLabel(this.getAttribute('alt') ?? '', this.hasAttribute('camera-controls'), this.hasAttribute('motion-controls'));
-    overlay.setTouchAction(this.getAttribute('touch-action') ?? 'pan-y');
+    overlay.setTouchAction(this.getAttribute('touch-action') ?? '');
   }
 
   #onJoin(event: CustomEvent<Companion>): void {
