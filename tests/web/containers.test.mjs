@@ -157,6 +157,27 @@ test('a drag turns by the share of the picture that the pointer crosses, along i
   await dress(plain, '');
 });
 
+test('a click on a viewer without controls leaves the Space key to the page; where its play button was pressed it pauses', async () => {
+  await viewer(plain, (v) => v.removeAttribute('camera-controls'));
+  await dress(plain, '');
+  await plain.evaluate(() => { document.body.style.height = '3000px'; });
+  await plain.mouse.click(120, 120);
+  assert.equal(await plain.evaluate(() => document.activeElement === document.body), true);
+  await plain.keyboard.press('Space');
+  await until(plain, () => scrollY > 0);
+  assert.equal(await viewer(plain, (v) => v.paused), true);
+  await plain.evaluate(() => scrollTo(0, 0));
+  await viewer(plain, (v) => { v.removeAttribute('controls'); v.shadowRoot.querySelector('.play').focus(); });
+  await plain.keyboard.press('Enter');
+  await until(plain, () => !document.querySelector('fourdvt-viewer').paused);
+  await plain.keyboard.press('Space');
+  await until(plain, () => document.querySelector('fourdvt-viewer').paused);
+  await viewer(plain, (v) => { v.setAttribute('controls', 'none'); v.shadowRoot.activeElement.blur(); });
+  await plain.mouse.click(120, 120);
+  assert.equal(await plain.evaluate(() => document.activeElement === document.body), true, 'again a picture');
+  await plain.evaluate(() => { document.body.style.height = ''; });
+});
+
 test('the canvas follows a pixel ratio that changes while the size stays: at the browser\'s event, or at the next picture', async () => {
   for (const [ratio, plays] of [[2, false], [1.25, true], [3, false], [1, true]]) {
     await setRatio(ratio);

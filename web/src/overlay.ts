@@ -180,7 +180,8 @@ export class Overlay {
 
   setLabel(alt: string, orbits: boolean, steers: boolean): void {
     const interactive = orbits || steers;
-    this.stage.tabIndex = interactive ? 0 : -1;
+    if (interactive) this.stage.tabIndex = 0;
+    else this.stage.removeAttribute('tabindex'); // a click on a picture leaves the keys to the page
     this.stage.setAttribute('role', interactive ? 'application' : 'img');
     this.stage.ariaLabel = alt || this.#strings.label;
     if (steers) this.stage.setAttribute('aria-keyshortcuts', 'ArrowLeft ArrowRight ArrowUp ArrowDown W A S D Space');
@@ -231,7 +232,16 @@ export class Overlay {
   offerPlay(offer: boolean): void {
     const focused = !offer && this.#play.matches(':focus');
     this.#play.hidden = !offer;
-    if (focused) this.stage.focus();
+    if (focused) this.#focusStage();
+  }
+  // Also where a click does not give it the focus, until it loses it.
+  #focusStage(): void {
+    const { stage } = this;
+    if (!stage.hasAttribute('tabindex')) {
+      stage.tabIndex = -1;
+      stage.addEventListener('blur', () => { if (stage.tabIndex < 0) stage.removeAttribute('tabindex'); }, { once: true });
+    }
+    stage.focus();
   }
   /** Says what went wrong and offers to try again. `over`: there is nothing else to look at than the poster. */
   fail({ id, message }: { id: string; message: string }, over: boolean): void {
