@@ -255,3 +255,27 @@ test('touch: swipes and pinches over a viewer without camera-controls scroll and
   assert.deepEqual(page.troubles, []);
   await page.close();
 });
+
+test('right to left: time in the bar still runs to the right, for pointer and keys; controls of the page keep its direction', async () => {
+  const page = await open('bar.html'), time = page.locator('[part=time]');
+  await time.waitFor({ state: 'visible', timeout: kPatienceMs });
+  const { x, y, width, height } = await time.boundingBox();
+  const share = () => viewer(page, (v) => v.currentTime / v.duration);
+  await page.mouse.click(x + 0.15 * width, y + height / 2);
+  await until(page, () => { const v = document.querySelector('fourdvt-viewer'); return !v.seeking && v.currentTime > 0; });
+  assert.ok(await share() < 0.4, `at ${await share()}`);
+  for (const later of [true, false]) {
+    const before = await share();
+    await page.keyboard.press(later ? 'ArrowRight' : 'ArrowLeft');
+    await until(page, ([before, later]) => {
+      const v = document.querySelector('fourdvt-viewer'), now = v.currentTime / v.duration;
+      return !v.seeking && (later ? now > before : now < before);
+    }, [before, later]);
+  }
+  const left = async (part) => (await page.locator(`[part=${part}]`).boundingBox()).x;
+  assert.ok(await left('play-toggle') < x && x < await left('fullscreen'));
+  await viewer(page, (v) => v.insertAdjacentHTML('beforeend', '<div slot="controls" id="mine">mine</div>'));
+  await until(page, () => getComputedStyle(document.querySelector('#mine')).direction === 'rtl');
+  assert.deepEqual(page.troubles, []);
+  await page.close();
+});

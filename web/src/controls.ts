@@ -16,7 +16,12 @@ const CSS = `
 .controls svg { display: block; width: 100%; height: 100%; fill: currentColor; pointer-events: none; }
 .controls input { flex: 1; min-width: 40px; height: 24px; margin: 0 6px; accent-color: var(--fourdvt-progress-color, #8ab4ff); }
 .controls span { flex: none; padding: 0 6px; }
-.controls [part=chapter] { flex: 0 1 auto; overflow: hidden; text-overflow: ellipsis; white-space: nowrap; max-width: 30%; line-height: 1.3; }
+.controls [part=chapter] { flex: 0 1 auto; overflow: hidden; text-overflow: ellipsis; white-space: nowrap; max-width: 30%; line-height: 1.3; unicode-bidi: plaintext; }
+.controls:not(.own) { direction: ltr; writing-mode: horizontal-tb; } /* time runs to the right in every script */
+@media (forced-colors: active) {
+  .controls { border: 1px solid; }
+  .controls button:focus-visible, .controls input:focus-visible { outline-color: Highlight; }
+}
 `;
 const ICONS = {
   play: 'M5 2v20l16-10z',
@@ -163,6 +168,7 @@ export class Controls {
       this.#box.hidden = mode === 'none' || viewer.readyState === 0 || offered;
       if (focused && offered) this.#offer!.focus();
       this.#box.classList.toggle('small', !whole);
+      this.#box.classList.toggle('own', own);
       if (whole) this.#box.setAttribute('role', 'group');
       else this.#box.removeAttribute('role');
       this.#box.ariaLabel = whole ? s['controls']! : null;

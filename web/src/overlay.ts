@@ -37,7 +37,7 @@ slot { display: block; }
 .error { position: absolute; left: 0; right: 0; top: 50%; transform: translateY(-50%); text-align: center; margin: 0 auto;
   padding: 6px 12px; width: fit-content; max-width: 90%; border-radius: 6px; font: 14px/1.4 system-ui, sans-serif; color: #fff;
   background: rgba(20,20,24,.75); box-sizing: border-box; max-height: 100%; overflow: auto; overflow-wrap: anywhere; }
-.error > button { margin-left: 10px; padding: 2px 10px; border: 1px solid currentColor; border-radius: 4px; background: none;
+.error > button { margin-inline-start: 10px; padding: 2px 10px; border: 1px solid currentColor; border-radius: 4px; background: none;
   color: inherit; font: inherit; cursor: pointer; }
 .note { position: absolute; left: 0; right: 0; top: 10px; width: fit-content; margin: 0 auto; padding: 3px 10px;
   border-radius: 6px; font: 12px/1.4 system-ui, sans-serif; color: #fff; background: rgba(20,20,24,.75); pointer-events: none; }
