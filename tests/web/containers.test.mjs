@@ -279,3 +279,21 @@ test('right to left: time in the bar still runs to the right, for pointer and ke
   assert.deepEqual(page.troubles, []);
   await page.close();
 });
+
+test('contrast themes: progress, buttons and focus are drawn in colours that the theme keeps', async () => {
+  const page = await openPage(browser, { viewport: { width: 700, height: 600 }, forcedColors: 'active' });
+  let go;
+  const held = new Promise((done) => { go = done; });
+  await page.route('**/character.gltf', async (route) => { await held; await route.continue(); });
+  await page.goto(`${server.url}bar.html`);
+  await until(page, () => document.querySelector('fourdvt-viewer').shadowRoot?.querySelector('.bar').checkVisibility());
+  const style = (selector, name, pseudo) => viewer(page, (v, [selector, name, pseudo]) => getComputedStyle(v.shadowRoot.querySelector(selector), pseudo)[name], [selector, name, pseudo]);
+  const opaque = async (selector) => (await style(selector, 'backgroundColor')).match(/\d+/g).slice(0, 3).join();
+  assert.notEqual(await opaque('.fill'), await opaque('.bar'), 'the part that is there differs from the rest');
+  go();
+  await waitForEvent(page, 'canplay');
+  await page.keyboard.press('Tab');
+  assert.deepEqual([await style('.stage', 'outlineStyle', '::after'), await style('.stage', 'outlineWidth', '::after')], ['solid', '3px']);
+  assert.equal(await style('.play', 'borderTopStyle'), 'solid');
+  await page.close();
+});

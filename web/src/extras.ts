@@ -13,6 +13,7 @@ const PROMPT_MS = 3000; // without an input, before it is shown
 const CSS = `
 .prompt { position: absolute; left: 0; right: 0; bottom: 72px; width: fit-content; max-width: 90%; margin: 0 auto; padding: 6px 14px; border-radius: 16px;
   font: 14px/1.4 system-ui, sans-serif; color: #fff; background: rgba(20,20,24,.75); pointer-events: none; transition: opacity .4s; }
+@media (forced-colors: active) { .prompt { border: 1px solid; } }
 .hotspot { position: absolute; left: 0; top: 0; }
 .live { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); white-space: nowrap; margin: 0; }
 `;

@@ -12,6 +12,7 @@ const CSS = `
   background: rgba(127,127,127,.18); border: 1px solid rgba(127,127,127,.35); box-sizing: border-box; }
 .joystick > div { position: absolute; left: 32px; top: 32px; width: 46px; height: 46px; border-radius: 50%;
   background: rgba(20,20,24,.55); }
+@media (forced-colors: active) { .joystick > div { background: ButtonText; } }
 @media (hover: hover) and (pointer: fine) { .joystick { display: none; } }
 `;
 const DEAD_ZONE = 0.12; // share of the joystick's radius

@@ -44,6 +44,12 @@ slot { display: block; }
 .gone { opacity: 0; visibility: hidden; }
 [hidden] { display: none !important; }
 @media (prefers-reduced-motion: reduce) { .poster, .bar > div, .fading > canvas { transition: none; } }
+@media (forced-colors: active) {
+  .bar { background: Canvas; outline: 1px solid CanvasText; }
+  .bar > div { background: Highlight; }
+  .play, .error, .note { border: 1px solid; }
+  .stage.ring:focus::after { outline: 3px solid Highlight; outline-offset: -3px; }
+}
 `;
 const COVERED_MS = 1000, FADING_MS = 300; // at most; of the style's transition
 // The visitor moves the focus by Tab, not by a pointer. A script that focuses a viewer does not make it draw a ring.
