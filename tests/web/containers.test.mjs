@@ -297,3 +297,24 @@ test('contrast themes: progress, buttons and focus are drawn in colours that the
   assert.equal(await style('.play', 'borderTopStyle'), 'solid');
   await page.close();
 });
+
+test('posters of other origins: an isolated page has those that allow CORS, with or without crossorigin; others have those that do not, too', async () => {
+  const page = await openPage(browser, { viewport: { width: 700, height: 600 } });
+  const shown = (crossOrigin, poster) => page.evaluate(async ([crossOrigin, poster]) => {
+    const v = document.createElement('fourdvt-viewer');
+    if (crossOrigin !== null) v.setAttribute('crossorigin', crossOrigin);
+    Object.assign(v, { poster, preload: 'none', src: '/character/character.gltf' });
+    document.body.replaceChildren(v);
+    const picture = v.shadowRoot.querySelector('.picture');
+    while (!picture.hidden && !picture.naturalWidth) await new Promise((next) => setTimeout(next, 20));
+    return !picture.hidden;
+  }, [crossOrigin, poster]);
+  await page.goto(`${server.url}isolated.html`);
+  await page.evaluate(() => customElements.whenDefined('fourdvt-viewer').then(() => undefined));
+  for (const crossOrigin of ['anonymous', '', null]) assert.equal(await shown(crossOrigin, `${shared.url}character/poster.webp`), true, `crossorigin ${crossOrigin}`);
+  assert.equal(await shown(null, `${shared.url}character/none.webp`), false);
+  await page.goto(server.url.replace('127.0.0.1', 'localhost') + 'plain.html');
+  await page.evaluate(() => customElements.whenDefined('fourdvt-viewer').then(() => undefined));
+  assert.equal(await shown('anonymous', `${server.url}character/poster.webp`), true, 'its server does not allow CORS');
+  await page.close();
+});

@@ -69,14 +69,14 @@ function add<K extends keyof HTMLElementTagNameMap>(parent: Node, tag: K, name: 
 }
 
 export class Overlay {
+  /** Fills the element's content box. */
+  readonly content = document.createElement('div');
   readonly stage: HTMLDivElement;
   readonly #poster: HTMLSlotElement;
   readonly #picture: HTMLImageElement;
   readonly #progress: HTMLSlotElement;
   readonly #bar: HTMLDivElement;
   readonly #fill: HTMLDivElement;
-  /** Fills the element's content box. */
-  readonly content = document.createElement('div');
   readonly #play: HTMLButtonElement;
   readonly #error: HTMLParagraphElement;
   readonly #retry: HTMLButtonElement;
@@ -86,6 +86,7 @@ export class Overlay {
   #canvas: HTMLCanvasElement | null = null;
   #cover: HTMLCanvasElement | null = null; // a copy of the last picture, while the one below is to come
   #coverTimer = 0;
+  #otherMode = true; // of requests, with CORS or without, is yet to be tried for the poster
   #kept: HTMLCanvasElement | null = null; // the last picture of a canvas that has gone
   /** Called by its buttons. */
   onPlay: () => void = () => undefined;
@@ -102,7 +103,7 @@ export class Overlay {
     this.#poster.name = 'poster';
     this.#picture = add(this.#poster, 'img', 'picture');
     this.#picture.alt = '';
-    this.#picture.addEventListener('error', () => this.setPoster(null)); // no picture is better than a broken one
+    this.#picture.addEventListener('error', () => this.#onPosterError());
     this.setPoster(null);
     this.#progress = add(content, 'slot', 'progress-bar');
     this.#progress.name = 'progress-bar';
@@ -126,6 +127,9 @@ export class Overlay {
     this.idle();
   }
 
+  /** The document has adopted it, without its style. */
+  applyStyle(): void { adopt(this.content, CSS); }
+
   /** Its texts from now on. */
   say(strings: Strings): void {
     this.#strings = strings;
@@ -133,9 +137,6 @@ export class Overlay {
     this.#play.ariaLabel = strings.play;
     this.#retry.textContent = strings.retry;
   }
-  /** The document has adopted it, without its style. */
-  applyStyle(): void { adopt(this.content, CSS); }
-
 
   /** Shows this canvas in place of any before. */
   showCanvas(canvas: HTMLCanvasElement): void {
@@ -195,15 +196,25 @@ export class Overlay {
     else this.stage.removeAttribute('aria-keyshortcuts');
     this.stage.classList.toggle('orbits', orbits);
   }
+  /** Empty: what the visitor's drags and pinches do not do with the picture, they do with the page. */
   setTouchAction(value: string): void {
     this.stage.style.touchAction = value;
   }
   setPoster(url: string | null): void {
+    this.#picture.crossOrigin = (this.content.getRootNode() as ShadowRoot).host.getAttribute('crossorigin');
+    this.#otherMode = true;
     if (url) this.#picture.src = url;
     else this.#picture.removeAttribute('src');
     this.#picture.hidden = !url;
   }
-  /** Empty: what the visitor's drags and pinches do not do with the picture, they do with the page. */
+  // Another origin's picture may need CORS (on cross-origin isolated pages), or its server may not have it. No picture is better than a broken one.
+  #onPosterError(): void {
+    const { src, crossOrigin } = this.#picture;
+    if (!this.#otherMode || src.startsWith(`${globalThis.origin}/`)) return this.setPoster(null);
+    this.#otherMode = false;
+    this.#picture.crossOrigin = crossOrigin === null ? 'anonymous' : null;
+    this.#picture.src = src;
+  }
   get hasPoster(): boolean {
     return !this.#picture.hidden || this.#poster.assignedNodes().length > 0;
   }
