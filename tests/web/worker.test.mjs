@@ -23,6 +23,10 @@ before(async () => {
   server = await serve(site, 0, { pages: {
     '/blank.html': page(),
     '/self.html': page({ 'Content-Security-Policy': kPolicy }),
+    // The header is sent with the page alone, not with the worker's script.
+    '/isolated.html': page({ 'Cross-Origin-Opener-Policy': 'same-origin', 'Cross-Origin-Embedder-Policy': 'require-corp' }),
+    '/trusted.html': page({ 'Content-Security-Policy': `${kPolicy}; require-trusted-types-for 'script'; trusted-types fourdvt` }),
+    '/untrusted.html': page({ 'Content-Security-Policy': `${kPolicy}; require-trusted-types-for 'script'; trusted-types 'none'` }),
     '/none.html': page({ 'Content-Security-Policy': `${kPolicy}; worker-src 'none'` }),
   }, misbehave: (request) => misbehave(request) });
   other = await serve(site, 0, { headers: { 'Access-Control-Allow-Origin': '*' } });
@@ -129,9 +133,31 @@ test('scripts from another origin bring the worker, too', async () => {
   await close(page);
 });
 
+test('a cross-origin isolated page has the worker, also with scripts from another origin', async () => {
+  for (const scripts of [server.url, other.url]) {
+    const page = await open({ page: 'isolated.html', scripts });
+    assert.equal(await page.evaluate(() => globalThis.crossOriginIsolated), true);
+    await workerStarts(page);
+    assert.equal(page.workers().length, 1);
+    assert.deepEqual(page.warnings, []);
+    await close(page);
+  }
+});
+
+test('a page that requires trusted types has the worker if it allows the policy fourdvt; else one warning, and the page decodes', async () => {
+  const allowed = await open({ page: 'trusted.html' });
+  await workerStarts(allowed);
+  assert.deepEqual(allowed.warnings, []);
+  await close(allowed);
+  const page = await open({ page: 'untrusted.html' });
+  await warned(page, /without a worker \(.*TrustedScriptURL/);
+  assert.equal(await seekFresh(page), 0);
+  await close(page, [/TrustedTypePolicy named 'fourdvt'/, /TrustedScriptURL/]);
+});
+
 test('a policy that forbids workers: one warning, and the page decodes', async () => {
   const page = await open({ page: 'none.html' });
-  await warned(page, /geometry is decoded without a worker/);
+  await warned(page, /geometry is decoded without a worker \(the page's policy forbids it: allow .* in worker-src\)/);
   assert.equal(await seekFresh(page), 0);
   await close(page, [/worker/i]);
 });

@@ -20,35 +20,76 @@ export interface Turning {
 type Files = Pick<PlayerFiles, 'worker' | 'workerWasm'>;
 type Frame = Extract<FromWorker, { kind: 'frame' }>;
 
-// Another origin's script cannot be a worker, but a worker may import it.
-function openWorker(script: URL): Worker {
-  if (script.origin === location.origin) return new Worker(script);
-  const blob = URL.createObjectURL(new Blob([`importScripts(${JSON.stringify(script.href)})`], { type: 'text/javascript' }));
+interface TrustedTypes {
+  createPolicy(name: string, rules: { createScriptURL(url: string): string }): { createScriptURL(url: string): string };
+}
+let policy: ReturnType<TrustedTypes['createPolicy']> | undefined;
+
+// The address of the worker's script, or of a copy, for pages that require trusted types. Their policy must allow the name `fourdvt`.
+function trusted(script: string): string {
+  const { trustedTypes } = globalThis as { trustedTypes?: TrustedTypes };
   try {
-    return new Worker(blob);
-  } finally {
-    setTimeout(() => URL.revokeObjectURL(blob), 60_000);
+    policy ??= trustedTypes?.createPolicy('fourdvt', {
+      createScriptURL(url) {
+        if (/^blob:|\/fourdvt-worker\.js(\?v=\w+)?$/.test(url)) return url;
+        throw new TypeError(`${url} is no script of the player`);
+      },
+    });
+  } catch {
+    return script; // the name is not allowed, but it may not be needed
   }
+  return policy?.createScriptURL(script) ?? script;
 }
 
 class GeometryWorker {
-  readonly #worker: Worker;
+  readonly #files: Files;
+  readonly #opening = new AbortController(); // until it is ready, or has failed
   readonly #joined = new Map<number, Joined>();
+  #worker: Worker | null = null;
   #last = 0;
   ready = false;
   failed = false;
 
-  constructor({ worker, workerWasm }: Files) {
-    this.#worker = openWorker(new URL(worker));
+  constructor(files: Files) {
+    this.#files = files;
+    document.addEventListener('securitypolicyviolation', ({ effectiveDirective, blockedURI }) => {
+      if (effectiveDirective === 'worker-src' && /^blob|fourdvt-worker/.test(blockedURI)) this.fail(`the page's policy forbids it: allow ${blockedURI} in worker-src`);
+    }, { signal: this.#opening.signal });
+    const script = new URL(files.worker);
+    if (script.origin === globalThis.origin) this.#open(script.href, () => this.#openCopy());
+    else void this.#openCopy();
+  }
+
+  #open(script: string, onUnloaded: () => void): void {
+    try {
+      this.#worker = new Worker(trusted(script));
+    } catch (reason) {
+      return this.fail(String(reason));
+    }
     this.#worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.#take(data);
     this.#worker.onerror = (event) => {
       event.preventDefault();
-      this.fail(event.message || 'it does not load');
+      if (event.message) this.fail(event.message);
+      else setTimeout(onUnloaded); // the browser reports what the policy blocks in a task of its own
     };
-    this.post({ kind: 'start', wasm: workerWasm });
+    this.post({ kind: 'start', wasm: this.#files.workerWasm });
+  }
+  // Another origin's script cannot be a worker, nor can one without the header that a cross-origin isolated page demands. A copy can.
+  async #openCopy(): Promise<void> {
+    const { worker } = this.#files;
+    try {
+      const answer = this.failed ? null : await fetch(worker);
+      if (!answer) return;
+      if (!answer.ok) throw new Error(`${worker}: ${answer.status}`);
+      const copy = URL.createObjectURL(new Blob([await answer.text()], { type: 'text/javascript' }));
+      setTimeout(() => URL.revokeObjectURL(copy), 60_000);
+      this.#open(copy, () => this.fail('it does not load'));
+    } catch (reason) {
+      this.fail(String(reason));
+    }
   }
 
-  post(message: ToWorker, transfer: Transferable[] = []): void { this.#worker.postMessage(message, transfer); }
+  post(message: ToWorker, transfer: Transferable[] = []): void { this.#worker?.postMessage(message, transfer); }
 
   join(actor: Turning): void {
     const joined = new Joined(this, ++this.#last, actor);
@@ -60,13 +101,16 @@ class GeometryWorker {
   fail(reason: string): void {
     if (this.failed) return;
     this.failed = true;
-    this.#worker.terminate();
+    this.#opening.abort();
+    this.#worker?.terminate();
     console.warn(`fourdvt-viewer: geometry is decoded without a worker (${reason})`);
   }
 
   #take(message: FromWorker): void {
-    if (message.kind === 'ready' && message.stamp === FOURDVT_WORKER) this.ready = true;
-    else if (message.kind === 'ready') this.fail('fourdvt-worker.js is of another build: upload all files of the player again');
+    if (message.kind === 'ready' && message.stamp === FOURDVT_WORKER) {
+      this.ready = true;
+      this.#opening.abort();
+    } else if (message.kind === 'ready') this.fail('fourdvt-worker.js is of another build: upload all files of the player again');
     else if (message.kind === 'failed') this.fail(message.reason);
     else this.#joined.get(message.character)?.take(message);
   }
@@ -156,16 +200,10 @@ class Joined implements TurnHook {
   }
 }
 
-let worker: GeometryWorker | null | undefined; // null: the page's policy forbids it
+let worker: GeometryWorker | undefined;
 
 /** From now on the actor's geometry is decoded in the page's worker, if that can be had. */
 export function decodeBeside(actor: Turning, files: Files): void {
-  if (worker === undefined) {
-    try {
-      worker = new GeometryWorker(files);
-    } catch {
-      worker = null;
-    }
-  }
-  if (worker && !worker.failed) worker.join(actor);
+  worker ??= new GeometryWorker(files);
+  if (!worker.failed) worker.join(actor);
 }
