@@ -3,6 +3,7 @@
 // measures the server's clock, and connects again by itself whenever the connection is lost. Part of fourdvt-more.js.
 // In place of a Transport it has no files. Does not decode or draw anything.
 import { PICTURE_KINDS, type PictureKind } from './generated/abi.js';
+import { viewOf } from './documents.js';
 import type { SessionSide, SideActor } from './session-side.js';
 import type { WasmModule } from './wasm-abi.js';
 
@@ -64,18 +65,19 @@ export interface LivePage {
   readonly origin: string;
 }
 
-const browser: LivePage = {
+// The page in which a window shows the viewer.
+const pageOf = (view: typeof globalThis): LivePage => ({
   open: (url) => new WebSocket(url),
   now: () => performance.now(),
   random: () => Math.random(),
   setTimeout: (run, ms) => globalThis.setTimeout(run, ms) as unknown as number,
   clearTimeout: (timer) => globalThis.clearTimeout(timer),
   listen(name, run, signal) {
-    addEventListener(name, run, { signal, capture: true }); // visibilitychange bubbles up from the document
+    view.addEventListener(name, run, { signal, capture: true }); // visibilitychange bubbles up from the document
   },
-  get hidden() { return document.hidden; },
+  get hidden() { return view.document.hidden; },
   get origin() { return location.origin; },
-};
+});
 
 const isLocal = (host: string): boolean => /^(localhost|127\..*|\[::1])$/.test(host);
 const sessionOf = (manifest: unknown): unknown => (manifest as Manifest | null)?.extensions?.FOURDVT_layered_video_texture?.live?.session;
@@ -119,7 +121,7 @@ export class LiveStream {
   bytesReceived = 0;
 
   /** Connects when it is asked for the manifest, and until dispose(). */
-  constructor(url: string, host: LiveHost, page: LivePage = browser) {
+  constructor(url: string, host: LiveHost, page: LivePage) {
     this.#url = new URL(url);
     this.#host = host;
     this.#page = page;
@@ -391,5 +393,5 @@ export function connectLive(session: SessionSide): LiveStream {
     network: session.network,
     replace: (manifest) => session.reopen(session.path, { manifest }),
     fail: (id, message) => session.end({ id, message }),
-  });
+  }, pageOf(viewOf(session.host.element)));
 }
