@@ -89,7 +89,7 @@ test('numbers: pixels of a canvas, and points in a box that is moved, scaled, tu
 
 test('padding, borders and box-sizing: the picture and the poster lie in the content box, in proportion', async () => {
   const styles = ['', 'padding: 0 60px', 'padding: 60px 0', 'box-sizing: border-box; padding: 24px 60px', 'border: 30px solid', 'padding: 1em 2em 3em 4em; border: 5px solid; box-sizing: border-box',
-    'padding: 5%', 'padding: 10px 20px; direction: rtl', 'padding: 10px; display: flex; justify-content: end; align-items: end', 'width: 300px; height: auto; padding: 20px; box-sizing: border-box'];
+    'padding: 5%', 'padding: 10px 20px 30px 40px; direction: rtl', 'padding: 10px 20px 30px 40px; writing-mode: vertical-rl', 'padding: 10px; display: flex; justify-content: end; align-items: end', 'width: 300px; height: auto; padding: 20px; box-sizing: border-box'];
   for (const style of styles) {
     await dress(plain, style);
     const { wanted, canvas, poster, drawn } = await viewer(plain, (v) => {
@@ -119,7 +119,7 @@ test('scaled, turned and zoomed ancestors: a hotspot lies on its vertex, and the
       if (vertex !== null) v.insertAdjacentHTML('beforeend', `<i slot="hotspot-${++n}" data-vertex="${vertex}" style="width: 4px; height: 4px"></i>`);
     }
   }, kFew);
-  for (const style of ['', 'padding: 20px 40px; border: 5px solid']) {
+  for (const style of ['', 'padding: 20px 40px; border: 5px solid', 'zoom: .7']) {
     for (const outer of kOuter) {
       await dress(plain, style, outer);
       // The vertex nearest to a hotspot may be a neighbour in the same place.
@@ -194,7 +194,7 @@ test('the canvas follows a pixel ratio that changes while the size stays: at the
 
 test('nothing of that has been reported', () => assert.deepEqual(plain.troubles, []));
 
-test('moved into a frame, into a window and back: it keeps its style, its place and its view, and goes on by the clock of the document that it is in', async () => {
+test('moved into a frame, into a window and, when that is closed, back: it keeps its style, its place and its view, and goes on by the clock of the document that it is in', async () => {
   const page = await open('moving.html');
   await page.evaluate(() => { globalThis.home = { document, popup: open('', '', 'width=400,height=500') }; });
   const moves = { frame: () => document.querySelector('#frame').contentDocument, window: () => globalThis.home.popup.document, home: () => document };
@@ -212,6 +212,7 @@ test('moved into a frame, into a window and back: it keeps its style, its place 
       globalThis.asleep = name !== 'home';
       document.dispatchEvent(new Event('visibilitychange'));
       globalThis.v.style.cssText = 'width: 240px; height: 320px';
+      if (name === 'home') globalThis.home.popup.close();
       there.body.prepend(globalThis.v);
       globalThis.shownBefore = null;
     }, [name, String(move)]);
