@@ -21,7 +21,7 @@ const kPages = {
   '/bar.html': kPage(`<fourdvt-viewer ${kSource} style="width: 480px" controls camera-controls></fourdvt-viewer>`, 'lang="ar" dir="rtl"'),
   '/strip.html': kStrip(''),
   '/isolated.html': { ...kPage(''), headers: { 'Cross-Origin-Opener-Policy': 'same-origin', 'Cross-Origin-Embedder-Policy': 'require-corp' } },
-  '/moving.html': kPage(`<div id="home"><fourdvt-viewer ${kSource} autoplay loop camera-controls camera-orbit="40deg 10deg auto"></fourdvt-viewer></div><iframe id="frame" srcdoc="<!doctype html><body>" style="width: 300px; height: 360px"></iframe>`),
+  '/moving.html': kPage(`<div id="home"><fourdvt-viewer ${kSource.replace('/character/', 'character/')} autoplay loop camera-controls camera-orbit="40deg 10deg auto"></fourdvt-viewer></div><iframe id="frame" srcdoc="<!doctype html><base href='/elsewhere/'><body>" style="width: 300px; height: 360px"></iframe>`),
 };
 
 let server, shared, browser, plain, devtools; // shared: another origin that allows CORS

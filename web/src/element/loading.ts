@@ -44,6 +44,7 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
 
     #error: MediaFault | null = null;
     #address = '';
+    #base = ''; // that src is relative to, also after a move into another document
     #asked = false; // touched or played with this source: preload="none" counts no longer
     #granted = false;
     #wanted: { fresh: boolean } | null = null; // to load, once the page lets it
@@ -121,6 +122,7 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
       if (!this.src) return;
       overlay.setPoster(this.poster || null);
       if (!on) {
+        this.#base = this.baseURI;
         commands.begin(this[firstWishes]());
         if (attempt !== this.#attempt) return;
         for (const { src, commands: its } of companions) if (src === null) its.begin();
@@ -159,7 +161,7 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
       const attempt = (this.#attempt = {});
       let src: string;
       try {
-        src = this.#address = characterAddress(this.src, this.baseURI);
+        src = this.#address = characterAddress(this.src, this.#base);
       } catch (reason) {
         // Not at once: whoever has just set it wants to listen first.
         return queueMicrotask(() => { if (attempt === this.#attempt) this[report]('error', asViewerError(reason).detail); });
@@ -223,7 +225,7 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
         if (this.#loading) overlay.progress(Math.min(1, loaded / Math.max(total, MIN_TOTAL_BYTES)));
       } else if (name === 'loadedmetadata') {
         const poster = session?.character?.posterUri;
-        if (poster && !session.started && !overlay.hasPoster) overlay.setPoster(new URL(poster, new URL(this.src, this.baseURI)).href);
+        if (poster && !session.started && !overlay.hasPoster) overlay.setPoster(new URL(poster, new URL(this.src, this.#base)).href);
       } else if (name === 'error') {
         this.#onError(detail as ErrorDetail);
       } else if (['canplay', 'playing', 'seeked', 'sequencechange'].includes(name)) {
