@@ -259,7 +259,7 @@ test('a ring frames the viewer where Tab brought the focus, not where a script o
   assert.equal(await hasRing(), false, 'keys that steer');
   await at.page.keyboard.press('Shift+Tab');
   await at.page.keyboard.press('Tab');
-  assert.equal(await at.viewer((v) => v.shadowRoot.activeElement?.className), 'stage ring');
+  assert.equal(await at.viewer((v) => v.shadowRoot.activeElement?.getAttribute('part')), 'stage');
   assert.equal(await hasRing(), true, 'Tab');
   await at.page.click('button');
   await at.viewer((v) => v.focus());

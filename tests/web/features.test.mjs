@@ -350,7 +350,7 @@ test('motion: what steers comes with the second part and goes with the element',
 test('steering: a held key turns and changes the parameter; let go, the heading stays', async () => {
   const { Steering } = await load('steering');
   const listeners = {}, stage = {
-    addEventListener: (name, listener) => { listeners[name] = listener; }, after() {}, getRootNode: () => ({ adoptedStyleSheets: [] }),
+    addEventListener: (name, listener) => { listeners[name] = listener; }, after() {}, getRootNode: () => ({ adoptedStyleSheets: [], ownerDocument: { defaultView: globalThis } }),
   };
   const make = () => ({ setAttribute() {}, append() {}, addEventListener() {}, remove() {}, style: {} });
   Object.assign(globalThis, { document: { createElement: make }, CSSStyleSheet: class { replaceSync() {} } });

@@ -56,6 +56,8 @@ test('a viewer that stands on a slow network is raised to the highest rendition,
   await page.addInitScript(() => {
     performance.getEntriesByType = () => []; // no throughput is known: it begins with the lowest
     globalThis.covers = [];
+    globalThis.heard = [];
+    addEventListener('sharper', () => globalThis.heard.push('sharper'), true);
     addEventListener('loadstart', (e) => new MutationObserver(() => {
       const stage = e.target.shadowRoot.querySelector('.stage');
       globalThis.covers.push(`${stage.className} ${stage.querySelectorAll('canvas').length}`);
@@ -75,6 +77,7 @@ test('a viewer that stands on a slow network is raised to the highest rendition,
   assert.ok(high > 1.15 * low, `detail ${low}, then ${high}`);
   const state = await page.evaluate(() => { const { frame, paused, seeking } = document.querySelector('fourdvt-viewer'); return { frame, paused, seeking }; });
   assert.deepEqual(state, { frame: 0, paused: true, seeking: false });
+  assert.deepEqual(await page.evaluate(() => globalThis.heard), [], "it is the player's own event");
   const covers = await page.evaluate(() => globalThis.covers);
   assert.ok(covers.some((c) => /covered 2/.test(c)) && covers.some((c) => /fading 2/.test(c)), `the old picture fades: ${covers}`);
   assert.equal(await page.evaluate(() => globalThis.viewerEvents.filter(({ type }) => type === 'seeked').length), 0);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an element uses of the document that it is in, which may be another one than its script's (an element that was moved into a
-// frame or a picture-in-picture window): the window, and styles of shadow trees. These are constructable style sheets, so that the page can have a strict
-// style-src policy.
+// Window and style sheets of the document that an element is in, which may be another one than its script's: it was moved into a frame or a
+// picture-in-picture window. The sheets are constructable, so that the page can have a strict style-src policy.
 
 const sheets = new WeakMap<Document, Map<string, CSSStyleSheet>>();
 
