@@ -242,6 +242,22 @@ test('the character does not turn on when the finger is lifted', async () => {
   near(await assertLetGo(), (await state()).liftedAt, 15, 'heading at rest');
 });
 
+test('in a scaled viewer the knob goes to the edge of the joystick, too', async () => {
+  const centre = await page.evaluate(() => {
+    const viewer = document.querySelector('fourdvt-viewer');
+    Object.assign(viewer.style, { transform: 'scale(.5)', transformOrigin: '0 0' });
+    const { x, y, width } = viewer.shadowRoot.querySelector('[part=joystick]').getBoundingClientRect();
+    return { id: 0, x: x + width / 2, y: y + width / 2 };
+  });
+  await touch('touchStart', centre);
+  await touch('touchMove', { ...centre, y: centre.y - stick.radius / 2 });
+  await wished(speed.max);
+  near((await state()).knob[1], -kReach * stick.radius, 1, 'knob');
+  await touch('touchEnd', { ...centre, y: centre.y - stick.radius / 2 });
+  await page.evaluate(() => { document.querySelector('fourdvt-viewer').style.transform = ''; });
+  await assertLetGo();
+});
+
 test('a viewer that is taken out and put back while the joystick is held has its knob in the middle', async () => {
   await touch('touchStart', onStick(0, 0));
   await touch('touchMove', onStick(0, -0.8));
