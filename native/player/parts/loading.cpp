@@ -396,9 +396,9 @@ Arrival Loading::refuse(uint32_t id, const std::string& reason) {
   const Fetch failed = fetches_.drop(id);
   if (PartState* state = stateOf(failed.purpose)) *state = PartState::Failed;
   const FetchRange& range = failed.range;
-  return lose(failed.purpose, {ErrorId::FetchFailed, range.uri + ": bytes " + std::to_string(range.offset) + "+" +
-                                                         std::to_string(range.bytes) + " could not be fetched (" +
-                                                         reason + "); check that the file is complete on the server"});
+  return lose(failed.purpose,
+              {ErrorId::FetchFailed, range.uri + ": bytes " + std::to_string(range.offset) + "+" +
+                                         std::to_string(range.bytes) + " could not be fetched: " + reason});
 }
 
 // Samples that cannot be had leave out their rendition, while the sequence has another one.
