@@ -316,6 +316,42 @@ test('labels and progress are there for assistive technology', async () => {
   assert.deepEqual(seen, ['A dancer turns', ['img', -1], ['application', 0], '0', 'Loading']);
 });
 
+// Runs in the page: elements from before the script, with properties that a page or a framework has set on them.
+async function defineLate() {
+  const [viewer, companion] = ['fourdvt-viewer', 'fourdvt-character'].map((name) => document.createElement(name));
+  const set = { src: 'nofiles.gltf', sequence: 'run', autoplay: true, loop: true, muted: true, volume: 0.5, playbackRate: 0.5, defaultPlaybackRate: 2, currentTime: 0.3, travel: true,
+    renderOptions: { samples: 2 }, scene: [{ corners: Array(18).fill(0.5) }], placement: { x: 1, z: 2 }, poster: 'p.png', note: 'of the page' };
+  Object.assign(viewer, set, { volumes: 3 });
+  viewer.play = 'wrapped';
+  viewer.playbackRate = 99; // refused
+  viewer.readyState = 7; // nobody can set it
+  Object.assign(companion, { placement: { x: 3, z: 4 }, heading: 90 });
+  const uncaught = [];
+  addEventListener('error', (e) => { uncaught.push(e.error?.name); e.preventDefault(); });
+  document.body.append(viewer);
+  viewer.append(companion);
+  await import('/fourdvt-viewer/fourdvt-viewer.js');
+  await new Promise((next) => setTimeout(next, 0));
+  const own = [viewer, companion].map((element) => Object.keys(element).sort());
+  const { src, sequence, autoplay, loop, muted, volume, playbackRate, defaultPlaybackRate, currentTime, travel, renderOptions: { samples }, scene, placement, poster } = viewer;
+  const { x, z, heading } = companion.placement;
+  viewer.loop = false;
+  return { own, src, sequence, autoplay, loop, muted, volume, playbackRate, defaultPlaybackRate, currentTime, travel, samples, meshes: scene.length, at: [placement.x, placement.z], poster,
+    companion: [x, z, heading], uncaught, loopAttribute: viewer.getAttribute('loop') };
+}
+
+test('properties that were set before the elements were defined are theirs', async () => {
+  const page = await browser.newPage({ viewport: { width: 400, height: 500 } });
+  await page.route('**/late.html', (route) => route.fulfill({ contentType: 'text/html', body: '<!doctype html><title>late</title><body></body>' }));
+  await page.goto(`${server.url}late.html`);
+  const seen = await page.evaluate(defineLate);
+  await page.close();
+  assert.deepEqual(seen, {
+    own: [['note', 'play', 'volumes'], []], src: 'nofiles.gltf', sequence: 'run', autoplay: true, loop: true, muted: true, volume: 0.5, playbackRate: 1, defaultPlaybackRate: 2,
+    currentTime: 0.3, travel: true, samples: 2, meshes: 1, at: [1, 2], poster: 'p.png', companion: [3, 4, 90], uncaught: ['RangeError', 'TypeError'], loopAttribute: 'false',
+  });
+});
+
 test('the page is alive: no uncaught error, no policy violation', () => {
   assert.deepEqual(troubles, []);
 });

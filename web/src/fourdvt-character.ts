@@ -2,6 +2,7 @@
 // <fourdvt-character> inside <fourdvt-viewer>: one more character in the same canvas. It shares shader programs and
 // render targets with the others and has its own decoders. It is loaded once the viewer's own character is there, plays
 // and pauses with it, and comes back as it was after a lost GL context.
+import { upgradeProperties } from './attributes.js';
 import { Commands } from './commands.js';
 import { JOIN_EVENT, type Companion } from './companion.js';
 import { asViewerError, characterAddress, dispatch, PageElement } from './errors.js';
@@ -20,6 +21,7 @@ export class FourdvtCharacter extends PageElement {
       travel: this.hasAttribute('travel'),
       placement: this.#placeOfAttributes(),
     });
+    upgradeProperties(this);
     this.#join();
   }
   disconnectedCallback(): void {

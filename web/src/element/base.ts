@@ -2,6 +2,7 @@
 // Base of <fourdvt-viewer>: its shadow tree, its session's host, its life in the document. The features are mixins over it
 // (loading.ts, playback.ts …), each with its attributes, properties and events; they meet in the methods that symbols name, which
 // every one extends. Does not load or show anything by itself.
+import { upgradeProperties } from '../attributes.js';
 import { Commands, type Wishes } from '../commands.js';
 import { JOIN_EVENT, type Companion } from '../companion.js';
 import { dispatch, PageElement, type ErrorDetail } from '../errors.js';
@@ -140,6 +141,7 @@ export class ViewerBase extends PageElement {
     this.#watching = new AbortController();
     this[parts].picture.watch(() => this.#resize(), this.#watching.signal);
     this[applyTexts]();
+    upgradeProperties(this);
     this[onConnected]();
   }
   // A move within the page takes the element out and puts it back at once.

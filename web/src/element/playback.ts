@@ -38,7 +38,7 @@ export function withPlayback<T extends Constructor<ViewerBase & Loading>>(Base: 
   return class extends Base implements Playback {
     static override get observedAttributes(): readonly string[] { return [...super.observedAttributes, 'loop']; }
 
-    defaultPlaybackRate = 1;
+    #defaultRate = 1;
     #playing = false; // as dispatched
     #ended = false;
     #seeking = false;
@@ -70,6 +70,8 @@ export function withPlayback<T extends Constructor<ViewerBase & Loading>>(Base: 
       this[parts].commands.seek(Number(value));
     }
     get playbackRate(): number { return this[parts].commands.wishes.rate; }
+    get defaultPlaybackRate(): number { return this.#defaultRate; }
+    set defaultPlaybackRate(value: number) { this.#defaultRate = value; }
     set playbackRate(value: number) {
       if (!(value >= 0 && value <= 4)) throw new RangeError('playbackRate must be 0 to 4');
       this[parts].commands.set('rate', value);
