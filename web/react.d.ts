@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Types of the elements in JSX, for React 19: import 'fourdvt-viewer/react' once. Attributes have the names of web/README.md; a boolean
-// one is true or absent. Properties and events come by a ref.
+// one is true, or false or absent. Properties and events come by a ref.
 import type { DetailedHTMLProps, HTMLAttributes } from 'react';
 import type { FourdvtCharacter, FourdvtViewer } from './dist/types/fourdvt-viewer.js';
 

@@ -23,7 +23,7 @@ function members() {
 // Names of attributes that the code reads, as they stand in quotes.
 function attributes() {
   const sources = [...features.map(([, text]) => text), ...['look', 'method-attributes', 'quality-attribute', 'motion-controls', 'steering', 'controls', 'extras', 'advice'].map((name) => read(`web/src/${name}.ts`))];
-  const names = sources.flatMap((text) => [...text.matchAll(/(?:hasAttribute|getAttribute|toggleAttribute|setAttribute|#number)\('([a-z-]+)'/g)].map(([, name]) => name));
+  const names = sources.flatMap((text) => [...text.matchAll(/(?:(?:hasAttribute|getAttribute|toggleAttribute|setAttribute|#number)\(|isOn\([\w.#]+, )'([a-z-]+)'/g)].map(([, name]) => name));
   return [...new Set(names)].filter((name) => !/^(part|viewBox|d|aria-.*|style|role|position|draggable)$/.test(name)).sort();
 }
 function events() {

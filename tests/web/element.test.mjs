@@ -352,6 +352,26 @@ test('properties that were set before the elements were defined are theirs', asy
   });
 });
 
+test('a boolean attribute that says "false" is off', async () => {
+  const seen = await page.evaluate(() => {
+    const viewer = document.createElement('fourdvt-viewer');
+    document.body.append(viewer);
+    const stage = viewer.shadowRoot.querySelector('.stage');
+    const look = () => [viewer.autoplay, viewer.loop, viewer.defaultMuted, viewer.travel, stage.getAttribute('role'), stage.classList.contains('orbits')];
+    const rows = ['false', 'true', ''].map((value) => {
+      for (const name of ['autoplay', 'loop', 'muted', 'travel', 'camera-controls']) viewer.setAttribute(name, value);
+      return look();
+    });
+    viewer.setAttribute('camera-controls', 'false');
+    viewer.setAttribute('motion-controls', 'false');
+    rows.push(look());
+    viewer.setAttribute('motion-controls', 'true');
+    return [...rows, look()];
+  });
+  const [on, off] = [[true, true, true, true], [false, false, false, false]];
+  assert.deepEqual(seen, [[...off, 'img', false], [...on, 'application', true], [...on, 'application', true], [...on, 'img', false], [...on, 'application', false]]);
+});
+
 test('the page is alive: no uncaught error, no policy violation', () => {
   assert.deepEqual(troubles, []);
 });

@@ -2,6 +2,7 @@
 // Advice for a character's player once it can play: which renditions the browser can decode, and which of those smoothly,
 // before one is tried; how long a turn may take to decode geometry, and that a worker decodes it; and whether other motions are near. Part of
 // fourdvt-more.js.
+import { isOn } from './attributes.js';
 import type { PlayerFiles } from './files.js';
 import { decodeBeside, type Turning } from './geometry-decoding.js';
 import { isFromCameras } from './manifest.js';
@@ -99,6 +100,6 @@ export async function advise(manifest: unknown, advised: Advised, element: Eleme
   }));
   if (!isFromCameras(manifest)) decodeBeside(advised, files);
   await judge(manifest, advised);
-  if (!savesData()) advised.run((player) => player.lookAhead(element && element.hasAttribute('motion-controls')));
+  if (!savesData()) advised.run((player) => player.lookAhead(element && isOn(element, 'motion-controls')));
   if (element && (element.getAttribute('quality') || 'auto') === 'auto') await spareBattery(advised);
 }

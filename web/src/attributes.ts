@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What pages set on an element: properties from before it was defined.
+// What pages set on an element: boolean attributes, and properties from before it was defined.
+
+/** A boolean attribute is there. "false" is off: frameworks write it where a page has set false. */
+export const isOn = (element: Element, name: string): boolean => (element.getAttribute(name) ?? 'false') !== 'false';
 
 /** Sets again what a page has set before the element was defined: as properties of its own they would hide the class's for ever. */
 export function upgradeProperties<T extends object>(element: T): void {

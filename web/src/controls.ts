@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Buttons of a viewer: one that pauses and plays; with the attribute `controls` a bar with play, time, sound and full screen. Part of
 // fourdvt-more.js.
+import { isOn } from './attributes.js';
 import type { Chapter } from './chapters.js';
 import { fill } from './strings-more.js';
 import { adopt } from './documents.js';
@@ -157,7 +158,7 @@ export class Controls {
   #show(always = false): void {
     const viewer = this.#viewer, s = this.#strings, mode = viewer.getAttribute('controls');
     const own = viewer.querySelector(':scope > [slot=controls]') !== null;
-    const whole = own || (mode !== null && mode !== 'none'), timed = viewer.duration > 0 && viewer.duration < Infinity;
+    const whole = own || (isOn(viewer, 'controls') && mode !== 'none'), timed = viewer.duration > 0 && viewer.duration < Infinity;
     const full = viewer.ownerDocument.fullscreenEnabled === true, isFull = viewer.matches(':fullscreen');
     const offered = !whole && this.#offer?.hidden === false; // one button is enough
     const silent = viewer.muted || this.#sound.blocked;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Buttons, announcements, hotspots, sound, and the prompt that invites the visitor to turn the view, of one viewer. Part of fourdvt-more.js.
 import { Announcer, type Announced } from './announcer.js';
+import { isOn } from './attributes.js';
 import { Chapters } from './chapters.js';
 import { Controls, type Controlled } from './controls.js';
 import { Hotspots, type HotspotScene } from './hotspots.js';
@@ -59,7 +60,8 @@ export class Extras {
     this.#controls.update(strings);
     this.#announcer.update(strings);
     if (!this.#prompts) return;
-    if (!this.#viewer.matches('[camera-controls][interaction-prompt]:not([interaction-prompt=none])')) {
+    const invites = isOn(this.#viewer, 'camera-controls') && isOn(this.#viewer, 'interaction-prompt') && !this.#viewer.matches('[interaction-prompt=none]');
+    if (!invites) {
       clearTimeout(this.#timer);
       this.#timer = undefined;
       this.#prompt.hidden = true;

@@ -2,7 +2,7 @@
 // <fourdvt-character> inside <fourdvt-viewer>: one more character in the same canvas. It shares shader programs and
 // render targets with the others and has its own decoders. It is loaded once the viewer's own character is there, plays
 // and pauses with it, and comes back as it was after a lost GL context.
-import { upgradeProperties } from './attributes.js';
+import { isOn, upgradeProperties } from './attributes.js';
 import { Commands } from './commands.js';
 import { JOIN_EVENT, type Companion } from './companion.js';
 import { asViewerError, characterAddress, dispatch, PageElement } from './errors.js';
@@ -18,7 +18,7 @@ export class FourdvtCharacter extends PageElement {
     if (this.#membership) return; // moved within the page: it stays
     this.#commands.begin({
       sequence: this.getAttribute('sequence'),
-      travel: this.hasAttribute('travel'),
+      travel: isOn(this, 'travel'),
       placement: this.#placeOfAttributes(),
     });
     upgradeProperties(this);
@@ -36,7 +36,7 @@ export class FourdvtCharacter extends PageElement {
     if (before === value || !this.#membership) return;
     if (name === 'src') this.#changeSource();
     else if (name === 'sequence') { if (value) this.goTo(value); }
-    else if (name === 'travel') this.#commands.set('travel', value !== null);
+    else if (name === 'travel') this.#commands.set('travel', isOn(this, 'travel'));
     else this.placement = this.#placeOfAttributes();
   }
 

@@ -14,7 +14,7 @@ const CSS = `
 .content { position: absolute; width: 100%; height: 100%; width: 100cqw; height: 100cqh; }
 .stage { position: absolute; inset: 0; outline: none; user-select: none; -webkit-user-select: none; }
 .stage.orbits { cursor: grab; touch-action: pan-y; }
-:host([disable-zoom]) .stage.orbits { touch-action: pan-y pinch-zoom; }
+:host([disable-zoom]:not([disable-zoom=false])) .stage.orbits { touch-action: pan-y pinch-zoom; }
 .stage.orbits:active { cursor: grabbing; }
 .stage.ring:focus::after { content: ''; position: absolute; inset: 0; box-shadow: inset 0 0 0 3px var(--fourdvt-focus, #5b8def); pointer-events: none; }
 canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Turns what keys and joystick ask for into motion of a character: its heading, its first parameter, its action. Part of
 // fourdvt-more.js.
+import { isOn } from './attributes.js';
 import { MotionControls } from './motion-controls.js';
 
 const STEER_DEG = 60;            // a held key asks for a heading this far from the present one
@@ -30,7 +31,7 @@ export class Steering {
     this.#viewer = viewer;
     this.#wished = wished;
     this.#controls = new MotionControls(stage, {
-      steers: () => viewer.hasAttribute('motion-controls'),
+      steers: () => isOn(viewer, 'motion-controls'),
       act: () => this.#act(),
       onInteract: () => {
         this.#stopTurning(); // at once: a frame later the character has turned on by some degrees

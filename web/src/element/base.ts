@@ -2,7 +2,7 @@
 // Base of <fourdvt-viewer>: its shadow tree, its session's host, its life in the document. The features are mixins over it
 // (loading.ts, playback.ts …), each with its attributes, properties and events; they meet in the methods that symbols name, which
 // every one extends. Does not load or show anything by itself.
-import { upgradeProperties } from '../attributes.js';
+import { isOn, upgradeProperties } from '../attributes.js';
 import { Commands, type Wishes } from '../commands.js';
 import { JOIN_EVENT, type Companion } from '../companion.js';
 import { dispatch, PageElement, type ErrorDetail } from '../errors.js';
@@ -205,7 +205,7 @@ export class ViewerBase extends PageElement {
   [applyTexts](): void {
     const { overlay } = this[parts];
     overlay.say(stringsOf(this, (this.constructor as typeof ViewerBase).strings) as unknown as Strings);
-    overlay.setLabel(this.getAttribute('alt') ?? '', this.hasAttribute('camera-controls'), this.hasAttribute('motion-controls'));
+    overlay.setLabel(this.getAttribute('alt') ?? '', isOn(this, 'camera-controls'), isOn(this, 'motion-controls'));
     overlay.setTouchAction(this.getAttribute('touch-action') ?? '');
   }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature of <fourdvt-viewer>: the orbit camera, what moves it, and what it follows.
+import { isOn } from '../attributes.js';
 import { parseOrbit, parseTarget, type Follow } from '../orbit-camera.js';
 import { OrbitControls } from '../orbit-controls.js';
 import { animate, emit, onArrival, onAttribute, onLeft, onResize, parts, touched, type Constructor, type ViewerBase } from './base.js';
@@ -41,9 +42,9 @@ export function withCamera<T extends Constructor<ViewerBase & Playback>>(Base: T
       super.connectedCallback();
       const { overlay, camera, picture } = this[parts];
       this.#controls ??= new OrbitControls(overlay.stage, camera, picture, {
-        orbits: () => this.hasAttribute('camera-controls'),
-        wheelZooms: () => this.hasAttribute('zoom'),
-        sensitivity: () => ({ orbit: this.#number('orbit-sensitivity', 1), zoom: this.hasAttribute('disable-zoom') ? 0 : this.#number('zoom-sensitivity', 1) }),
+        orbits: () => isOn(this, 'camera-controls'),
+        wheelZooms: () => isOn(this, 'zoom'),
+        sensitivity: () => ({ orbit: this.#number('orbit-sensitivity', 1), zoom: isOn(this, 'disable-zoom') ? 0 : this.#number('zoom-sensitivity', 1) }),
         onInteract: () => {
           this.#sinceInteraction = 0;
           this[touched]();
@@ -94,7 +95,7 @@ export function withCamera<T extends Constructor<ViewerBase & Playback>>(Base: T
     override [animate](dtS: number): boolean {
       const { camera, reducedMotion } = this[parts];
       this.#sinceInteraction += dtS;
-      const rotating = this.hasAttribute('auto-rotate') && !this[stopped] && !reducedMotion.matches && !this.#controls?.dragging &&
+      const rotating = isOn(this, 'auto-rotate') && !this[stopped] && !reducedMotion.matches && !this.#controls?.dragging &&
         1000 * this.#sinceInteraction > this.#number('auto-rotate-delay', AUTO_ROTATE_DELAY_MS);
       const { azimuth } = camera.goal;
       if (rotating) camera.rotate(this.#number('rotation-per-second', AUTO_ROTATE_DEG_S) * dtS, 0);

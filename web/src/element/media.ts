@@ -2,6 +2,7 @@
 // Feature of <fourdvt-viewer>: the rest of the media element's contract, by which ready-made controls drive it: states, ranges
 // of time, volume, callbacks for pictures. Ranges are empty until the
 // player's second part is there.
+import { isOn } from '../attributes.js';
 import type { MediaTimes } from '../media-times.js';
 import type { More } from '../wasm-module.js';
 import { animate, emit, onConnected, onEvent, onGivenUp, onLeft, onMore, onPicture, onSession, parts, report, type Constructor, type ViewerBase } from './base.js';
@@ -90,7 +91,7 @@ export function withMedia<T extends Constructor<ViewerBase & Loading & Playback>
       this.#muted = on;
       if (before !== on) this[emit]('volumechange');
     }
-    get defaultMuted(): boolean { return this.hasAttribute('muted'); }
+    get defaultMuted(): boolean { return isOn(this, 'muted'); }
     set defaultMuted(on: boolean) { this.toggleAttribute('muted', on); }
 
     requestVideoFrameCallback(callback: (nowMs: number, metadata: PictureMetadata) => void): number {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature of <fourdvt-viewer>: which motion is shown, its parameters, where the character goes, and keys and joystick that
 // steer it.
+import { isOn } from '../attributes.js';
 import type { Wishes } from '../commands.js';
 import type { SessionOptions } from '../session-host.js';
 import type { More } from '../wasm-module.js';
@@ -76,7 +77,7 @@ export function withMotion<T extends Constructor<ViewerBase & Loading & Playback
       if (![at.x, at.z, at.heading].every(Number.isFinite)) throw new TypeError('x, z and heading must be numbers');
       this[parts].commands.place(at);
     }
-    get travel(): boolean { return this.hasAttribute('travel'); }
+    get travel(): boolean { return isOn(this, 'travel'); }
     set travel(on: boolean) { this.toggleAttribute('travel', on); }
     get align(): Align {
       const wish = this.getAttribute('align') as Align | null;

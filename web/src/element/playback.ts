@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature of <fourdvt-viewer>: playing, pausing and seeking, like the media element; frames; the state of live streams.
+import { isOn } from '../attributes.js';
 import type { Wishes } from '../commands.js';
 import { deferred, type Deferred } from '../deferred.js';
 import { ViewerError, type ErrorDetail } from '../errors.js';
@@ -51,9 +52,9 @@ export function withPlayback<T extends Constructor<ViewerBase & Loading>>(Base: 
       this[parts].overlay.onPlay = () => this.play();
     }
 
-    get autoplay(): boolean { return this.hasAttribute('autoplay'); }
+    get autoplay(): boolean { return isOn(this, 'autoplay'); }
     set autoplay(value: boolean) { this.toggleAttribute('autoplay', value); }
-    get loop(): boolean { return this.hasAttribute('loop') && this.getAttribute('loop') !== 'false'; }
+    get loop(): boolean { return isOn(this, 'loop'); }
     set loop(value: boolean) { this.setAttribute('loop', value ? '' : 'false'); }
     get [stopped](): boolean { return this.#stopped; }
     get paused(): boolean { return !this.#playing; }
@@ -69,9 +70,9 @@ export function withPlayback<T extends Constructor<ViewerBase & Loading>>(Base: 
       this.#seek({ time: Number(value) });
       this[parts].commands.seek(Number(value));
     }
-    get playbackRate(): number { return this[parts].commands.wishes.rate; }
     get defaultPlaybackRate(): number { return this.#defaultRate; }
     set defaultPlaybackRate(value: number) { this.#defaultRate = value; }
+    get playbackRate(): number { return this[parts].commands.wishes.rate; }
     set playbackRate(value: number) {
       if (!(value >= 0 && value <= 4)) throw new RangeError('playbackRate must be 0 to 4');
       this[parts].commands.set('rate', value);
