@@ -10,6 +10,7 @@ import { after, before, beforeEach, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 
 import { launch } from './harness.mjs';
+import { encodePng } from './png.mjs';
 import { serve } from './server.mjs';
 
 const EXTENSION = 'FOURDVT_layered_video_texture';
@@ -370,6 +371,41 @@ test('a boolean attribute that says "false" is off', async () => {
   });
   const [on, off] = [[true, true, true, true], [false, false, false, false]];
   assert.deepEqual(seen, [[...off, 'img', false], [...on, 'application', true], [...on, 'application', true], [...on, 'img', false], [...on, 'application', false]]);
+});
+
+test('a poster of another origin is shown on any page: isolated, with and without crossorigin, whether its server allows reading or not', async () => {
+  const picture = { width: 2, height: 2, data: new Uint8Array(16).fill(255) };
+  writeFileSync(join(folder, 'poster.png'), encodePng(picture));
+  const open = { 'Access-Control-Allow-Origin': '*' }, isolated = { 'Cross-Origin-Opener-Policy': 'same-origin', 'Cross-Origin-Embedder-Policy': 'require-corp' };
+  const hosts = { open: await serve(folder, 0, { headers: open }), closed: await serve(folder) };
+  const html = '<!doctype html><title>poster</title><script type="module" src="fourdvt-viewer/fourdvt-viewer.js"></script><body></body>';
+  const site = await serve(folder, 0, { pages: { '/plain.html': { html }, '/isolated.html': { html, headers: isolated } } });
+  const shows = async (name, host, crossorigin, file = 'poster.png') => {
+    const page = await browser.newPage();
+    await page.goto(`${site.url}${name}.html`);
+    const width = await page.evaluate(async ({ poster, crossorigin }) => {
+      await customElements.whenDefined('fourdvt-viewer');
+      const viewer = document.createElement('fourdvt-viewer');
+      if (crossorigin) viewer.setAttribute('crossorigin', crossorigin);
+      Object.assign(viewer, { poster, src: 'nofiles.gltf' });
+      viewer.setAttribute('preload', 'none');
+      document.body.append(viewer);
+      const picture = viewer.shadowRoot.querySelector('img');
+      while (!picture.hidden && !(picture.complete && picture.naturalWidth)) await new Promise((next) => setTimeout(next, 20));
+      return picture.hidden ? null : picture.naturalWidth;
+    }, { poster: `${hosts[host].url}${file}`, crossorigin });
+    await page.close();
+    return width;
+  };
+  try {
+    assert.equal(await shows('plain', 'closed', null), 2);
+    assert.equal(await shows('plain', 'closed', 'anonymous'), 2);
+    assert.equal(await shows('isolated', 'open', null), 2);
+    assert.equal(await shows('isolated', 'open', 'anonymous'), 2);
+    assert.equal(await shows('plain', 'open', null, 'none.png'), null, 'one that is not there is left out');
+  } finally {
+    await Promise.all([site, ...Object.values(hosts)].map((server) => server.close()));
+  }
 });
 
 test('the page is alive: no uncaught error, no policy violation', () => {
