@@ -321,7 +321,7 @@ test('labels and progress are there for assistive technology', async () => {
 async function defineLate() {
   const [viewer, companion] = ['fourdvt-viewer', 'fourdvt-character'].map((name) => document.createElement(name));
   const set = { src: 'nofiles.gltf', sequence: 'run', autoplay: true, loop: true, muted: true, volume: 0.5, playbackRate: 0.5, defaultPlaybackRate: 2, currentTime: 0.3, travel: true,
-    renderOptions: { samples: 2 }, scene: [{ corners: Array(18).fill(0.5) }], placement: { x: 1, z: 2 }, poster: 'p.png', note: 'of the page' };
+    renderOptions: { samples: 2 }, scene: [{ corners: Array(18).fill(0.5) }], sign: (url) => `${url}?signed`, placement: { x: 1, z: 2 }, poster: 'p.png', note: 'of the page' };
   Object.assign(viewer, set, { volumes: 3 });
   viewer.play = 'wrapped';
   viewer.playbackRate = 99; // refused
@@ -338,7 +338,7 @@ async function defineLate() {
   const { x, z, heading } = companion.placement;
   viewer.loop = false;
   return { own, src, sequence, autoplay, loop, muted, volume, playbackRate, defaultPlaybackRate, currentTime, travel, samples, meshes: scene.length, at: [placement.x, placement.z], poster,
-    companion: [x, z, heading], uncaught, loopAttribute: viewer.getAttribute('loop') };
+    signed: await viewer.sign('a'), companion: [x, z, heading], uncaught, loopAttribute: viewer.getAttribute('loop') };
 }
 
 test('properties that were set before the elements were defined are theirs', async () => {
@@ -349,7 +349,7 @@ test('properties that were set before the elements were defined are theirs', asy
   await page.close();
   assert.deepEqual(seen, {
     own: [['note', 'play', 'volumes'], []], src: 'nofiles.gltf', sequence: 'run', autoplay: true, loop: true, muted: true, volume: 0.5, playbackRate: 1, defaultPlaybackRate: 2,
-    currentTime: 0.3, travel: true, samples: 2, meshes: 1, at: [1, 2], poster: 'p.png', companion: [3, 4, 90], uncaught: ['RangeError', 'TypeError'], loopAttribute: 'false',
+    currentTime: 0.3, travel: true, samples: 2, meshes: 1, at: [1, 2], poster: 'p.png', signed: 'a?signed', companion: [3, 4, 90], uncaught: ['RangeError', 'TypeError'], loopAttribute: 'false',
   });
 });
 

@@ -251,6 +251,43 @@ sceneTest('the policy that the documents list is enough; another origin that it 
   await finish(blocked, (line) => /violates the following Content Security Policy|Content Security Policy.*connect-src|Fetch API cannot load/.test(line));
 });
 
+sceneTest('addresses of all kinds: signed by the page, redirected, in a blob with whole addresses', async () => {
+  const signed = await open('signed files', { src: null, faults: (r) => (ofCharacter(r) && !r.url.endsWith('?key=1') ? { status: 403 } : null) });
+  await get(signed, () => {
+    globalThis.viewer.sign = async (url) => `${url}?key=1`;
+    globalThis.viewer.src = 'character/character.gltf';
+  });
+  await plays(signed);
+  assert.deepEqual(await errors(signed), []);
+  await finish(signed);
+  const refused = await open('unsigned files', { faults: (r) => (ofCharacter(r) && !r.url.includes('.gltf') ? { status: 403 } : null) });
+  assert.match((await firstError(refused)).message, /HTTP 403: .*property sign/);
+  await finish(refused);
+  const redirects = ({ url }, response) => {
+    if (url !== '/latest/character.gltf') return false;
+    response.writeHead(302, { Location: '/character/character.gltf' }).end();
+    return true;
+  };
+  const latest = await open('redirected manifest', { src: 'latest/character.gltf', serving: { handle: redirects } });
+  await plays(latest);
+  assert.equal(await get(latest, () => globalThis.viewer.currentSrc), `${latest.url}latest/character.gltf`);
+  assert.deepEqual(await errors(latest), []);
+  await finish(latest);
+  const blob = await open('manifest in a blob', { src: null });
+  await get(blob, async () => {
+    const base = new URL('character/character.gltf', location.href), text = await (await fetch(base)).text();
+    const whole = JSON.stringify(JSON.parse(text), (key, value) => (key === 'uri' && !value.startsWith('data:') ? new URL(value, base).href : value));
+    globalThis.viewer.src = URL.createObjectURL(new Blob([whole]));
+  });
+  await plays(blob);
+  assert.deepEqual(await errors(blob), []);
+  await get(blob, () => { globalThis.viewer.src = `data:model/gltf+json,${encodeURIComponent('{"extensions":{"x":{"uri":"walk.bin"}}}')}`; });
+  const { id, message } = await firstError(blob);
+  assert.equal(id, 'manifest-invalid');
+  assert.match(message, /"walk\.bin" lies in no folder/);
+  await finish(blob);
+});
+
 sceneTest('a host that does not exist is an error after a while', async () => {
   const scene = await open('unknown host', { src: 'http://nowhere.invalid/character/character.gltf' });
   const ms = await passUntil(scene, () => globalThis.seen.some((e) => e.type === 'error'));

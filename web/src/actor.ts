@@ -32,7 +32,7 @@ export interface ActorContext {
 }
 
 /** What a character's files come by. */
-export type Files = Pick<Transport, 'manifest' | 'range' | 'busy' | 'cancel' | 'cancelAll' | 'stopReplay' | 'dispose'>;
+export type Files = Pick<Transport, 'manifest' | 'address' | 'range' | 'busy' | 'cancel' | 'cancelAll' | 'stopReplay' | 'dispose'>;
 
 /** What one character is loaded from; start: the bytes of its start file, or none; load: of a live stream. */
 export interface Source {

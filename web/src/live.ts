@@ -174,6 +174,7 @@ export class LiveStream {
     if (!this.#page.hidden) this.#connect();
     return this.#first;
   }
+  address(uri: string): Promise<string> { return Promise.resolve(uri); }
   range(): Promise<null> { return Promise.resolve(null); }
   cancel(): void { /* nothing is fetched */ }
   cancelAll(): void { /* likewise */ }

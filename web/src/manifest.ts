@@ -2,7 +2,7 @@
 // Reads fields of a manifest that may not be checked yet.
 interface Extension {
   appearance?: unknown;
-  start?: unknown;
+  start?: { uri?: string };
   layerCount?: number;
 }
 export const extensionOf = (manifest: unknown): Extension | undefined =>

@@ -13,7 +13,7 @@ export async function renew(session: SessionSide, errors: readonly ErrorDetail[]
   const leave = (): void => transport.dispose();
   session.signal.addEventListener('abort', leave);
   const manifest = await transport.manifest().catch(() => null);
-  const start = extensionOf(manifest)?.start ? await transport.start() : new Uint8Array();
+  const named = extensionOf(manifest)?.start?.uri, start = named ? await transport.start(named) : new Uint8Array();
   const isNew = manifest !== null && JSON.stringify(manifest) !== JSON.stringify(session.manifest);
   const mayBeCached = manifest !== null && !session.fresh && errors.some(({ id }) => id === 'files-differ');
   if (!session.signal.aborted && session.main && (isNew || mayBeCached)) return { transport, manifest, start };

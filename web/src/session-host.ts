@@ -4,6 +4,7 @@ import type { Commands } from './commands.js';
 import type { Companion } from './companion.js';
 import type { PlayerFiles } from './files.js';
 import type { OrbitCamera } from './orbit-camera.js';
+import type { RequestOptions } from './transport.js';
 import type { UploadChoice } from './upload-path.js';
 import type { More } from './wasm-module.js';
 import type { Align, OrbitPose } from './wasm-player.js';
@@ -17,6 +18,7 @@ export interface SessionOptions {
   /** Past the browser's cache. */
   fresh: boolean;
   credentials: RequestCredentials;
+  signer: NonNullable<RequestOptions['signer']>;
 }
 
 export interface SessionHost {

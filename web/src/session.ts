@@ -68,7 +68,7 @@ export class Session implements SessionSide, Seat {
       const path = choosePath(uploadPath, live);
       const early = live || path !== 'i420' || needsFlow(this.align) || this.later.hasLook;
       if (early) expectMore(files, this.network);
-      const start = live ? null : this.#files.start(); // beside the others, whether the manifest names it or not
+      if (!live) this.#files.expectStart(); // beside the others, whether the manifest names it or not
       const join = Stage.join(files, this, this.network).then((stage) => {
         this.#stage = stage;
         if (this.ended) stage.leave(this);
@@ -78,7 +78,8 @@ export class Session implements SessionSide, Seat {
       if (live) this.transport = this.#live = await this.later.connect();
       if (this.ended) return;
       const manifest = this.#live ? await this.#live.manifest() : loaded;
-      if (start && extensionOf(manifest)?.start) this.#start = await start;
+      const start = live ? undefined : extensionOf(manifest)?.start?.uri;
+      if (start) this.#start = await this.#files.start(start);
       if (this.ended) return;
       // Paths other than 'i420' need the second part: it reads the pictures' numbers back.
       if (isFromCameras(manifest) || path !== 'i420') await this.more();
@@ -155,7 +156,8 @@ export class Session implements SessionSide, Seat {
     if (!this.ended && this.#waiting === (waiting ? 1 : 0)) this.host.network(waiting);
   };
   openTransport(src: string, cache: RequestCache): Transport {
-    return new Transport(src, this.network, { cache, credentials: this.options.credentials });
+    const { credentials, signer } = this.options;
+    return new Transport(src, this.network, { cache, credentials, signer });
   }
   makeActor(source: Source, commands: Commands, host: ActorHost): Actor {
     const video = this.path === 'video' ? this.later.loaded! : undefined;

@@ -4,7 +4,7 @@
 // an OffscreenCanvas; copied out of the first one's canvas where the others came later, or there are no such canvases. When the
 // context is lost or the player has trapped, all hear of it and begin anew on another stage. Does not load or draw characters.
 import { ViewerError } from './errors.js';
-import type { Report } from './transport.js';
+import type { Report } from './requests.js';
 import type { WasmModule } from './wasm-abi.js';
 import { instantiate } from './wasm-module.js';
 

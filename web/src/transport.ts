@@ -1,215 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fetches files and byte ranges of files. Faults that pass are waited out, with growing pauses, for as long as somebody
-// wants the bytes: no network, 5xx, 408 and 429, an answer that stalls. Faults that stay end the fetch with an error: any
-// other status, a file that is too short, an address that the browser refuses, a server that does not allow this page or
-// has never answered it. If a server ignores Range and answers with the whole file (200), the file is kept and cut up here.
+// Fetches a character's files and byte ranges of them, by the names that its manifest has. Names are resolved against the address that
+// answered with the manifest. If a server ignores Range and answers with the whole file (200), the file is kept and cut up here.
 import { ViewerError } from './errors.js';
+import { cannotLoad, isPartOfPage, originOf, PageFault, PassingFault, shortened, StatusFault } from './faults.js';
+import { ask, MOST_BYTES, patiently, type Answer, type Report } from './requests.js';
 
-const FIRST_PAUSE_MS = 300;
-const LONGEST_PAUSE_MS = 6000;
-const LONGEST_ASKED_PAUSE_MS = 60_000; // by Retry-After
-const STALL_S = 10; // without a byte
-const MOST_BYTES = 2 ** 25; // of a file whose length the manifest does not say
-const MOST_TRIES = 7; // of a server that has never answered: about 10 s, if no request stalls
+/** Gives a file the address that it is fetched from, a presigned one for example. */
+export type SignAddress = (url: string) => string | Promise<string>;
 
-/** Hears when waiting for the network begins, and when it ends. */
-export type Report = (waiting: boolean) => void;
-
-class PassingFault extends Error {
-  readonly pauseMs: number;
-  constructor(pauseMs = 0) {
-    super();
-    this.pauseMs = pauseMs;
-  }
+/** Of all requests for a character. */
+export interface RequestOptions {
+  /** 'reload' takes nothing from the browser's cache, which may hold files of an earlier bake. */
+  cache?: RequestCache;
+  credentials?: RequestCredentials;
+  /** Read at each request. */
+  signer?: { readonly sign: SignAddress | null };
 }
 
-// Origins that exist: any outage of theirs passes.
-const answered = new Set([globalThis.location?.origin]);
-
-// Addresses that the page's policy blocks, as the browser reports them.
-const blocked = new Set<string>();
-globalThis.addEventListener?.('securitypolicyviolation', (e) => {
-  if (e.disposition === 'enforce') blocked.add(e.blockedURI);
-});
-
-const parse = (url: string): URL => new URL(url, globalThis.document?.baseURI);
-const cannotLoad = (url: string, why: string): ViewerError => new ViewerError('fetch-failed', `${url}: ${why}`);
-
-// Throws if the browser refuses the address itself, so that no attempt can succeed.
-function checkRefused(url: string): void {
-  const { protocol, username, hostname, href, hash } = parse(url);
-  if (!/^https?:$/.test(protocol) || username) throw cannotLoad(url, 'browsers load https addresses without a password; correct the address');
-  if (blocked.has(href.slice(0, href.length - hash.length))) throw cannotLoad(url, "the page's content-security policy blocks it; add its origin to connect-src");
-  if (protocol === 'http:' && globalThis.location?.protocol === 'https:' && !/^(localhost|127\..*|\[::1])$/.test(hostname)) {
-    throw cannotLoad(url, 'a page over https cannot load over http; use an https address');
-  }
-}
-
-// Ends early if the browser finds a network again.
-const pause = (ms: number, signal?: AbortSignal): Promise<void> =>
-  new Promise((resolve) => {
-    const end = (): void => {
-      clearTimeout(timer);
-      globalThis.removeEventListener?.('online', end);
-      signal?.removeEventListener('abort', end);
-      resolve();
-    };
-    const timer = setTimeout(end, ms);
-    globalThis.addEventListener?.('online', end);
-    signal?.addEventListener('abort', end);
-  });
-
-interface Watch {
-  readonly signal: AbortSignal;
-  heard(): void;
-  end(): void;
-}
-
-// A signal that aborts at end(), with `signal`, or after STALL_S seconds without heard(). A timer counts the seconds one by one:
-// a page that was busy for as long reads the bytes that came meanwhile before the count is full.
-function watchForStall(signal?: AbortSignal): Watch {
-  const abort = new AbortController();
-  let quiet = 0;
-  const end = (): void => {
-    clearInterval(timer);
-    signal?.removeEventListener('abort', end);
-    abort.abort();
-  };
-  const timer = setInterval(() => ++quiet >= STALL_S && end(), 1000);
-  signal?.addEventListener('abort', end);
-  if (signal?.aborted) end();
-  return { signal: abort.signal, heard: () => (quiet = 0), end };
-}
-
-// Half of each pause is random, so that the visitors of a server that comes back do not all ask at once.
-async function patiently<T>(url: string, attempt: () => Promise<T>, report: Report, signal?: AbortSignal): Promise<T> {
-  const { origin } = parse(url);
-  let waiting = false, tries = 0;
-  const tell = (now: boolean): void => {
-    if (waiting !== now) report((waiting = now));
-  };
+// The page's function gives addresses by any means, the network for example.
+async function signedAddress(sign: SignAddress, url: string): Promise<string> {
   try {
-    for (let ms = FIRST_PAUSE_MS; ; ms = Math.min(2 * ms, LONGEST_PAUSE_MS)) {
-      try {
-        return await attempt();
-      } catch (reason) {
-        if (signal?.aborted || !(reason instanceof PassingFault)) throw reason;
-        if (globalThis.navigator?.onLine !== false && !answered.has(origin) && ++tries === MOST_TRIES) {
-          throw cannotLoad(url, `${origin} has never answered; correct the address, or start its server`);
-        }
-        tell(true);
-        await pause(Math.max(reason.pauseMs, ms * (0.5 + Math.random() / 2)), signal);
-        if (signal?.aborted) throw reason;
-      }
-    }
-  } finally {
-    tell(false);
+    const address = await sign(url);
+    if (!address) throw new TypeError('it gives no address');
+    return new URL(address, globalThis.document?.baseURI).href;
+  } catch (reason) {
+    if (globalThis.navigator?.onLine === false) throw new PassingFault(originOf(url));
+    throw cannotLoad(url, `the viewer's property sign fails (${String(reason)}); let it give the address that the file is fetched from`);
   }
 }
 
-interface Answer {
-  status: number;
-  /** Errors: PassingFault; ViewerError 'fetch-failed' if there are more than `most` bytes. */
-  read(most?: number): Promise<Uint8Array<ArrayBuffer>>;
-  /** The body as it comes, instead of `read`. A fault ends it, and is reported: a reader may get another error. */
-  stream(report: (fault: unknown) => void): ReadableStream<Uint8Array>;
-  drop(): void;
-}
-
-// One request. Errors: PassingFault; ViewerError 'fetch-failed'.
-async function ask(url: string, init: RequestInit, signal?: AbortSignal): Promise<Answer> {
-  const { signal: watched, heard, end } = watchForStall(signal);
-  const failed = (): never => {
-    end();
-    throw new PassingFault();
-  };
-  const response = await fetch(url, { credentials: 'same-origin', ...init, signal: watched }).catch(() => null);
-  if (!response) {
-    if (watched.aborted) throw new PassingFault();
-    end();
-    await pause(0); // the browser reports what the policy blocks in a task of its own
-    checkRefused(url);
-    if (await refusesThisPage(url, init, signal)) {
-      throw cannotLoad(url, 'the server answers, but does not allow this page to read it; let it send Access-Control-Allow-Origin, and allow the header Range');
-    }
-    throw new PassingFault();
-  }
-  answered.add(parse(url).origin);
-  const { status } = response;
-  if (status >= 500 || status === 429 || status === 408) {
-    end();
-    throw new PassingFault(Math.min(1000 * (Number(response.headers.get('Retry-After')) || 0), LONGEST_ASKED_PAUSE_MS));
-  }
-  if (!response.ok) {
-    end();
-    throw cannotLoad(url, `HTTP ${status}`);
-  }
-  const reader = response.body?.getReader();
-  let bytes = 0, limit = MOST_BYTES;
-  const next = async (): Promise<Uint8Array | undefined> => {
-    const part = (await reader?.read().catch(failed))?.value;
-    heard();
-    if (!part) {
-      end();
-    } else if (!((bytes += part.length) <= limit)) {
-      end();
-      throw cannotLoad(url, `the server sends more than ${limit} bytes; upload the file again`);
-    }
-    return part;
-  };
-  return {
-    status,
-    drop: end,
-    stream: (report) => new ReadableStream({
-      async pull(to) {
-        const part = await next().catch((fault: unknown) => {
-          report(fault);
-          throw fault;
-        });
-        if (part) to.enqueue(part);
-        else to.close();
-      },
-    }),
-    async read(most = MOST_BYTES) {
-      limit = most;
-      const parts: Uint8Array[] = [];
-      for (let part = await next(); part; part = await next()) parts.push(part);
-      return new Uint8Array(await new Blob(parts as BlobPart[]).arrayBuffer());
-    },
-  };
-}
-
-// A browser does not say why a request failed. If the same address answers a request whose answer nobody may read, and
-// refuses the readable one again, it is the server's word and not the network.
-async function refusesThisPage(url: string, init: RequestInit, signal?: AbortSignal): Promise<boolean> {
-  if (parse(url).origin === globalThis.location?.origin) return false;
-  const answers = (more: RequestInit): Promise<boolean> => {
-    const { signal: watched, end } = watchForStall(signal);
-    return fetch(url, { ...more, signal: watched }).then(() => true, () => false).finally(end); // nobody reads the body
-  };
-  return (await answers({ mode: 'no-cors' })) && !(await answers({ credentials: 'same-origin', ...init }));
-}
-
-/** A whole file. `report` hears when waiting for the network begins and ends. Errors: ViewerError 'fetch-failed'. */
-export function fetchFile(url: string, report: Report = () => undefined, signal?: AbortSignal, init: RequestInit = {}): Promise<Uint8Array<ArrayBuffer>> {
-  return patiently(url, async () => (await ask(url, init, signal)).read(), report, signal);
-}
-
-/** A wasm file, compiled while it comes. Errors: ViewerError 'fetch-failed'; the browser's, if it refuses the file. */
-export function compileFile(url: string, report: Report, cache: RequestCache): Promise<WebAssembly.Module> {
-  return patiently(url, async () => {
-    let fault: unknown;
-    const body = (await ask(url, { cache })).stream((reason) => (fault = reason));
-    // The type is given here: no server needs to have it.
-    const wasm = new Response(body, { headers: { 'Content-Type': 'application/wasm' } });
-    return WebAssembly.compileStreaming(wasm).catch((reason: unknown) => { throw fault ?? reason; });
-  }, report);
-}
+const pathOf = (url: string): string => url.replace(/[?#].*/, '');
 
 export class Transport {
-  readonly #base: string;
+  readonly #src: string;
+  #base: string; // of the names in the manifest
   readonly #report: Report;
-  readonly #init: RequestInit;
+  readonly #options: RequestOptions;
+  readonly #signed = new Map<string, Promise<string>>(); // addresses by the page's function
+  readonly #aliases = new Map<string, string>(); // whole addresses by the names that the player has for them
+  #early: Promise<{ url: string; bytes: Uint8Array }> | null = null; // a start file, by a guessed name
   readonly #running = new Map<number, AbortController>();
   readonly #whole = new Map<string, Promise<Uint8Array>>();
   readonly #lengths = new Map<string, number>(); // of files, in bytes, by the manifest
@@ -219,47 +48,55 @@ export class Transport {
   #replay: Map<string, Uint8Array> | null = new Map();
   bytesReceived = 0;
 
-  /**
-   * `report` hears when waiting for the network begins, and when nothing waits any more. `init`, for all requests: `cache` is
-   * 'reload' to take nothing from the browser's cache, which may hold files of an earlier bake; `credentials`.
-   */
-  constructor(manifestUrl: string, report: Report = () => undefined, init: Pick<RequestInit, 'cache' | 'credentials'> = {}) {
-    this.#base = manifestUrl;
+  /** `report` hears when waiting for the network begins, and when nothing waits any more. */
+  constructor(manifestUrl: string, report: Report = () => undefined, options: RequestOptions = {}) {
+    this.#src = this.#base = manifestUrl;
     this.#report = report;
-    this.#init = init;
+    this.#options = options;
   }
 
   /** The manifest as JSON. Errors: ViewerError 'fetch-failed', 'manifest-invalid'. */
   async manifest(): Promise<unknown> {
-    const bytes = await fetchFile(this.#base, this.#count, this.#abort.signal, this.#init).catch((reason: unknown) => {
-      if (reason instanceof ViewerError) throw new ViewerError(reason.id, `${reason.message}; src must name a character.gltf`);
-      throw reason;
+    const { signal } = this.#abort, src = this.#src;
+    const bytes = await patiently(src, async () => {
+      const answer = await this.#ask(src, signal), bytes = await answer.read();
+      this.#base = answer.redirectedTo || src;
+      return bytes;
+    }, this.#count, signal).catch((reason: unknown) => {
+      throw reason instanceof PageFault ? this.#invalid('an HTML page, not JSON; src must name a character.gltf') : reason;
     });
     try {
       return JSON.parse(new TextDecoder().decode(bytes), (_, value) => this.#note(value)) as unknown;
     } catch (reason) {
       if (reason instanceof ViewerError) throw reason;
-      throw new ViewerError('manifest-invalid', `${this.#base}: not JSON; src must name a character.gltf`);
+      const isGzip = bytes[0] === 0x1f && bytes[1] === 0x8b;
+      throw this.#invalid(isGzip ? 'the file is compressed; let the server send Content-Encoding: gzip, or upload it as it was baked' : 'not JSON; src must name a character.gltf');
     }
   }
 
-  /** The bytes of the start file, whose name follows from the manifest's. None if it cannot be had at once: all can do without. */
-  async start(): Promise<Uint8Array> {
-    const url = this.#base.replace(/\.gltf(?=$|[?#])/, '.start.bin');
-    if (url === this.#base) return new Uint8Array();
+  /** Begins to fetch the start file by the name that follows from the manifest's, before that is there. */
+  expectStart(): void {
+    const url = this.#src.replace(/^(https?:[^?#]*)\.gltf(?=$|[?#])/, '$1.start.bin');
+    if (url !== this.#src) this.#early = this.#fetchStart(url);
+  }
+  /** The bytes of the start file that the manifest names. None if it cannot be had at once: all can do without. */
+  async start(uri: string): Promise<Uint8Array> {
+    const url = this.#locate(uri), early = await this.#early;
+    const { bytes } = early && pathOf(early.url) === pathOf(url) ? early : await this.#fetchStart(url);
+    return bytes;
+  }
+  async #fetchStart(url: string): Promise<{ url: string; bytes: Uint8Array }> {
     try {
-      const bytes = await (await ask(url, this.#init, this.#abort.signal)).read();
+      const answer = await this.#ask(url, this.#abort.signal), bytes = await answer.read();
       this.bytesReceived += bytes.length;
-      return bytes;
+      return { url: answer.redirectedTo || url, bytes };
     } catch {
-      return new Uint8Array();
+      return { url, bytes: new Uint8Array() };
     }
   }
 
-  /** Another file that the character needs. Errors: ViewerError 'fetch-failed'. */
-  file(url: string): Promise<Uint8Array> {
-    return fetchFile(url, this.#count, this.#abort.signal, { credentials: this.#init.credentials });
-  }
+  /** The address of a file that the manifest names, for the browser to load. Errors: ViewerError 'fetch-failed', 'manifest-invalid'. */
+  async address(uri: string): Promise<string> { return this.#sign(this.#locate(uri)); }
 
   /** Resolves to null if the range was cancelled. Errors: ViewerError 'fetch-failed'. */
   async range(id: number, uri: string, offset: number, bytes: number): Promise<Uint8Array | null> {
@@ -307,19 +144,60 @@ export class Transport {
     if (!this.#abort.signal.aborted && this.#waiting === (waiting ? 1 : 0)) this.#report(waiting);
   };
 
+  #sign(url: string): Promise<string> {
+    const sign = this.#options.signer?.sign;
+    let address = this.#signed.get(url);
+    if (!sign || address) return address ?? Promise.resolve(url);
+    this.#signed.set(url, (address = signedAddress(sign, url)));
+    address.catch(() => this.#signed.delete(url));
+    return address;
+  }
+
+  // An address that the page has signed and the server refuses is signed anew, once: signatures expire.
+  async #ask(url: string, signal: AbortSignal, headers: Record<string, string> = {}): Promise<Answer> {
+    const { cache, credentials } = this.#options, signed = this.#sign(url);
+    const send = async (address: string): Promise<Answer> => ask({ url, address, init: { cache: cache!, credentials: credentials!, headers }, signal });
+    return send(await signed).catch(async (reason: unknown) => {
+      if (!(reason instanceof StatusFault) || this.#signed.get(url) !== signed) throw reason;
+      this.#signed.delete(url);
+      return send(await this.#sign(url));
+    });
+  }
+
+  #invalid(problem: string): ViewerError { return new ViewerError('manifest-invalid', `${shortened(this.#base)}: ${problem}`); }
+
   // The second check of a file's name, behind the manifest's reader. Escaped dots and slashes may lead out of the folder on a
   // server. Some URL parsers, that of Node 20 for one, do not resolve every "..".
   #locate(uri: string): string {
+    const alias = this.#aliases.get(uri);
+    if (alias) return alias;
     try {
       const { href } = new URL(uri, this.#base), folder = new URL('.', this.#base).href;
       if (href.startsWith(folder) && !/\/\.\.|%(2e|2f|5c|25)/i.test(href.slice(folder.length - 1))) return href;
     } catch { /* no address */ }
-    throw new ViewerError('manifest-invalid', `${this.#base}: "${uri}" is not in the character's folder; bake it again`);
+    throw this.#invalid(`"${uri}" is not in the character's folder; bake it again`);
+  }
+
+  // A manifest without a folder has whole addresses in place of names; the player gets a plain name for each.
+  #nameFor(uri: string): string {
+    let url: URL;
+    try {
+      url = new URL(uri);
+    } catch {
+      throw this.#invalid(`"${uri}" lies in no folder, because src is a ${new URL(this.#base).protocol} address; write whole addresses into the manifest, or let src be an https address`);
+    }
+    for (const [name, address] of this.#aliases) if (address === url.href) return name;
+    const last = url.protocol === 'data:' ? 'data' : url.pathname.slice(-60).replace(/.*\/|[^\w.-]/g, '');
+    const name = `${this.#aliases.size}-${last}`;
+    this.#aliases.set(name, url.href);
+    return name;
   }
 
   // A value of the manifest: checks where it leads if it names a file, and remembers the file's length.
   #note(value: { uri?: string; byteOffset?: number; byteLength?: number } | null): unknown {
-    if (value?.uri && !/^data:/.test(value.uri)) {
+    if (!value?.uri) return value;
+    if (/^(blob|data):/.test(this.#base)) value.uri = this.#nameFor(value.uri);
+    if (!/^data:/.test(value.uri)) {
       const url = this.#locate(value.uri);
       this.#lengths.set(url, Math.max(this.#lengths.get(url) ?? 0, (value.byteOffset ?? 0) + (value.byteLength ?? MOST_BYTES)));
     }
@@ -329,18 +207,29 @@ export class Transport {
   async #fetchRange(url: string, offset: number, bytes: number, signal: AbortSignal): Promise<Uint8Array> {
     let whole = this.#whole.get(url);
     if (!whole) {
-      const answer = await ask(url, { ...this.#init, headers: { Range: `bytes=${offset}-${offset + bytes - 1}` } }, signal);
-      if (answer.status === 206) {
-        const part = await answer.read(this.#lengths.get(url));
-        this.bytesReceived += part.length;
-        return slice(url, part, 0, bytes);
-      }
+      const answer = await this.#ask(url, signal, { Range: `bytes=${offset}-${offset + bytes - 1}` });
+      if (answer.status === 206) return this.#readPart(answer, url, offset, bytes);
       // Several answers may bring the same file at the same time; only the first is read to its end.
       whole = this.#whole.get(url);
       if (whole) answer.drop();
       else whole = this.#keepWhole(url, answer);
     }
     return slice(url, await whole, offset, bytes);
+  }
+
+  async #readPart(answer: Answer, url: string, offset: number, bytes: number): Promise<Uint8Array> {
+    const [range, encoding, type] = ['Range', 'Encoding', 'Type'].map((name) => answer.headers.get(`Content-${name}`)); // null: the other origin hides it
+    if (range && !range.startsWith(`bytes ${offset}-`)) {
+      answer.drop();
+      throw cannotLoad(url, `the server answers with other bytes (${range}) than those from ${offset}; let it send the range that is requested, or the whole file`);
+    }
+    const part = await answer.read(this.#lengths.get(url));
+    this.bytesReceived += part.length;
+    if (isPartOfPage(part, type!)) throw new PageFault(url);
+    if (part.length !== bytes && encoding) {
+      throw cannotLoad(url, `a range of a compressed file cannot be used (Content-Encoding: ${encoding}); serve .bin, .mp4 and pictures uncompressed`);
+    }
+    return slice(url, part, 0, bytes);
   }
 
   #keepWhole(url: string, answer: Answer): Promise<Uint8Array> {

@@ -7,7 +7,7 @@ import createPlayer from 'fourdvt-wasm';
 import type { PlayerFiles } from './files.js';
 import type { WasmModule } from './wasm-abi.js';
 import { asViewerError, ViewerError } from './errors.js';
-import { compileFile, type Report } from './transport.js';
+import { compileFile, type Report } from './requests.js';
 
 /** The page's side of what only the second part has. */
 export type More = typeof import('./more.js');

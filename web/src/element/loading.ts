@@ -3,6 +3,7 @@
 import { asViewerError, characterAddress, withCode, type ErrorDetail, type MediaFault } from '../errors.js';
 import { filesOf } from '../files.js';
 import { Session } from '../session.js';
+import type { SignAddress } from '../transport.js';
 import type { UploadChoice as UploadPath } from '../upload-path.js';
 import {
   emit, firstWishes, holds, onArrival, onAttribute, onConnected, onEvent, onGivenUp, onGranted, onLeft, onLost, onRestored, onSession, onTrapped, parts, report, sessionOptions, touched, updateActive,
@@ -24,6 +25,8 @@ export interface Loading {
   /** Address of what is loaded. */
   readonly currentSrc: string;
   readonly error: MediaFault | null;
+  /** Gives each file of the characters the address that it is fetched from; called again for one that the server refuses. Null: its own. */
+  sign: SignAddress | null;
   /** How decoded pictures reach the GPU; 'auto' measures what is faster. Takes effect at the next load. */
   uploadPath: UploadPath;
   /** Loads the character again, from the start. Any error before is forgotten. */
@@ -45,6 +48,7 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
     #error: MediaFault | null = null;
     #address = '';
     #base = ''; // that src is relative to, also after a move into another document
+    #sign: SignAddress | null = null;
     #asked = false; // touched or played with this source: preload="none" counts no longer
     #granted = false;
     #wanted: { fresh: boolean } | null = null; // to load, once the page lets it
@@ -65,6 +69,8 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
     set poster(value: string) { this.setAttribute('poster', value); }
     get currentSrc(): string { return this.#address; }
     get error(): MediaFault | null { return this.#error; }
+    get sign(): SignAddress | null { return this.#sign; }
+    set sign(sign: SignAddress | null) { this.#sign = sign; }
     get uploadPath(): UploadPath { return (this.getAttribute('upload-path') ?? 'auto') as UploadPath; }
     set uploadPath(value: UploadPath) { this.setAttribute('upload-path', value); }
     load(): void { if (this[parts].connected) this.#want(); }
@@ -168,7 +174,8 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
       }
       const { size, host } = this[parts], { wasmUrl, opencvUrl } = this.constructor as unknown as Addresses;
       const session = (this[parts].session = new Session({
-        src, files: filesOf(wasmUrl, opencvUrl, document.baseURI), uploadPath: this.uploadPath, align: 'baked', room: false, fresh, credentials: this.getAttribute('crossorigin') === 'use-credentials' ? 'include' : 'same-origin', ...this[sessionOptions](),
+        src, files: filesOf(wasmUrl, opencvUrl, document.baseURI), uploadPath: this.uploadPath, align: 'baked', room: false, fresh,
+        credentials: this.getAttribute('crossorigin') === 'use-credentials' ? 'include' : 'same-origin', signer: this, ...this[sessionOptions](),
       }, host));
       this[onSession]();
       session.resize(size.width, size.height);
@@ -218,20 +225,27 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
     }
 
     override [onEvent](name: string, detail: unknown): void {
-      const { overlay, session } = this[parts];
+      const { overlay } = this[parts];
       super[onEvent](name, detail);
       if (name === 'progress') {
         const { loaded, total } = detail as { loaded: number; total: number };
         if (this.#loading) overlay.progress(Math.min(1, loaded / Math.max(total, MIN_TOTAL_BYTES)));
       } else if (name === 'loadedmetadata') {
-        const poster = session?.character?.posterUri;
-        if (poster && !session.started && !overlay.hasPoster) overlay.setPoster(new URL(poster, new URL(this.src, this.#base)).href);
+        void this.#showOwnPoster();
       } else if (name === 'error') {
         this.#onError(detail as ErrorDetail);
       } else if (['canplay', 'playing', 'seeked', 'sequencechange'].includes(name)) {
         if (name === 'canplay') this.#loading = false;
         this[forgetError]();
       }
+    }
+
+    // The character's own, where the page gives none and the first picture is not near.
+    async #showOwnPoster(): Promise<void> {
+      const { session, overlay } = this[parts], uri = session?.character?.posterUri;
+      if (!uri || session.started || overlay.hasPoster) return;
+      const url = await session.transport.address(uri).catch(() => null);
+      if (url && this[parts].session === session && !overlay.hasPoster) overlay.setPoster(url);
     }
 
     // The panel is for errors that leave nothing to look at, or the wanted motion standing still; a command that was

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+// Requests of files. Faults that pass are waited out, with growing pauses, for as long as somebody wants the bytes: no network,
+// statuses 408, 425, 429 and most of 5xx, an answer that stalls. Faults that stay end the request with an error: any other status, a
+// page in place of the file, an answer that breaks off at the same byte each time, an address that the browser refuses, a server that does
+// not allow this page or has never answered.
+import { cannotLoad, corsRefusal, isPage, originOf, PageFault, passes, PassingFault, rangeRefusal, refusalOf, StatusFault } from './faults.js';
+
+const FIRST_PAUSE_MS = 300;
+const LONGEST_PAUSE_MS = 6000;
+const LONGEST_ASKED_PAUSE_MS = 60_000; // by Retry-After
+const STALL_S = 10; // without a byte
+export const MOST_BYTES = 2 ** 25; // of a file whose length the manifest does not say
+const MOST_TRIES = 7; // of a server that has never answered: about 10 s, if no request stalls
+const MOST_BREAKS = 4; // of an answer, at the same byte
+const REDIRECTED = 'the address that it redirects to'; // in place of an origin, which the browser does not say
+
+/** Hears when waiting for the network begins, and when it ends. */
+export type Report = (waiting: boolean) => void;
+
+export interface Wanted {
+  /** Names the file in messages. */
+  url: string;
+  /** The address that is fetched, if it is not `url`. */
+  address?: string;
+  init?: RequestInit;
+  signal?: AbortSignal | undefined;
+}
+
+export interface Answer {
+  readonly status: number;
+  readonly headers: Headers;
+  /** The address that has answered; empty if it is the one that was fetched. */
+  readonly redirectedTo: string;
+  /** Errors: PassingFault; PageFault; ViewerError 'fetch-failed' if there are more than `most` bytes. */
+  read(most?: number): Promise<Uint8Array<ArrayBuffer>>;
+  /** The body as it comes, instead of `read`. A fault ends it, and is reported: a reader may get another error. */
+  stream(report: (fault: unknown) => void): ReadableStream<Uint8Array>;
+  drop(): void;
+}
+
+// Origins that exist: any outage of theirs passes.
+const answered = new Set([globalThis.origin]);
+
+// Ends early if the browser finds a network again.
+const pause = (ms: number, signal?: AbortSignal): Promise<void> =>
+  new Promise((resolve) => {
+    const end = (): void => {
+      clearTimeout(timer);
+      globalThis.removeEventListener?.('online', end);
+      signal?.removeEventListener('abort', end);
+      resolve();
+    };
+    const timer = setTimeout(end, ms);
+    globalThis.addEventListener?.('online', end);
+    signal?.addEventListener('abort', end);
+  });
+
+interface Watch {
+  readonly signal: AbortSignal;
+  heard(): void;
+  end(): void;
+}
+
+// A signal that aborts at end(), with `signal`, or after STALL_S seconds without heard(). A timer counts the seconds one by one:
+// a page that was busy for as long reads the bytes that came meanwhile before the count is full.
+function watchForStall(signal?: AbortSignal): Watch {
+  const abort = new AbortController();
+  let quiet = 0;
+  const end = (): void => {
+    clearInterval(timer);
+    signal?.removeEventListener('abort', end);
+    abort.abort();
+  };
+  const timer = setInterval(() => ++quiet >= STALL_S && end(), 1000);
+  signal?.addEventListener('abort', end);
+  if (signal?.aborted) end();
+  return { signal: abort.signal, heard: () => (quiet = 0), end };
+}
+
+/** Attempts it until no fault passes any more. Half of each pause is random, so that the visitors of a server that comes back do not all return at once. */
+export async function patiently<T>(url: string, attempt: () => Promise<T>, report: Report, signal?: AbortSignal): Promise<T> {
+  let waiting = false, tries = 0, breaks = 0, brokeAtBytes = NaN;
+  const tell = (now: boolean): void => {
+    if (waiting !== now) report((waiting = now));
+  };
+  // A fault that passes by itself, but not here.
+  const check = (fault: PassingFault): void => {
+    if (globalThis.navigator?.onLine === false) return;
+    if (!answered.has(fault.origin) && ++tries === MOST_TRIES) {
+      const hint = globalThis.crossOriginIsolated ? ', or does not allow this page (Access-Control-Allow-Origin)' : '';
+      throw cannotLoad(url, `${fault.origin} has never answered${hint}; correct the address, or start its server`);
+    }
+    breaks = fault.brokeAtBytes === brokeAtBytes ? breaks + 1 : 1;
+    ({ brokeAtBytes } = fault);
+    if (breaks === MOST_BREAKS) {
+      throw cannotLoad(url, `the answer breaks off after ${brokeAtBytes} bytes each time; let the server send the file's true Content-Length, and no Content-Encoding that it does not have`);
+    }
+  };
+  try {
+    for (let ms = FIRST_PAUSE_MS; ; ms = Math.min(2 * ms, LONGEST_PAUSE_MS)) {
+      try {
+        return await attempt();
+      } catch (reason) {
+        if (signal?.aborted || !(reason instanceof PassingFault)) throw reason;
+        check(reason);
+        tell(true);
+        await pause(Math.max(reason.pauseMs, ms * (0.5 + Math.random() / 2)), signal);
+        if (signal?.aborted) throw reason;
+      }
+    }
+  } finally {
+    tell(false);
+  }
+}
+
+/** One request. Errors: PassingFault; ViewerError 'fetch-failed'. */
+export async function ask({ url, address = url, init = {}, signal }: Wanted): Promise<Answer> {
+  const { signal: watched, heard, end } = watchForStall(signal), origin = originOf(address);
+  const response = await fetch(address, { credentials: 'same-origin', ...init, signal: watched }).catch(() => null);
+  if (!response) {
+    const stalled = watched.aborted;
+    end();
+    throw stalled ? new PassingFault(origin) : await faultOf({ url, address, init, signal });
+  }
+  const { status, headers } = response;
+  answered.add(origin);
+  if (response.redirected) answered.add(REDIRECTED);
+  if (!response.ok) {
+    end();
+    if (!passes(status)) throw new StatusFault(url, status);
+    throw new PassingFault(origin, { pauseMs: Math.min(1000 * (Number(headers.get('Retry-After')) || 0), LONGEST_ASKED_PAUSE_MS) });
+  }
+  const reader = response.body?.getReader();
+  let bytes = 0, limit = MOST_BYTES;
+  const broken = (): never => {
+    const stalled = watched.aborted;
+    end();
+    throw new PassingFault(origin, stalled ? {} : { brokeAtBytes: bytes });
+  };
+  const check = (length: number): void => {
+    if (length <= limit) return;
+    end();
+    throw cannotLoad(url, `the server sends more than ${limit} bytes; upload the file again`);
+  };
+  const next = async (): Promise<Uint8Array | undefined> => {
+    const part = (await reader?.read().catch(broken))?.value;
+    heard();
+    if (!part) {
+      end();
+      return part;
+    }
+    if (bytes === 0 && isPage(part)) {
+      end();
+      throw new PageFault(url);
+    }
+    check(bytes += part.length);
+    return part;
+  };
+  return {
+    status,
+    headers,
+    redirectedTo: response.redirected ? response.url : '',
+    drop: end,
+    stream: (report) => new ReadableStream({
+      async pull(to) {
+        const part = await next().catch((fault: unknown) => {
+          report(fault);
+          throw fault;
+        });
+        if (part) to.enqueue(part);
+        else to.close();
+      },
+    }),
+    async read(most = MOST_BYTES) {
+      limit = most;
+      if (!headers.has('Content-Encoding')) check(Number(headers.get('Content-Length')));
+      const parts: Uint8Array[] = [];
+      for (let part = await next(); part; part = await next()) parts.push(part);
+      return new Uint8Array(await new Blob(parts as BlobPart[]).arrayBuffer());
+    },
+  };
+}
+
+// Finds out why a request has failed: a browser does not say it. If the same address answers another request, for the whole file or one
+// whose answer nobody may read, and fails again at this one, it is the server's word and not the network. The page's own server refuses
+// no page itself, but may redirect.
+async function faultOf({ url, address = url, init = {}, signal }: Wanted): Promise<Error> {
+  await pause(0); // the browser reports what the policy blocks in a task of its own
+  const refusal = refusalOf(address), origin = originOf(address), isOwn = origin === globalThis.origin;
+  if (refusal) return cannotLoad(url, refusal);
+  const probe = (more: RequestInit): Promise<Response | null> => {
+    const { signal: watched, end } = watchForStall(signal);
+    return fetch(address, { credentials: 'same-origin', ...more, signal: watched }).catch(() => null).finally(end); // nobody reads the body
+  };
+  const hasRange = new Headers(init.headers).has('Range');
+  if (hasRange && (await probe({ ...init, headers: {} })) && !(await probe(init))) return cannotLoad(url, rangeRefusal(isOwn));
+  if (isOwn && (await probe({ redirect: 'manual' }))?.type !== 'opaqueredirect') return new PassingFault(origin);
+  if ((await probe({ mode: 'no-cors' })) && !(await probe(init))) return cannotLoad(url, corsRefusal(init.credentials));
+  return new PassingFault(isOwn ? REDIRECTED : origin);
+}
+
+/** A whole file. Errors: ViewerError 'fetch-failed'. */
+export function fetchFile(url: string, report: Report = () => undefined, signal?: AbortSignal, init: RequestInit = {}): Promise<Uint8Array<ArrayBuffer>> {
+  return patiently(url, async () => (await ask({ url, init, signal })).read(), report, signal);
+}
+
+/** A wasm file, compiled while it comes. Errors: ViewerError 'fetch-failed'; the browser's, if it refuses the file. */
+export function compileFile(url: string, report: Report, cache: RequestCache): Promise<WebAssembly.Module> {
+  return patiently(url, async () => {
+    let fault: unknown;
+    const body = (await ask({ url, init: { cache } })).stream((reason) => (fault = reason));
+    // The type is given here: no server needs to have it.
+    const wasm = new Response(body, { headers: { 'Content-Type': 'application/wasm' } });
+    return WebAssembly.compileStreaming(wasm).catch((reason: unknown) => { throw fault ?? reason; });
+  }, report);
+}
