@@ -251,6 +251,37 @@ sceneTest('the policy that the documents list is enough; another origin that it 
   await finish(blocked, (line) => /violates the following Content Security Policy|Content Security Policy.*connect-src|Fetch API cannot load/.test(line));
 });
 
+sceneTest('the second part of the player cannot be had: an error says why, and the motion plays on; it comes once it can', async () => {
+  const lacks = (scene) => get(scene, () => globalThis.viewer.shadowRoot.querySelector('.note:not([hidden])')?.textContent ?? '');
+  const hasControls = () => globalThis.viewer.shadowRoot.querySelector('.controls') !== null;
+  for (const [name, file, fault, reason] of [
+    ['an HTML page in place of fourdvt-more.js', /fourdvt-more\.js/, { text: '<!doctype html><title>shop</title>' }, /fourdvt-more\.js.*HTML page in place of the file/],
+    ['no fourdvt-more.wasm', /fourdvt-more\.wasm/, { status: 404 }, /fourdvt-more\.wasm.*HTTP 404/],
+  ]) {
+    const scene = await open(name, { faults: (r) => (file.test(r.url) ? fault : null) });
+    const { id, message } = await firstError(scene);
+    assert.equal(id, 'fetch-failed');
+    assert.match(message, reason);
+    assert.ok(await advances(scene));
+    assert.match(await lacks(scene), reason);
+    assert.equal((await panel(scene)).error, false);
+    scene.faults = null;
+    await get(scene, () => globalThis.viewer.load());
+    await until(scene, hasControls);
+    assert.equal(await lacks(scene), '');
+    assert.deepEqual(await errors(scene), ['fetch-failed']);
+    row(name, 'a line; the motion plays on without controls and sound', '`fetch-failed`; comes with the next load');
+    await finish(scene, (line) => /Failed to load module script|Failed to fetch dynamically/.test(line));
+  }
+  const passing = await open('503 for fourdvt-more.js for a while', { faults: (r) => (/fourdvt-more\.js/.test(r.url) ? { status: 503 } : null) });
+  await plays(passing);
+  await until(passing, () => globalThis.seen.some((e) => e.type === 'stalled'));
+  passing.faults = null;
+  await passUntil(passing, hasControls);
+  assert.deepEqual(await errors(passing), []);
+  await finish(passing, (line) => /Failed to fetch dynamically/.test(line));
+});
+
 sceneTest('addresses of all kinds: signed by the page, redirected, in a blob with whole addresses', async () => {
   const signed = await open('signed files', { src: null, faults: (r) => (ofCharacter(r) && !r.url.endsWith('?key=1') ? { status: 403 } : null) });
   await get(signed, () => {

@@ -363,9 +363,10 @@ test('the second part gets the exports of the first; one that is missing is one 
   const kFirst = Uint8Array.from([0, 97, 115, 109, 1, 0, 0, 0, 1, 4, 1, 96, 0, 0, 2, 17, 1, 11, ...Buffer.from('placeholder'), 1, 48, 0, 0, 3, 2, 1, 0, 7, 5, 1, 1, 102, 0, 1, 10, 6, 1, 4, 0, 16, 0, 11]);
   const kSecond = Uint8Array.from([0, 97, 115, 109, 1, 0, 0, 0, 1, 4, 1, 96, 0, 0, 2, 11, 1, 5, ...Buffer.from('first'), 1, 102, 0, 0]);
   const fetched = [], realFetch = globalThis.fetch;
-  let cached = '1234abce', served = '00000000';
+  let cached = '1234abce', served = '00000000', status = 200; // of the script
   globalThis.fetch = async (address, { cache }) => {
     fetched.push([address, cache]);
+    if (address.includes('more.js')) return new Response('export const one = 1;', { status });
     const stamped = stampWasm(address.includes('more') ? kSecond : kFirst, cache === 'reload' ? served : cached);
     return new Response(stamped, { headers: { 'Content-Type': 'text/plain' } });
   };
@@ -381,7 +382,11 @@ test('the second part gets the exports of the first; one that is missing is one 
     await instantiate(files, () => undefined);
     assert.deepEqual(fetched, [], 'compiled once per page');
     assert.throws(() => module.instance.exports.f(), /second part/);
-    await assert.rejects(loadMore(module, files, () => undefined), { id: 'fetch-failed', message: /fourdvt-more\.js\?v=5: .*beside/ });
+    await assert.rejects(loadMore(module, files, () => undefined), { id: 'fetch-failed', message: /fourdvt-more\.js\?v=5: .*does not run.*text\/javascript.*script-src/ });
+    assert.deepEqual(fetched.filter(([address]) => address === files.more), [[files.more, 'reload']], 'a fetch finds out why the script does not load');
+    status = 404;
+    await assert.rejects(loadMore(module, files, () => undefined), { id: 'fetch-failed', message: /fourdvt-more\.js\?v=5: HTTP 404: .*beside/ });
+    status = 200;
     assert.equal(hasMore(module), false);
     writeFileSync(join(folder, 'fourdvt-more.js'), 'export const readLook = 1;');
     const tryAgain = filesAt(`${pathToFileURL(folder).href}/./`); // another address of the same file

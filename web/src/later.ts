@@ -15,7 +15,7 @@ type Effect = 'useFlow' | 'useLook' | 'useRoom';
 
 /** The session, as far as it is used here. */
 export interface LaterSession extends SessionSide {
-  readonly host: SessionSide['host'] & { readonly companions: Iterable<Companion>; more(more: More): void };
+  readonly host: SessionSide['host'] & { readonly companions: Iterable<Companion>; more(more: More): void; incomplete(error: ErrorDetail): void };
   readonly ended: boolean;
   room: boolean;
   fresh: boolean;
@@ -28,6 +28,7 @@ export class Later {
   #looked = false; // a look has been set
   #unproven = false; // it was loaded anew and could not play yet
   #held: ErrorDetail[] | null = null; // errors that wait for what #renew finds
+  #missing = ''; // why the second part is not there, as an event has said
   /** The page's side of the second part, once it is there. */
   loaded: More | null = null;
 
@@ -39,6 +40,7 @@ export class Later {
     const session = this.#session;
     this.loaded = await loadMore(session.module, session.options.files, session.network);
     this.#companions ??= new this.loaded.Companions(session);
+    this.#missing = '';
     session.host.more(this.loaded);
     return this.loaded;
   }
@@ -62,10 +64,19 @@ export class Later {
     this.#companions?.clear();
   }
 
-  // Without the second part the player does without.
+  // Without the second part the character plays on; an event says why it is missing, unless an effect's has.
   #loadRest(measures: boolean): void {
     const session = this.#session;
-    void this.more().then(({ complete }) => complete(session, this.others, measures), () => undefined);
+    void this.more().then(({ complete }) => complete(session, this.others, measures), (reason: unknown) => {
+      if (session.errorOf(reason).message !== this.#missing) this.#miss(reason);
+    });
+  }
+  #miss(reason: unknown): void {
+    const { host, ended } = this.#session, error = this.#session.errorOf(reason);
+    if (ended) return;
+    this.#missing = error.message;
+    host.incomplete(error);
+    host.emit('error', error);
   }
 
   // --- effects ---
@@ -102,7 +113,7 @@ export class Later {
     }, (reason: unknown) => {
       if (!isCurrent()) return;
       if (name === 'useFlow') session.align = session.host.commands.wishes.align;
-      session.host.emit('error', session.errorOf(reason));
+      this.#miss(reason);
     });
   }
 

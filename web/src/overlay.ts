@@ -3,10 +3,15 @@
 // box of the element: the element is a size container, whose content box is 100cqw wide and 100cqh high and begins where a block in flow does.
 // Its style is a constructable style sheet, so that the page can have a strict style-src policy.
 
+import type { ErrorDetail } from './errors.js';
 import type { Strings } from './strings.js';
 import { adopt } from './documents.js';
 
-const ON_DEVELOPERS_MACHINE = /^(file:|https?:\/\/(localhost|127\.0\.0\.1|\[::1])[:/])/;
+const ON_DEVELOPERS_MACHINE = /^(file:|https?:\/\/(localhost|127\.0\.0\.1|\[::1])(:|$))/;
+
+// Visitors get the short text. A frame without an address of its own has the origin of the page around it.
+const textOf = ({ id, message }: ErrorDetail, short: string): string =>
+  ON_DEVELOPERS_MACHINE.test(location.protocol === 'file:' ? 'file:' : origin) ? `${id}: ${message}` : short;
 
 const CSS = `
 :host { display: block; position: relative; overflow: hidden; contain: strict; container-type: size; width: 300px; aspect-ratio: 3/4; }
@@ -88,6 +93,7 @@ export class Overlay {
   #coverTimer = 0;
   #otherMode = true; // of requests, with CORS or without, is yet to be tried for the poster
   #kept: HTMLCanvasElement | null = null; // the last picture of a canvas that has gone
+  #lack = ''; // the line that says that some of the player is missing
   /** Called by its buttons. */
   onPlay: () => void = () => undefined;
   onRetry: () => void = () => undefined;
@@ -223,6 +229,7 @@ export class Overlay {
 
   idle(): void {
     this.#forget();
+    this.#lack = '';
     this.#progress.hidden = this.#play.hidden = this.#error.hidden = this.#note.hidden = true;
     this.#poster.classList.remove('gone');
   }
@@ -261,9 +268,9 @@ export class Overlay {
     stage.focus();
   }
   /** Says what went wrong and offers to try again. `over`: there is nothing else to look at than the poster. */
-  fail({ id, message }: { id: string; message: string }, over: boolean): void {
+  fail(error: ErrorDetail, over: boolean): void {
     this.#progress.hidden = this.#play.hidden = true;
-    this.#message.textContent = ON_DEVELOPERS_MACHINE.test(location.href) ? `${id}: ${message}` : this.#strings[id as keyof Strings] ?? this.#strings.failure;
+    this.#message.textContent = textOf(error, this.#strings[error.id as keyof Strings] ?? this.#strings.failure);
     this.#error.hidden = false;
     if (over) this.#poster.classList.remove('gone');
   }
@@ -271,8 +278,15 @@ export class Overlay {
     this.#error.hidden = true;
   }
   /** A quiet line while the network is waited for. */
-  note(waiting: boolean): void {
-    this.#note.textContent = waiting ? this.#strings.network : null;
-    this.#note.hidden = !waiting;
+  note(waiting: boolean): void { this.#setNote(waiting ? this.#strings.network : this.#lack); }
+  /** Another one, until complete(): some of the player cannot be loaded. */
+  incomplete(error: ErrorDetail): void { this.#setNote((this.#lack = textOf(error, this.#strings.incomplete))); }
+  complete(): void {
+    if (this.#note.textContent === this.#lack) this.#setNote('');
+    this.#lack = '';
+  }
+  #setNote(text: string): void {
+    this.#note.textContent = text;
+    this.#note.hidden = !text;
   }
 }

@@ -2,6 +2,7 @@
 // Types that a session and the element that makes it share.
 import type { Commands } from './commands.js';
 import type { Companion } from './companion.js';
+import type { ErrorDetail } from './errors.js';
 import type { PlayerFiles } from './files.js';
 import type { OrbitCamera } from './orbit-camera.js';
 import type { RequestOptions } from './transport.js';
@@ -41,6 +42,8 @@ export interface SessionHost {
   network(waiting: boolean): void;
   /** The player's second part is there. Called once or more. */
   more(more: More): void;
+  /** The second part cannot be loaded: the character plays without it. */
+  incomplete(error: ErrorDetail): void;
   /** Shows this canvas from now on. */
   show(canvas: HTMLCanvasElement): void;
   /** The session has ended with the stage, whose context is lost; `restored` follows if the browser gives it back. */

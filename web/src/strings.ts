@@ -9,6 +9,8 @@ export interface Strings {
   play: string;
   retry: string;
   network: string;
+  /** The player's second part cannot be loaded: the character plays without it. */
+  incomplete: string;
   /** Texts of the panel for visitors, by the error's id; the event and the console have the details. */
   failure: string;
   'insecure-context': string;
@@ -28,6 +30,7 @@ export const STRINGS: Languages = {
     play: 'Play',
     retry: 'Try again',
     network: 'Waiting for the network …',
+    incomplete: 'Part of the player cannot be loaded.',
     failure: 'This character cannot be shown.',
     'insecure-context': 'This page must come over https to show the character.',
     'decoder-unsupported': 'This browser cannot decode this character.',

@@ -7,13 +7,17 @@ import createPlayer from 'fourdvt-wasm';
 import type { PlayerFiles } from './files.js';
 import type { WasmModule } from './wasm-abi.js';
 import { asViewerError, ViewerError } from './errors.js';
-import { compileFile, type Report } from './requests.js';
+import { compileFile, fetchFile, type Report } from './requests.js';
 
 /** The page's side of what only the second part has. */
 export type More = typeof import('./more.js');
 
 type SecondPart = Pick<PlayerFiles, 'more' | 'moreWasm'>;
 
+const BESIDE = "the player's files must lie beside its script";
+
+const scripts = new Map<string, Promise<More>>(); // of the second part, that are loaded or on their way
+let attempts = 0; // to load one again
 const compiled = new Map<string, Promise<WebAssembly.Module>>();
 const firstParts = new WeakMap<WasmModule, WebAssembly.Exports>();
 const secondParts = new WeakMap<WasmModule, Promise<More>>();
@@ -31,7 +35,7 @@ function refusal(url: string, reason: unknown): ViewerError {
 async function compileNew(url: string, report: Report, cache: RequestCache = 'default'): Promise<WebAssembly.Module> {
   const module = await compileFile(url, report, cache).catch((reason: unknown) => {
     if (!(reason instanceof ViewerError)) throw refusal(url, reason);
-    throw new ViewerError('fetch-failed', `${asViewerError(reason).message}; the player's wasm files must lie beside its script`);
+    throw new ViewerError('fetch-failed', `${asViewerError(reason).message}; ${BESIDE}`);
   });
   if (new TextDecoder().decode(WebAssembly.Module.customSections(module, 'fourdvt')[0]) === FOURDVT_STAMP) return module;
   if (cache === 'default') return compileNew(url, report, 'reload');
@@ -102,11 +106,33 @@ export function loadMore(module: WasmModule, files: SecondPart, report: Report):
   return more;
 }
 
-async function addSecond(module: WasmModule, { more: script, moreWasm }: SecondPart, report: Report): Promise<More> {
-  const page = (import(script) as Promise<More>).catch((reason: unknown) => {
-    throw new ViewerError('fetch-failed', `${script}: the player's second part does not load (${String(reason)}); put it and its .wasm beside the player's`);
+function importOnce(script: string, report: Report): Promise<More> {
+  let more = scripts.get(script);
+  if (!more) {
+    scripts.set(script, (more = importScript(script, report)));
+    more.catch(() => scripts.delete(script));
+  }
+  return more;
+}
+
+// Browsers say nothing of why a script does not load, and may not load an address again that has failed: a fetch of the file waits for
+// the network, or says what is wrong with it; then another address of the same file is tried.
+async function importScript(script: string, report: Report): Promise<More> {
+  const load = (address: string): Promise<More> => import(address) as Promise<More>;
+  return load(script).catch(async () => {
+    await fetchFile(script, report, undefined, { cache: 'reload' }).catch((reason: unknown) => {
+      throw new ViewerError('fetch-failed', `${asViewerError(reason).message}; ${BESIDE}`);
+    });
+    const again = new URL(script);
+    again.searchParams.set('try', String(++attempts));
+    return load(again.href).catch((reason: unknown) => {
+      throw new ViewerError('fetch-failed', `${script}: the browser does not run the player's second part (${String(reason)}); serve the file as it was built, as text/javascript, and let script-src of the page's policy allow it`);
+    });
   });
-  const [more, second] = await Promise.all([page, compile(moreWasm, report)]);
+}
+
+async function addSecond(module: WasmModule, { more: script, moreWasm }: SecondPart, report: Report): Promise<More> {
+  const [more, second] = await Promise.all([importOnce(script, report), compile(moreWasm, report)]);
   if (!complete.has(module)) {
     await WebAssembly.instantiate(second, { first: importsOfSecond(firstParts.get(module)!) }).catch((reason: unknown) => {
       throw refusal(moreWasm, reason);

@@ -117,7 +117,11 @@ export class ViewerBase extends PageElement {
           overlay.note(waiting);
           if (waiting) this[emit]('stalled');
         },
-        more: (more) => this[onMore](more),
+        more: (more) => {
+          overlay.complete();
+          this[onMore](more);
+        },
+        incomplete: (error) => overlay.incomplete(error),
         show: (canvas) => overlay.showCanvas(canvas),
         lost: (session) => this[onLost](session),
         restored: (session) => this[onRestored](session),
@@ -137,11 +141,11 @@ export class ViewerBase extends PageElement {
 
   connectedCallback(): void {
     if (this[parts].connected) return; // moved within the page: it goes on
+    upgradeProperties(this);
     this[parts].connected = true;
     this.#watching = new AbortController();
     this[parts].picture.watch(() => this.#resize(), this.#watching.signal);
     this[applyTexts]();
-    upgradeProperties(this);
     this[onConnected]();
   }
   // A move within the page takes the element out and puts it back at once.
