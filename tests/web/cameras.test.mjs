@@ -213,7 +213,7 @@ test('a second part that does not load, and a chunk that is damaged, are one err
   await other.close();
 });
 
-test('the page beside the layered character: surfaces and methods are switched, both viewers turn together', async () => {
+test('the page beside the layered character: surfaces and methods are switched, both viewers turn together and show one frame', async () => {
   const out = outputFolder('cameras');
   const page = await openPage(browser, { viewport: { width: 1280, height: 1000 } });
   await page.goto(`${server.url}cameras.html`);
@@ -228,6 +228,11 @@ test('the page beside the layered character: surfaces and methods are switched, 
   await page.evaluate(() => document.getElementById('cameras').setAttribute('camera-orbit', '70deg 10deg 4m'));
   await page.waitForFunction(() => Math.abs(document.getElementById('layers').getCameraOrbit().azimuth - 70) < 1, null, { timeout: kPatienceMs });
   await page.screenshot({ path: join(out, 'page-refined.png') });
+  await page.evaluate(() => document.getElementById('cameras').pause());
+  await page.waitForFunction(() => {
+    const [cameras, layers] = document.querySelectorAll('fourdvt-viewer');
+    return cameras.paused && layers.paused && cameras.frame === layers.frame;
+  }, null, { timeout: kPatienceMs });
   assert.deepEqual(page.troubles, []);
   await page.close();
 });

@@ -116,32 +116,30 @@ export async function layoutProblems({ state, window: { width: innerWidth, heigh
 
   // --- contrast ---
 
-  const paint = new OffscreenCanvas(1, 1).getContext('2d', { willReadFrequently: true });
+  const paint = new OffscreenCanvas(1, 1).getContext('2d', { willReadFrequently: true }), colors = new Map();
   const colorOf = (text) => {
+    if (colors.has(text)) return colors.get(text);
     paint.clearRect(0, 0, 1, 1);
     paint.fillStyle = text;
     paint.fillRect(0, 0, 1, 1);
-    const [r, g, b, a] = paint.getImageData(0, 0, 1, 1).data;
-    return [r, g, b, a / 255];
+    const [r, g, b, a] = paint.getImageData(0, 0, 1, 1).data, color = [r, g, b, a / 255];
+    colors.set(text, color);
+    return color;
   };
   const over = ([r, g, b, a], under) => [r, g, b].map((value, i) => value * a + under[i] * (1 - a));
   const luminance = (color) => color.map((value) => value / 255).map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)).reduce((sum, v, i) => sum + v * [0.2126, 0.7152, 0.0722][i], 0);
   const contrast = (a, b) => { const [x, y] = [luminance(a), luminance(b)].sort((p, q) => q - p); return (x + 0.05) / (y + 0.05); };
   const stops = (style) => [...style.backgroundImage.matchAll(/(?:rgba?|color|oklab|oklch)\([^()]*\)/g)].map(([text]) => colorOf(text)).filter(([, , , a]) => a > 0.5);
-  // Colours that may be behind an element: each stop of the nearest gradient, under what is translucent above it.
+  // Colours that may be behind an element's text: each stop of a gradient; over a world dark and light ones, too.
+  const grounds = new Map(), ofWorld = world ? [[90, 110, 80], [230, 220, 205]] : [];
   const behind = (element) => {
-    const layers = [];
-    let grounds = null;
-    for (let at = element; at && !grounds; at = at.parentElement) {
-      const style = getComputedStyle(at), color = colorOf(style.backgroundColor), gradient = stops(style);
-      if (gradient.length) grounds = gradient.map((stop) => stop.slice(0, 3));
-      else if (color[3] > 0.99) grounds = [color.slice(0, 3)];
-      else if (color[3] > 0) layers.unshift(color);
+    if (!element) return [colorOf('canvas').slice(0, 3), ...ofWorld];
+    if (!grounds.has(element)) {
+      const style = getComputedStyle(element), color = colorOf(style.backgroundColor), gradient = stops(style);
+      const under = color[3] > 0.99 ? [color.slice(0, 3)] : behind(element.parentElement).map((ground) => over(color, ground));
+      grounds.set(element, gradient.length ? [...gradient.map((stop) => stop.slice(0, 3)), ...ofWorld] : under);
     }
-    if (!grounds) grounds = [colorOf(getComputedStyle(document.documentElement).backgroundColor === 'rgba(0, 0, 0, 0)' ? 'canvas' : getComputedStyle(document.documentElement).backgroundColor).slice(0, 3)];
-    // Over a world there may be anything: its middle tones, and dark and light ones.
-    if (world && viewers.some((viewer) => overlap(viewer.getBoundingClientRect(), element.getBoundingClientRect()) > 0)) grounds = [...grounds, [90, 110, 80], [230, 220, 205]];
-    return grounds.map((ground) => layers.reduce((under, layer) => over(layer, under), ground));
+    return grounds.get(element);
   };
   for (const element of texts) {
     const own = [...element.childNodes].some((node) => node.nodeType === Node.TEXT_NODE && node.data.trim());

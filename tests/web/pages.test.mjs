@@ -119,13 +119,13 @@ for (const [name, options] of Object.entries(kPages)) {
     if (options.live) await page.evaluate(() => { document.getElementById('viewer').src = new URL('character/character.gltf', new URL('/', location.href)).href; });
     await page.waitForFunction(() => customElements.get('fourdvt-viewer'), null, { timeout: kPatienceMs });
     await page.evaluate(() => { for (const viewer of document.querySelectorAll('fourdvt-viewer')) viewer.renderOptions = { samples: 0 }; }); // layout needs no smooth edges
-    const problems = options.live ? [] : await look(page, name, 'poster', Object.keys(kWindows), options);
+    if (!options.live) assert.deepEqual(await look(page, name, 'poster', Object.keys(kWindows), options), []);
     release();
     await setWindow(page, kWindows.desktop);
     await viewersPlay(page);
     const first = page.locator('fourdvt-viewer').first();
     await first.evaluate((viewer) => { if (viewer.paused) void viewer.play(); });
-    problems.push(...await look(page, name, 'playing', ['desktop', 'tablet'], options));
+    const problems = await look(page, name, 'playing', ['desktop', 'tablet'], options);
     await page.evaluate(() => { for (const viewer of document.querySelectorAll('fourdvt-viewer')) viewer.pause(); });
     problems.push(...await look(page, name, 'paused', ['desktop', 'tablet'], options));
     // A page that has been touched cannot be given its mouse back: the phone comes last.
