@@ -68,11 +68,12 @@ Status openCanvas(Canvas& canvas) {
   return {};
 }
 
-void openPlayer(Instance* h, abi::PictureKind kind, int32_t slots) {
+void openPlayer(Instance* h, abi::PictureKind kind, int32_t readable, int32_t slots) {
   PlayerOptions options;
   using render::PictureTextures;
   options.picture_kind = kind == abi::PictureKind::I420 ? PictureTextures::Kind::I420 : PictureTextures::Kind::Rgba;
   options.paced = kind == abi::PictureKind::Video;
+  options.readable = readable != 0;
   options.picture_slots = slots;
   options.cameras = &cameraParts();
   options.rendition = kAutomaticRendition;
@@ -159,19 +160,19 @@ void fdvt_free_planes(void* planes) { planeBlocks().giveBack(planes); }
 void* fdvt_alloc(uint32_t size) { return std::malloc(size); }
 void fdvt_free(void* memory) { std::free(memory); }
 
-Instance* fdvt_create(int32_t context, abi::PictureKind kind, int32_t slots) {
+Instance* fdvt_create(int32_t context, abi::PictureKind kind, int32_t readable, int32_t slots) {
   auto* h = new Instance;
   h->canvas = std::make_shared<Canvas>();
   h->canvas->context = context;
   makeCurrent(h);
-  if (keep(h, openCanvas(*h->canvas))) openPlayer(h, kind, slots);
+  if (keep(h, openCanvas(*h->canvas))) openPlayer(h, kind, readable, slots);
   return h;
 }
-Instance* fdvt_create_beside(Instance* first, abi::PictureKind kind, int32_t slots) {
+Instance* fdvt_create_beside(Instance* first, abi::PictureKind kind, int32_t readable, int32_t slots) {
   auto* h = new Instance;
   h->canvas = first->canvas;
   makeCurrent(h);
-  openPlayer(h, kind, slots);
+  openPlayer(h, kind, readable, slots);
   return h;
 }
 int32_t fdvt_ready(Instance* h) { return h->player != nullptr; }

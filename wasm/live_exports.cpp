@@ -6,11 +6,12 @@
 
 using namespace fourdvt;
 
-int32_t fdvt_live_load(Instance* h, abi::PictureKind kind, int32_t slots) {
+int32_t fdvt_live_load(Instance* h, abi::PictureKind kind, int32_t readable, int32_t slots) {
   makeCurrent(h);
   PlayerOptions options;
   using render::PictureTextures;
   options.picture_kind = kind == abi::PictureKind::I420 ? PictureTextures::Kind::I420 : PictureTextures::Kind::Rgba;
+  options.readable = readable != 0;
   options.picture_slots = slots;
   options.cameras = &cameraParts();
   auto made = LivePlayer::create(*h->canvas->device, h->canvas->recipe, options);

@@ -34,6 +34,7 @@ LivePlayer::LivePlayer(gpu::Device& device, std::shared_ptr<render::Recipe> reci
       playback_(outbox_),
       checks_(device),
       on_gpu_(options.picture_kind == render::PictureTextures::Kind::Rgba),
+      readable_(options.readable),
       slots_(options.picture_slots, options.picture_kind),
       surface_(options.cameras),
       composer_(options.cameras) {}
@@ -232,7 +233,7 @@ gpu::TextureId LivePlayer::slotTexture(int slot) const {
 void LivePlayer::commitSlot(int slot, int width, int height) {
   if (!slots_.holds(slot)) return;
   Frame* frame = frameIn(slot);
-  if (on_gpu_ && frame && slots_.awaits(slot) && checkSize(*frame, width, height)) {
+  if (on_gpu_ && frame && slots_.awaits(slot) && checkSize(*frame, width, height) && readable_) {
     const Status begun = checks_.begin(slot, slotTexture(slot), rendition().barcode);
     if (begun.ok()) return;  // settled by a tick
     fail(begun.error());

@@ -128,6 +128,7 @@ class LivePlayer final : public Player {
   Playback playback_;
   render::PictureChecks checks_;
   const bool on_gpu_;  // the edge fills the slots' textures itself
+  const bool readable_;
   PictureSlots slots_;
   ShownFrame surface_;
   FigureComposer composer_;

@@ -39,6 +39,9 @@ struct PlayerOptions {
   // The decoders keep time themselves, at `pace`, and may leave pictures out or name a neighbour's timestamp (a <video>
   // element). With Kind::Rgba.
   bool paced = false;
+  // With Kind::Rgba. False where the platform does not give back what its textures hold: a picture counts as that which
+  // its timestamp names, without a check of its barcode.
+  bool readable = true;
   double turn_rate_rad_s = 2.1;            // heading follows the wanted one at most this fast
   double parameter_rate = 1.5;             // a class's parameter crosses its whole range at most this often a second
   const CameraParts* cameras = nullptr;    // null: characters from cameras are refused

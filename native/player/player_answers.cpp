@@ -10,6 +10,7 @@ namespace fourdvt {
 namespace {
 // Answers of acquireSlot.
 constexpr int kNoSlotNow = -1, kNotAwaited = -2;
+constexpr int kMostMisfits = 8;
 }  // namespace
 
 void PlayerImpl::requestMissing() {
@@ -183,11 +184,16 @@ bool PlayerImpl::checkNumber(Track& t, int slot, std::optional<uint32_t> seen) {
   const int64_t k = t.slots.k(slot);
   const uint32_t expected = frameOf(t, k) % 4096;
   ++stats_.barcode_checked;
-  if (seen == expected) return true;
+  if (seen == expected) {
+    misfits_ = 0;
+    return true;
+  }
   if (options_.paced) return takeAs(t, slot, seen);
   ++stats_.barcode_mismatches;
   t.slots.reject(slot);
-  if (!t.head.seeking() || k != t.head.wantedK()) return false;
+  const bool sought = t.head.seeking() && k == t.head.wantedK();
+  if (!sought && ++misfits_ < kMostMisfits) return false;
+  misfits_ = 0;
   fail({ErrorId::VideoInvalid, renditionOf(t, t.slots.rendition(slot)).video_uri + ": frame " +
                                    std::to_string(expected) + " carries another frame's barcode; the file is damaged"},
        t.head.sequence());
@@ -210,7 +216,7 @@ void PlayerImpl::commitSlot(int slot, int width, int height) {
   Track* t = trackOf(slot);
   if (!t) return;
   const bool unread = options_.picture_kind == render::PictureTextures::Kind::Rgba && t->slots.awaits(slot);
-  if (unread && checkSize(*t, slot, width, height)) {
+  if (unread && checkSize(*t, slot, width, height) && options_.readable) {
     const package::BarcodeStrip& strip = renditionOf(*t, t->slots.rendition(slot)).barcode;
     const Status begun = checks_.begin(number, t->slots.picture(slot).rgba.id(), strip);
     if (begun.ok()) return;  // settled by a tick

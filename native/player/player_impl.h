@@ -203,6 +203,7 @@ class PlayerImpl final : public Player {
   // Pointers, as in Loading; null until they are asked for.
   void (PlayerImpl::*fetch_ahead_)() = nullptr;
   void (PlayerImpl::*decode_ahead_)() = nullptr;
+  int misfits_ = 0;       // pictures in a row with other frames' barcodes
   PlayerStats stats_;  // without what Loading counts
 };
 

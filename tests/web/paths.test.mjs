@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 
-import { environment, kElsewhere, launch, launchFirefox, openPage } from './harness.mjs';
+import { environment, kElsewhere, kPatienceMs, launch, launchFirefox, openPage } from './harness.mjs';
 import { kNoWebCodecs, openOnPath, playOnPath, servePlain } from './play_path.mjs';
 
 const kFrames = 40; // and each kind of change once
@@ -57,6 +57,47 @@ test('Chromium: a page of plain http plays, without requestVideoFrameCallback', 
   judge(await play(page, kFrames / 2, 'video'), 'video');
   await page.close();
 });
+
+// What some browsers do to what a page reads back, to protect their visitors.
+function alterReadback(kind) {
+  const refuse = () => { if (kind === 'refused') throw new DOMException('not here', 'SecurityError'); };
+  const alter = ({ buffer, byteOffset, byteLength }) => {
+    const bytes = new Uint8Array(buffer, byteOffset, byteLength);
+    for (let i = 0; i < bytes.length; ++i) bytes[i] = kind === 'noise' ? 256 * Math.random() : 0;
+  };
+  const { copyTo } = VideoFrame.prototype, gl = WebGL2RenderingContext.prototype, { readPixels, getBufferSubData } = gl;
+  VideoFrame.prototype.copyTo = async function (to, ...rest) {
+    refuse();
+    const layout = await copyTo.call(this, to, ...rest);
+    alter(to);
+    return layout;
+  };
+  gl.readPixels = function (...rest) {
+    refuse();
+    readPixels.apply(this, rest);
+    if (typeof rest[6] === 'object') alter(rest[6]);
+  };
+  gl.getBufferSubData = function (target, from, to, at = 0, length = to.length - at) {
+    refuse();
+    getBufferSubData.call(this, target, from, to, at, length);
+    alter(to.subarray(at, at + length));
+  };
+}
+
+for (const [kind, paths] of [['noise', ['i420', 'rgba', 'video']], ['zeros', ['i420', 'video']], ['refused', ['i420', 'rgba', 'video']]]) {
+  for (const path of paths) {
+    test(`Chromium: it plays on ${path} where what is read back is ${kind}`, async () => {
+      const page = await openPage(browser, { viewport }, 'auto');
+      await page.addInitScript(alterReadback, kind);
+      await openOnPath(page, server, path);
+      await page.waitForFunction(() => globalThis.viewer.stats?.framesShown > 4, null, { timeout: kPatienceMs });
+      const { stats, error } = await page.evaluate(() => ({ stats: globalThis.viewer.stats, error: globalThis.viewer.error }));
+      assert.equal(stats.uploadPath.replace('-sub', ''), path === 'i420' ? 'rgba' : path);
+      assert.deepEqual([stats.barcodeChecked, error, page.reported], [0, null, []]);
+      await page.close();
+    });
+  }
+}
 
 test('Chromium: the decoder is freed with the element and where the page is hidden', async () => {
   const page = await openPage(browser, { viewport }, 'auto');

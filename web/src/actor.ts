@@ -22,6 +22,8 @@ const PLANE_SLOTS = 3;
 export interface ActorContext {
   stage: { readonly module: WasmModule; readonly gl: WebGL2RenderingContext; readonly context: number };
   path: UploadPath;
+  /** Textures can be read back. */
+  readable: boolean;
   /** Serves upload path 'video'; undefined on the others. */
   video: {
     makeVideoDecoder(callbacks: DecoderCallbacks): PictureDecoder;
@@ -62,7 +64,7 @@ export class Actor implements Performer {
     this.#transport = source.transport;
     this.#commands = commands;
     this.#host = host;
-    const player = new WasmPlayer(context.stage.module, context.beside?.player ?? context.stage.context, kindOf(context.path), context.path === 'i420' ? PLANE_SLOTS : PICTURE_SLOTS);
+    const player = new WasmPlayer(context.stage.module, context.beside?.player ?? context.stage.context, kindOf(context.path), context.readable, context.path === 'i420' ? PLANE_SLOTS : PICTURE_SLOTS);
     this.#player = player;
     try {
       const bitsPerSecond = throughput();

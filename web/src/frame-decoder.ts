@@ -181,18 +181,19 @@ export class FrameDecoder implements PictureDecoder {
     this.#copying = true;
     const generation = this.#generation;
     const pixels = this.#heap.bytes(block, size);
-    frame.copyTo(pixels).then(
+    copyPlanes(frame, pixels).then(
       (layout) => {
         // Memory that has grown meanwhile is elsewhere: once more.
         const moved = pixels.buffer !== this.#heap.bytes(block, size).buffer;
         if (moved) this.#heap.free(block);
         this.#copied(generation, frame, moved ? 0 : block, layout);
       },
-      (reason: unknown) => {
+      () => {
         this.#heap.free(block);
         this.#copying = false;
-        if (generation === this.#generation) this.#fail(reason);
-        else this.#copyNext();
+        if (generation !== this.#generation) return this.#copyNext();
+        this.#forget();
+        this.#callbacks.onNoPlanes();
       },
     );
   }
@@ -243,3 +244,6 @@ export class FrameDecoder implements PictureDecoder {
     this.#pictures = [];
   }
 }
+
+// Rejects where some browsers throw.
+const copyPlanes = async (frame: VideoFrame, pixels: Uint8Array): Promise<PlaneLayout[]> => frame.copyTo(pixels);

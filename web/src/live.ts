@@ -145,8 +145,8 @@ export class LiveStream {
   }
 
   /** Tells a new player to play this stream, when it has been told the manifest. */
-  load(path: PictureKind): Tell {
-    return (module, handle) => module._fdvt_live_load(handle, PICTURE_KINDS.indexOf(path), SLOTS);
+  load(path: PictureKind, readable: boolean): Tell {
+    return (module, handle) => module._fdvt_live_load(handle, PICTURE_KINDS.indexOf(path), Number(readable), SLOTS);
   }
 
   /** The camera stays where it is: another character had nearly this box. */

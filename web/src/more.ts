@@ -6,7 +6,7 @@ export { complete } from './completion.js';
 export { connectLive } from './live.js';
 export { Extras } from './extras.js';
 export { MediaTimes } from './media-times.js';
-export { isSubFaster } from './measure-path.js';
+export { canReadBack, isSubFaster } from './measure-path.js';
 export { renew } from './renewal.js';
 export { Steering } from './steering.js';
 export { makeVideoDecoder } from './video-element.js';

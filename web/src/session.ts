@@ -112,6 +112,8 @@ export class Session implements SessionSide, Seat {
   get character(): CharacterInfo | null { return this.main?.character ?? null; }
   /** A start file has come: the first picture is near. */
   get started(): boolean { return this.#start.length > 0; }
+  // Some browsers give back noise, or nothing, to protect their visitors. Planes show it by themselves (#mistrustsPlanes).
+  get #readable(): boolean { return this.path === 'i420' || this.later.loaded!.canReadBack(this.gl); }
   /** Of the loaded character; undefined before, and for one from cameras. */
   get layers(): number | undefined { return this.main ? extensionOf(this.manifest)?.layerCount : undefined; }
   // The main character first, if there is one.
@@ -161,7 +163,7 @@ export class Session implements SessionSide, Seat {
   }
   makeActor(source: Source, commands: Commands, host: ActorHost): Actor {
     const video = this.path === 'video' ? this.later.loaded! : undefined;
-    const actor = new Actor({ stage: this.#stage!, path: this.path, video, beside: this.main }, source, commands, host);
+    const actor = new Actor({ stage: this.#stage!, path: this.path, readable: this.#readable, video, beside: this.main }, source, commands, host);
     if (!this.#decodes) actor.setInSight(false);
     return actor;
   }
@@ -170,7 +172,7 @@ export class Session implements SessionSide, Seat {
     this.path = path;
     this.drawing.programsMissing = true;
     this.#deciding = !this.#live && path !== 'video' && this.options.uploadPath === 'auto' && !rememberedPath();
-    const load = this.#live?.load(kindOf(path));
+    const load = this.#live?.load(kindOf(path), this.#readable);
     const main = this.makeActor({ transport: this.transport, manifest: this.manifest, start: this.#start, load }, this.host.commands, {
       emit: (name, detail) => this.onMainEvent(name, detail),
       wake: () => this.wake(),
@@ -231,6 +233,7 @@ export class Session implements SessionSide, Seat {
       this.drawing.redraw();
       return this.host.sharper();
     }
+    if (name === 'error' && this.#mistrustsPlanes(detail as ErrorDetail)) return;
     if (name === 'canplay') {
       if (!this.#deciding) this.transport.stopReplay();
       this.later.onCanPlay(this.#deciding);
@@ -240,6 +243,13 @@ export class Session implements SessionSide, Seat {
     // The first events come while the actor is being made, but the element's listeners ask for it: they get them later.
     if (this.main) this.host.emit(name, detail);
     else queueMicrotask(() => { if (!this.ended) this.host.emit(name, detail); });
+  }
+
+  // Planes with other pictures' numbers: a damaged file, or a browser that alters them. The GPU gets the pictures without them.
+  #mistrustsPlanes({ id }: ErrorDetail): boolean {
+    if (id !== 'video-invalid' || this.path !== 'i420' || !this.main?.state()?.barcodeMismatches) return false;
+    void this.reopenOn('rgba');
+    return true;
   }
 
   errorOf(reason: unknown): ErrorDetail { return asViewerError(reason).detail; }

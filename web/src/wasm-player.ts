@@ -111,12 +111,15 @@ export class WasmPlayer {
   #scratchBytes = 0;
   #scene: SceneMesh[] | null = null; // that waits for the second part
 
-  /** `on`: the context, registered in the module, or another character of the same canvas, which must outlive this one. */
-  constructor(module: WasmModule, on: number | WasmPlayer, kind: PictureKind, slots: number) {
+  /**
+   * `on`: the context, registered in the module, or another character of the same canvas, which must outlive this one. readable:
+   * textures can be read back; else pictures count as what their timestamps say.
+   */
+  constructor(module: WasmModule, on: number | WasmPlayer, kind: PictureKind, readable: boolean, slots: number) {
     this.#m = module;
     const kindNumber = PICTURE_KINDS.indexOf(kind);
-    if (on instanceof WasmPlayer) this.#h = module._fdvt_create_beside(on.#h, kindNumber, slots);
-    else this.#h = module._fdvt_create(on, kindNumber, slots);
+    if (on instanceof WasmPlayer) this.#h = module._fdvt_create_beside(on.#h, kindNumber, Number(readable), slots);
+    else this.#h = module._fdvt_create(on, kindNumber, Number(readable), slots);
     if (!module._fdvt_ready(this.#h)) {
       const error = this.#lastError();
       this.dispose();

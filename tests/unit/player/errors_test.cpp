@@ -201,6 +201,17 @@ TEST(PlayerErrors, WrongPicturesAreCountedAndNeverShown) {
   EXPECT_GT(edge.player->stats().frames_shown, 200u);
 }
 
+TEST(PlayerErrors, PicturesOfOtherFramesOnlyAreAnError) {
+  const FakeCharacter character = twoSequences();
+  SimulatedEdge edge(character, {});
+  ASSERT_TRUE(edge.load());
+  edge.player->play();
+  ASSERT_TRUE(edge.runUntil([&] { return edge.player->stats().frames_shown > 5; }));
+  edge.options.wrong_picture_every = 1;
+  ASSERT_TRUE(edge.runUntil([&] { return !edge.errors.empty(); }));
+  EXPECT_EQ(edge.errors[0].id, ErrorId::VideoInvalid);
+}
+
 TEST(PlayerErrors, AMotionWhoseFilesAreBackIsPlayedWhenItIsChosenAgain) {
   for (bool by_graph : {false, true}) {
     FakeCharacter character = twoSequences();

@@ -87,6 +87,19 @@ TEST(GpuPictures, EveryPictureIsPairedWithItsGeometry) {
   EXPECT_GE(played.checked, 2000u);
 }
 
+TEST(GpuPictures, WhereTexturesCannotBeReadPicturesCountByTheirTimestamps) {
+  const FakeCharacter character = threeSequences();
+  EdgeOptions options;
+  options.player.picture_kind = kRgba;
+  options.player.readable = false;
+  SimulatedEdge edge(character, options);
+  ASSERT_TRUE(edge.load());
+  const Played played = playAtRandom(edge, 500);
+  EXPECT_GE(played.shown, 500);
+  EXPECT_EQ(played.unpaired, 0);
+  EXPECT_EQ(played.checked, 0u);
+}
+
 TEST(GpuPictures, WrongPicturesAreLeftOut) {
   const FakeCharacter character = threeSequences();
   EdgeOptions options{.wrong_picture_every = 37};
