@@ -90,6 +90,37 @@ test('planes are copied into memory that may grow meanwhile; pictures that nothi
   delete globalThis.EncodedVideoChunk;
 });
 
+test('planes that cannot be copied are not the decoder\'s fault; a copy that does not end does not hold up those after it', async () => {
+  const { FrameDecoder } = await load('frame-decoder');
+  let decode, noPlanes = 0;
+  globalThis.VideoDecoder = class {
+    state = 'unconfigured';
+    decodeQueueSize = 0;
+    constructor(init) { decode = init.output; }
+    configure() { this.state = 'configured'; }
+    close() { this.state = 'closed'; }
+  };
+  const memory = new Uint8Array(12), heap = { allocate: () => 1, free() {}, bytes: () => memory };
+  const picture = (copyTo) => ({ timestamp: 1, format: 'I420', visibleRect: { width: 4, height: 2 }, allocationSize: () => 12, close() {}, copyTo });
+  const settle = () => new Promise((done) => setTimeout(done, 5));
+  const decoder = new FrameDecoder('i420', heap, { onPicture() {}, onNoPlanes: () => ++noPlanes, onFrame() {}, onFault: () => assert.fail() });
+  const configure = () => decoder.configure('avc1.640028', new Uint8Array(), 4, 2);
+  configure();
+  decode(picture(() => { throw new DOMException('not here', 'SecurityError'); }));
+  await settle();
+  decode(picture(async () => { throw new DOMException('not here', 'SecurityError'); }));
+  await settle();
+  assert.equal(noPlanes, 2);
+  decode(picture(() => new Promise(() => undefined)));
+  assert.equal(decoder.missing, 'upload');
+  configure();
+  assert.equal(decoder.missing, null);
+  decode(picture(async () => [{ offset: 0, stride: 4 }]));
+  await settle();
+  assert.equal(decoder.peek().timestampUs, 1);
+  delete globalThis.VideoDecoder;
+});
+
 test('where drawing is slow, the camera alone gets every second turn', async () => {
   const { DrawPace } = await load('frame-loop');
   const drawn = (stepS, pictures) => {

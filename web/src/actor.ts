@@ -9,6 +9,7 @@ import type { ActorHost } from './session-side.js';
 import { throughput } from './throughput.js';
 import type { Transport } from './transport.js';
 import { kindOf, uploadPicture, type UploadPath } from './upload-path.js';
+import type { Step } from './watchdog.js';
 import type { TurnHook, WasmModule } from './wasm-abi.js';
 import {
   WasmPlayer, type CharacterInfo, type PlayerRequest, type PlayerState, type TellPlayer,
@@ -56,6 +57,8 @@ export class Actor implements Performer {
   #taken: ((frame: VideoFrame) => void) | null = null; // gets the next decoded picture, too
   #subVideo: boolean | null = null; // how a <video> element's pictures are uploaded; null: to be measured
   #hook: TurnHook | null = null;
+  #mustWait = false; // until fetches can be answered
+  #checked = -1; // pictures whose barcodes had been read when the last one was uploaded
   #stuck = false; // after an error, until the next command: what is awaited will not come
 
   /** Obeys the commands until it is disposed of. Throws a ViewerError if the manifest cannot be used. */
@@ -76,7 +79,10 @@ export class Actor implements Performer {
       throw reason;
     }
     this.#character = player.character();
-    if (!this.#character?.hasMesh) this.#ready = host.more();
+    if (!this.#character?.hasMesh) {
+      this.#mustWait = true;
+      this.#ready = host.more().then(() => (this.#mustWait = false));
+    }
     commands.attach(this);
     this.pump();
   }
@@ -107,9 +113,24 @@ export class Actor implements Performer {
     }) ?? 0;
   }
   parameter(name: string): number { return this.#guard((p) => p.parameter(name)) ?? NaN; }
+  /** True while a picture is to come. */
+  awaits(state: PlayerState): boolean { return (!state.paused || state.seeking) && !this.#stuck; }
   /** True while something is under way that needs the frame loop. */
   busy(state: PlayerState): boolean {
-    return ((!state.paused || state.seeking) && !this.#stuck) || this.#decoders.some((d) => d?.busy);
+    return this.awaits(state) || this.#decoders.some((d) => d?.busy);
+  }
+  /** What the next picture waits for. */
+  missing(state: PlayerState): Step {
+    if (this.#mustWait) return 'more';
+    if (this.#transport.busy) return 'files';
+    if (this.#checked === state.barcodeChecked) return 'barcode';
+    return this.#decoders.find((decoder) => decoder?.missing)?.missing ?? 'geometry';
+  }
+  /** Pictures that its decoders have given so far. */
+  get decoded(): number { return this.#decoders.reduce((sum, decoder) => sum + (decoder?.given ?? 0), 0); }
+  /** Opens those of its decoders anew from which a picture is awaited. */
+  replaceDecoders(reason: string): void {
+    this.#decoders.forEach((decoder, index) => { if (decoder?.missing) this.#onDecoderFault(index, 'taken-away', reason); });
   }
 
   run(action: (player: WasmPlayer) => void): boolean {
@@ -250,6 +271,7 @@ export class Actor implements Performer {
       return;
     }
     const texture = player.slotTexture(slot);
+    if (this.#context.readable) this.#checked = player.state().barcodeChecked;
     const { stage: { gl }, path } = this.#context;
     if (picture.kind === 'video') {
       const { video } = picture;

@@ -44,6 +44,10 @@ export interface PictureDecoder {
   /** Drops the earliest waiting picture. taken: the player has it, and frees its block if it has one. */
   shift(taken: boolean): void;
   readonly busy: boolean;
+  /** What the next picture waits for; null: for nothing of the decoder's. */
+  readonly missing: 'decoder' | 'upload' | null;
+  /** Pictures that have come so far. */
+  readonly given: number;
 }
 
 export interface DecoderCallbacks {
@@ -68,8 +72,9 @@ export class FrameDecoder implements PictureDecoder {
   #frames: VideoFrame[] = [];
   #pictures: Picture[] = [];
   readonly #unwanted = new Set<number>(); // timestamps of pictures that nothing waits for
-  #generation = 0;
-  #copying = false;
+  #copying: object | null = null; // the copy under way
+  #inside = 0; // samples that the decoder has given no picture of
+  given = 0;
 
   constructor(path: PictureKind, heap: Heap, callbacks: DecoderCallbacks) {
     this.#path = path;
@@ -128,7 +133,7 @@ export class FrameDecoder implements PictureDecoder {
       if (this.#frames.length + this.#pictures.length >= MAX_HELD || decoder.decodeQueueSize >= MAX_QUEUED) return;
       const command = this.#commands.shift()!;
       if (command === 'flush') decoder.flush().catch(() => undefined);
-      else this.#apply(() => decoder.decode(command.chunk));
+      else this.#apply(() => { decoder.decode(command.chunk); ++this.#inside; });
     }
   }
 
@@ -141,6 +146,10 @@ export class FrameDecoder implements PictureDecoder {
     this.#copyNext();
     this.feed();
   }
+  get missing(): 'decoder' | 'upload' | null {
+    if (this.#copying) return 'upload';
+    return this.#inside > 0 ? 'decoder' : null;
+  }
   get busy(): boolean {
     return this.#commands.length + this.#frames.length > 0 || (this.#decoder?.decodeQueueSize ?? 0) > 0;
   }
@@ -151,6 +160,8 @@ export class FrameDecoder implements PictureDecoder {
   }
 
   #onFrame(frame: VideoFrame): void {
+    --this.#inside;
+    ++this.given;
     if (this.#unwanted.delete(frame.timestamp)) {
       frame.close();
       this.feed();
@@ -178,20 +189,18 @@ export class FrameDecoder implements PictureDecoder {
     const size = frame.allocationSize();
     const block = this.#heap.allocate(size);
     if (!block) return;
-    this.#copying = true;
-    const generation = this.#generation;
+    const copy = (this.#copying = {});
     const pixels = this.#heap.bytes(block, size);
     copyPlanes(frame, pixels).then(
       (layout) => {
         // Memory that has grown meanwhile is elsewhere: once more.
         const moved = pixels.buffer !== this.#heap.bytes(block, size).buffer;
         if (moved) this.#heap.free(block);
-        this.#copied(generation, frame, moved ? 0 : block, layout);
+        this.#copied(copy, frame, moved ? 0 : block, layout);
       },
       () => {
         this.#heap.free(block);
-        this.#copying = false;
-        if (generation !== this.#generation) return this.#copyNext();
+        if (this.#copying !== copy) return;
         this.#forget();
         this.#callbacks.onNoPlanes();
       },
@@ -199,11 +208,13 @@ export class FrameDecoder implements PictureDecoder {
   }
 
   // block: 0 if the copy is lost.
-  #copied(generation: number, frame: VideoFrame, block: number, layout: PlaneLayout[]): void {
-    this.#copying = false;
-    if (generation !== this.#generation) {
+  #copied(copy: object, frame: VideoFrame, block: number, layout: PlaneLayout[]): void {
+    if (this.#copying !== copy) {
       if (block) this.#heap.free(block);
-    } else if (block) {
+      return;
+    }
+    this.#copying = null;
+    if (block) {
       const rect = frame.visibleRect!;
       const planes = { width: rect.width, height: rect.height, layout };
       this.#pictures.push({ kind: 'i420', timestampUs: frame.timestamp, block, planes });
@@ -235,7 +246,8 @@ export class FrameDecoder implements PictureDecoder {
     }
   }
   #forget(): void {
-    ++this.#generation;
+    this.#copying = null;
+    this.#inside = 0;
     this.#commands = [];
     this.#unwanted.clear();
     for (const frame of this.#frames) frame.close();

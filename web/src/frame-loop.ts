@@ -28,6 +28,8 @@ export class FrameLoop {
   #clockS = 0;
   #idle = 0;
   #active = true;
+  /** Time of the last turn, ms. */
+  turnedMs = 0;
 
   /** `turn` returns true while it needs further turns. Seconds, without the time off-screen. view: the window that shows the element. */
   constructor(turn: (clockS: number, stepS: number) => boolean, view: Pick<Window, 'requestAnimationFrame' | 'cancelAnimationFrame'> = globalThis) {
@@ -58,6 +60,7 @@ export class FrameLoop {
     this.#request = 0;
     const stepS = this.#lastMs ? Math.min((nowMs - this.#lastMs) / 1000, MAX_STEP_S) : 0;
     this.#lastMs = nowMs;
+    this.turnedMs = performance.now();
     this.#clockS += stepS;
     this.#idle = this.#turn(this.#clockS, stepS) ? 0 : this.#idle + 1;
     if (!this.#active || !this.#lastMs) return; // the turn has stopped the loop

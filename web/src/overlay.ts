@@ -6,6 +6,7 @@
 import type { ErrorDetail } from './errors.js';
 import type { Strings } from './strings.js';
 import { adopt } from './documents.js';
+import type { Step } from './watchdog.js';
 
 const ON_DEVELOPERS_MACHINE = /^(file:|https?:\/\/(localhost|127\.0\.0\.1|\[::1])(:|$))/;
 
@@ -88,6 +89,8 @@ export class Overlay {
   readonly #message: HTMLSpanElement;
   readonly #note: HTMLParagraphElement;
   #strings = {} as Strings; // once it is in a document
+  #network = false;
+  #step: Step | null = null;
   #canvas: HTMLCanvasElement | null = null;
   #cover: HTMLCanvasElement | null = null; // a copy of the last picture, while the one below is to come
   #coverTimer = 0;
@@ -161,7 +164,8 @@ export class Overlay {
       this.stage.prepend(kept);
     }
     this.dropCanvas();
-    this.#progress.hidden = this.#note.hidden = true;
+    this.#progress.hidden = true;
+    this.#forgetNote();
   }
   /** Lets the picture that the canvas has been given just now stay until `uncover`, which fades to the canvas. */
   cover(): void {
@@ -229,8 +233,8 @@ export class Overlay {
 
   idle(): void {
     this.#forget();
-    this.#lack = '';
-    this.#progress.hidden = this.#play.hidden = this.#error.hidden = this.#note.hidden = true;
+    this.#progress.hidden = this.#play.hidden = this.#error.hidden = true;
+    this.#forgetNote();
     this.#poster.classList.remove('gone');
   }
   #forget(): void {
@@ -278,14 +282,32 @@ export class Overlay {
     this.#error.hidden = true;
   }
   /** A quiet line while the network is waited for. */
-  note(waiting: boolean): void { this.#setNote(waiting ? this.#strings.network : this.#lack); }
-  /** Another one, until complete(): some of the player cannot be loaded. */
-  incomplete(error: ErrorDetail): void { this.#setNote((this.#lack = textOf(error, this.#strings.incomplete))); }
-  complete(): void {
-    if (this.#note.textContent === this.#lack) this.#setNote('');
-    this.#lack = '';
+  note(waiting: boolean): void {
+    this.#network = waiting;
+    this.#showNote();
   }
-  #setNote(text: string): void {
+  /** The same, while nothing comes of this step; null: it goes on. */
+  noteStep(step: Step | null): void {
+    this.#step = step;
+    this.#showNote();
+  }
+  /** The same, until complete(): some of the player cannot be loaded. */
+  incomplete(error: ErrorDetail): void {
+    this.#lack = textOf(error, this.#strings.incomplete);
+    this.#showNote();
+  }
+  complete(): void {
+    this.#lack = '';
+    this.#showNote();
+  }
+  #forgetNote(): void {
+    this.#network = false;
+    this.#lack = '';
+    this.noteStep(null);
+  }
+  #showNote(): void {
+    const { waiting, network } = this.#strings, step = this.#step;
+    const text = step ? `${waiting} ${this.#strings[`on-${step}`]} …` : this.#network ? network : this.#lack;
     this.#note.textContent = text;
     this.#note.hidden = !text;
   }

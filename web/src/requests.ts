@@ -14,6 +14,10 @@ const MOST_TRIES = 7; // of a server that has never answered: about 10 s, if no 
 const MOST_BREAKS = 4; // of an answer, at the same byte
 const REDIRECTED = 'the address that it redirects to'; // in place of an origin, which the browser does not say
 
+let received = 0;
+/** Parts of answers that the page has received, of all requests. */
+export const partsReceived = (): number => received;
+
 /** Hears when waiting for the network begins, and when it ends. */
 export type Report = (waiting: boolean) => void;
 
@@ -145,6 +149,7 @@ export async function ask({ url, address = url, init = {}, signal }: Wanted): Pr
   const next = async (): Promise<Uint8Array | undefined> => {
     const part = (await reader?.read().catch(broken))?.value;
     heard();
+    ++received;
     if (!part) {
       end();
       return part;

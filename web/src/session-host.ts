@@ -8,6 +8,7 @@ import type { OrbitCamera } from './orbit-camera.js';
 import type { RequestOptions } from './transport.js';
 import type { UploadChoice } from './upload-path.js';
 import type { More } from './wasm-module.js';
+import type { Step } from './watchdog.js';
 import type { Align, OrbitPose } from './wasm-player.js';
 
 export interface SessionOptions {
@@ -40,6 +41,8 @@ export interface SessionHost {
   sharper(): void;
   /** Called when waiting for the network begins, and when it ends. */
   network(waiting: boolean): void;
+  /** Called where nothing comes of a step for long; null: it goes on. */
+  stalled(step: Step | null): void;
   /** The player's second part is there. Called once or more. */
   more(more: More): void;
   /** The second part cannot be loaded: the character plays without it. */

@@ -12,14 +12,18 @@ import type { LiveStream } from './live.js';
 import { extensionOf, isFromCameras } from './manifest.js';
 import type { SessionHost, SessionOptions } from './session-host.js';
 import type { ActorHost, Bake, SessionSide, SidePlayer } from './session-side.js';
+import { partsReceived } from './requests.js';
 import { Stage, type Seat } from './stage.js';
 import { Transport } from './transport.js';
 import { choosePath, kindOf, rememberedPath, type UploadPath } from './upload-path.js';
 import type { WasmModule } from './wasm-abi.js';
 import { expectMore, type More } from './wasm-module.js';
+import { Watchdog, type Awaited, type Step } from './watchdog.js';
 import type { Align, CharacterInfo } from './wasm-player.js';
 
 type Source = ConstructorParameters<typeof Actor>[1];
+
+const LATE_TURN_MS = 5000;
 
 export class Session implements SessionSide, Seat {
   readonly options: SessionOptions;
@@ -28,6 +32,8 @@ export class Session implements SessionSide, Seat {
   readonly #files: Transport; // of src at first
   readonly #abort = new AbortController();
   readonly #loop: FrameLoop;
+  readonly #watchdog = new Watchdog(() => this.#awaited(), (step) => this.#onStall(step));
+  readonly #steps = new Set<Step>(); // of the start, under way
   readonly later = new Later(this);
   transport: Source['transport'];
   main: Actor | null = null;
@@ -41,6 +47,8 @@ export class Session implements SessionSide, Seat {
   #start: Uint8Array = new Uint8Array();
   #deciding = false; // the upload path is being measured
   #decodes = true;
+  #watched = false; // the visitor would see a picture that comes
+  #distrusted = false; // textures cannot be read back
   #waiting = 0; // for the network: the character, its companions, the player itself
 
   constructor(options: SessionOptions, host: SessionHost) {
@@ -69,17 +77,17 @@ export class Session implements SessionSide, Seat {
       const early = live || path !== 'i420' || needsFlow(this.align) || this.later.hasLook;
       if (early) expectMore(files, this.network);
       if (!live) this.#files.expectStart(); // beside the others, whether the manifest names it or not
-      const join = Stage.join(files, this, this.network).then((stage) => {
+      const join = this.#during('player', Stage.join(files, this, this.network).then((stage) => {
         this.#stage = stage;
         if (this.ended) stage.leave(this);
-      });
-      const [loaded] = await Promise.all([live || this.#files.manifest(), join]);
+      }));
+      const [loaded] = await Promise.all([live || this.#during('manifest', this.#files.manifest()), join]);
       if (this.ended) return;
-      if (live) this.transport = this.#live = await this.later.connect();
+      if (live) this.transport = this.#live = await this.#during('more', this.later.connect());
       if (this.ended) return;
-      const manifest = this.#live ? await this.#live.manifest() : loaded;
+      const manifest = this.#live ? await this.#during('manifest', this.#live.manifest()) : loaded;
       const start = live ? undefined : extensionOf(manifest)?.start?.uri;
-      if (start) this.#start = await this.#files.start(start);
+      if (start) this.#start = await this.#during('files', this.#files.start(start));
       if (this.ended) return;
       // Paths other than 'i420' need the second part: it reads the pictures' numbers back.
       if (isFromCameras(manifest) || path !== 'i420') await this.more();
@@ -95,6 +103,7 @@ export class Session implements SessionSide, Seat {
 
   dispose(): void {
     this.#abort.abort();
+    this.#watchdog.stop();
     this.#loop.stop();
     this.transport.dispose();
     this.#close();
@@ -113,20 +122,23 @@ export class Session implements SessionSide, Seat {
   /** A start file has come: the first picture is near. */
   get started(): boolean { return this.#start.length > 0; }
   // Some browsers give back noise, or nothing, to protect their visitors. Planes show it by themselves (#mistrustsPlanes).
-  get #readable(): boolean { return this.path === 'i420' || this.later.loaded!.canReadBack(this.gl); }
+  get #readable(): boolean { return this.path === 'i420' || (!this.#distrusted && this.later.loaded!.canReadBack(this.gl)); }
   /** Of the loaded character; undefined before, and for one from cameras. */
   get layers(): number | undefined { return this.main ? extensionOf(this.manifest)?.layerCount : undefined; }
   // The main character first, if there is one.
   get #actors(): Actor[] { return this.main ? [this.main, ...(this.later.others as Actor[])] : []; }
   /** The main character's, once its second part is there. */
   get wholePlayer(): SidePlayer | null { return this.later.loaded ? this.main?.player ?? null : null; }
-  more(): Promise<More> { return this.later.more(); }
+  more(): Promise<More> { return this.#during('more', this.later.more()); }
   resize(width: number, height: number): void {
     this.drawing.resize(width, height);
     this.wake();
   }
-  /** active: else the clock stands still and nothing is drawn; decodes: else no decoder is held. */
-  setActive(active: boolean, decodes: boolean): void {
+  /** active: else the clock stands still and nothing is drawn; decodes: else no decoder is held; onScreen: it is seen. */
+  setActive(active: boolean, decodes: boolean, onScreen: boolean): void {
+    this.#watched = decodes && onScreen;
+    if (this.#watched && !this.ended) this.#watchdog.wake();
+    else this.#watchdog.stop();
     if (decodes !== this.#decodes) {
       this.#decodes = decodes;
       for (const actor of this.#actors) actor.setInSight(decodes);
@@ -136,7 +148,46 @@ export class Session implements SessionSide, Seat {
   }
   wake(): void {
     this.drawing.invalidate();
+    if (this.#watched && !this.ended) this.#watchdog.wake();
     if (this.main) this.#loop.wake();
+  }
+
+  // --- what it waits for ---
+
+  async #during<T>(step: Step, work: Promise<T>): Promise<T> {
+    this.#steps.add(step);
+    try {
+      return await work;
+    } finally {
+      this.#steps.delete(step);
+    }
+  }
+  #awaited(): Awaited | null {
+    const step = this.#missing();
+    const state = this.main?.state(), received = /manifest|player|more|files/.test(step ?? '') && partsReceived();
+    return step && { step, progress: [received, state?.framesShown, state?.barcodeChecked, this.main?.decoded].join() };
+  }
+  // Null: there is nothing to come.
+  #missing(): Step | null {
+    const { main, drawing: { shown } } = this, state = main?.state(), [step = null] = this.#steps;
+    if (!main || !state) return step;
+    const holds = shown && !state.seeking && (this.#live || this.host.commands.wishes.rate === 0);
+    if (holds || (!main.awaits(state) && (shown || !state.hasFrame))) return null;
+    if (performance.now() - this.#loop.turnedMs > LATE_TURN_MS) return 'display';
+    return !state.hasFrame && this.#steps.has('more') ? 'more' : main.missing(state);
+  }
+  // Goes on in another way where there is one.
+  #onStall(step: Step | null): void {
+    this.host.stalled(step);
+    if (this.ended) return;
+    if (step === 'upload') {
+      void this.reopenOn('rgba');
+    } else if (step === 'decoder') {
+      this.main?.replaceDecoders('it gives no picture');
+    } else if (step === 'barcode') {
+      this.#distrusted = true;
+      this.reopen(this.path);
+    }
   }
 
   // --- its seat on the stage ---

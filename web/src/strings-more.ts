@@ -41,6 +41,8 @@ const EN: MoreStrings = {
 const DE: MoreStrings & Strings = {
   label: '4D-Figur', loading: 'Wird geladen', play: 'Abspielen', retry: 'Noch einmal versuchen', network: 'Warten auf das Netz …',
   incomplete: 'Ein Teil des Players kann nicht geladen werden.',
+  waiting: 'Warten auf', 'on-manifest': 'die Figur', 'on-player': 'den Player', 'on-more': 'den Rest des Players', 'on-files': 'die Dateien der Figur', 'on-decoder': 'den Videodecoder',
+  'on-upload': 'eine Kopie des Bildes', 'on-barcode': 'den Grafikprozessor', 'on-geometry': 'die Geometrie', 'on-display': 'die Anzeige',
   failure: 'Diese Figur kann nicht gezeigt werden.', 'insecure-context': 'Die Figur wird nur auf Seiten gezeigt, die über https kommen.',
   'decoder-unsupported': 'Dieser Browser kann diese Figur nicht dekodieren.', 'decoder-lost': 'Der Browser hat den Videodecoder weggenommen.',
   'files-differ': 'Die Dateien dieser Figur gehören nicht zusammen.', 'out-of-memory': 'Der Browser hat keinen Speicher mehr für diese Figur.',

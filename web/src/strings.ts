@@ -11,6 +11,17 @@ export interface Strings {
   network: string;
   /** The player's second part cannot be loaded: the character plays without it. */
   incomplete: string;
+  /** Before one of the names that follow: what a picture waits for, where nothing comes for long. */
+  waiting: string;
+  'on-manifest': string;
+  'on-player': string;
+  'on-more': string;
+  'on-files': string;
+  'on-decoder': string;
+  'on-upload': string;
+  'on-barcode': string;
+  'on-geometry': string;
+  'on-display': string;
   /** Texts of the panel for visitors, by the error's id; the event and the console have the details. */
   failure: string;
   'insecure-context': string;
@@ -31,6 +42,16 @@ export const STRINGS: Languages = {
     retry: 'Try again',
     network: 'Waiting for the network …',
     incomplete: 'Part of the player cannot be loaded.',
+    waiting: 'Waiting for',
+    'on-manifest': 'the character',
+    'on-player': 'the player',
+    'on-more': 'the rest of the player',
+    'on-files': "the character's files",
+    'on-decoder': 'the video decoder',
+    'on-upload': 'a copy of the picture',
+    'on-barcode': 'the graphics processor',
+    'on-geometry': 'the geometry',
+    'on-display': 'the display',
     failure: 'This character cannot be shown.',
     'insecure-context': 'This page must come over https to show the character.',
     'decoder-unsupported': 'This browser cannot decode this character.',

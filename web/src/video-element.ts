@@ -48,6 +48,7 @@ class VideoElementDecoder implements PictureDecoder {
   #picture: Picture | null = null;
   #taken = -1; // timestamp of the picture that was taken last
   #takenMs = 0; // time of that
+  given = 0;
   #again = -1; // timestamp of the picture that was sought last
   #timer = 0;
   #last = -1; // the greatest timestamp so far
@@ -133,6 +134,8 @@ class VideoElementDecoder implements PictureDecoder {
   }
   get busy(): boolean { return this.#samples.length + this.#pending.length > 0 || this.#goal >= 0 || this.#pace > 0; }
 
+  get missing(): 'decoder' | null { return this.#isAwaited ? 'decoder' : null; }
+
   #forget(): void {
     this.#samples = [];
     this.#picture = null;
@@ -191,6 +194,7 @@ class VideoElementDecoder implements PictureDecoder {
   }
   #offer(timestampUs: number): void {
     this.#moved();
+    ++this.given;
     this.#picture = { kind: 'video', timestampUs, video: this.#video! };
     this.#callbacks.onPicture();
   }

@@ -14,6 +14,7 @@ import type { SessionHost, SessionOptions } from '../session-host.js';
 import { STRINGS, stringsOf, type Languages, type Strings } from '../strings.js';
 import type { More } from '../wasm-module.js';
 import type { SequenceInfo } from '../wasm-player.js';
+import { stallOf } from '../watchdog.js';
 
 /** State that the features share. */
 export const parts: unique symbol = Symbol();
@@ -116,6 +117,10 @@ export class ViewerBase extends PageElement {
         network: (waiting) => {
           overlay.note(waiting);
           if (waiting) this[emit]('stalled');
+        },
+        stalled: (step) => {
+          overlay.noteStep(step);
+          if (step) this[emit]('stalled', stallOf(step));
         },
         more: (more) => {
           overlay.complete();

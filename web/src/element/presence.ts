@@ -121,7 +121,7 @@ export function withPresence<T extends Constructor<ViewerBase>>(Base: T): T & Co
     override [updateActive](): void {
       const { session } = this[parts], decodes = this.#grant.run && !this.ownerDocument.hidden;
       if (this[parts].connected) ofPage().review();
-      session?.setActive(decodes && (this.#onScreen || !session.drawing.shown), decodes);
+      session?.setActive(decodes && (this.#onScreen || !session.drawing.shown), decodes, this.#onScreen);
     }
   };
 }
