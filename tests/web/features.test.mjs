@@ -357,7 +357,7 @@ test('steering: a held key turns and changes the parameter; let go, the heading 
   const log = [];
   const viewer = {
     paused: false, state: 'walk', heading: 10, sequences: [{ name: 'walk', loop: true }, { name: 'wave', loop: false }],
-    parameters: [{ name: 'speed', min: 1, max: 3 }], hasAttribute: () => true, getAttribute: () => null,
+    parameters: [{ name: 'speed', min: 1, max: 3 }], hasAttribute: () => true, getAttribute: (name) => (name === 'motion-controls' ? '' : null),
     getParameter: () => 1, setParameter: (...values) => log.push(values), goTo: (name) => log.push(name), play: () => log.push('play'),
   };
   try {
@@ -459,13 +459,14 @@ test('loading: crossorigin says whether requests to other origins carry cookies'
     await new Transport('http://other.example/a/character.gltf').manifest();
     const transport = new Transport('http://other.example/a/character.gltf', undefined, { credentials: 'include', cache: 'reload' });
     await transport.manifest();
-    await transport.start();
-    await transport.file('http://other.example/a/room.webp');
+    transport.expectStart();
+    await transport.start('character.start.bin');
+    await transport.range(1, 'room.webp', 0, 2);
   } finally {
     globalThis.fetch = realFetch;
   }
-  assert.deepEqual(asked, [['character.gltf', 'same-origin', undefined], ['character.gltf', 'include', 'reload'],
-    ['character.start.bin', 'include', 'reload'], ['room.webp', 'include', undefined]]);
+  assert.deepEqual(asked, [['character.gltf', undefined, undefined], ['character.gltf', 'include', 'reload'],
+    ['character.start.bin', 'include', 'reload'], ['room.webp', 'include', 'reload']]);
 });
 
 test('loading: progress never begins full, and errors are forgotten when it can play', () => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What pages set on an element: boolean attributes, and properties from before it was defined.
+// Settings of an element by its page: boolean attributes, and properties from before it was defined.
 
 /** A boolean attribute is there. "false" is off: frameworks write it where a page has set false. */
 export const isOn = (element: Element, name: string): boolean => (element.getAttribute(name) ?? 'false') !== 'false';
