@@ -243,7 +243,7 @@ export class Sound {
     if (endS > whenS + fadeS) gain.gain.setValueAtTime(1, endS);
     gain.gain.linearRampToValueAtTime(0, Math.max(endS, whenS + fadeS) + fadeS);
     source.connect(gain).connect(this.#volume!);
-    source.start(whenS, fromS + atS, lengthS + fadeS * rate);
+    source.start(whenS, Math.max(0, fromS + atS), lengthS + fadeS * rate); // rounding may lead before its beginning
     const playing = { source, gain };
     this.#playing.push(playing);
     source.addEventListener('ended', () => {
