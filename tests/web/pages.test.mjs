@@ -19,9 +19,9 @@ const kWindows = {
   phone: { width: 390, height: 844, mobile: true },
 };
 // Pages with viewers. below: the page is longer than the window by design, its later viewers may begin below it; they fill its
-// width. world: the scene fills the window, and words lie over it.
+// width. world: the scene fills the window, and words lie over it. steady: what keeps its place when the player begins.
 const kPages = {
-  'index.html': {}, 'steer.html': { world: true }, 'cameras.html': { needs: 'cameras' }, 'methods.html': { needs: 'cameras' }, 'live/index.html': { live: true },
+  'index.html': { steady: 'h1, #play, #scrub, #looks, .stage nav a' }, 'steer.html': { world: true }, 'cameras.html': { needs: 'cameras' }, 'methods.html': { needs: 'cameras' }, 'live/index.html': { live: true },
   'examples/embed.html': {}, 'examples/gallery.html': { below: true }, 'examples/own-controls.html': {}, 'examples/steer.html': { world: true },
 };
 const kStatus = {
@@ -120,9 +120,15 @@ for (const [name, options] of Object.entries(kPages)) {
     await page.waitForFunction(() => customElements.get('fourdvt-viewer'), null, { timeout: kPatienceMs });
     await page.evaluate(() => { for (const viewer of document.querySelectorAll('fourdvt-viewer')) viewer.renderOptions = { samples: 0 }; }); // layout needs no smooth edges
     if (!options.live) assert.deepEqual(await look(page, name, 'poster', Object.keys(kWindows), options), []);
-    release();
+    const places = () => page.$$eval(options.steady ?? 'h1', (elements) => elements.map((element) => {
+      const { left, top } = element.getBoundingClientRect();
+      return `${element.id || element.textContent} at ${Math.round(left)}, ${Math.round(top)}`;
+    }));
     await setWindow(page, kWindows.desktop);
+    const before = await places();
+    release();
     await viewersPlay(page);
+    assert.deepEqual(await places(), before);
     const first = page.locator('fourdvt-viewer').first();
     await first.evaluate((viewer) => { if (viewer.paused) void viewer.play(); });
     const problems = await look(page, name, 'playing', ['desktop', 'tablet'], options);
