@@ -76,7 +76,7 @@ async function takePictures(page, stands) {
   }
   return pictures;
 }
-// How near each picture of a standing viewer comes to the poster, which then takes the viewer's place: SSIM inside the figures.
+// SSIM, inside the figures, between each picture of a standing viewer and the poster, which then takes the viewer's place.
 async function comparePoster(page, pictures) {
   await page.evaluate(async () => {
     const image = Object.assign(new Image(), { src: 'character/poster.webp', className: 'poster' });

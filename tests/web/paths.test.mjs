@@ -58,7 +58,7 @@ test('Chromium: a page of plain http plays, without requestVideoFrameCallback', 
   await page.close();
 });
 
-// What some browsers do to what a page reads back, to protect their visitors.
+// Alterations by some browsers, which protect their visitors, of pixels that a page reads back.
 function alterReadback(kind) {
   const refuse = () => { if (kind === 'refused') throw new DOMException('not here', 'SecurityError'); };
   const alter = ({ buffer, byteOffset, byteLength }) => {

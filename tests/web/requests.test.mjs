@@ -199,7 +199,7 @@ test('the page signs every file once, and again where the server refuses a signa
   }
 });
 
-test('a server that refuses cookies, or the page, is told from one that is away; the headers are named', async () => {
+test('a server that refuses cookies, or the page, is distinguished from one that is away; the headers are named', async () => {
   const { fetchFile } = await load('requests?cors');
   const real = globalThis.fetch;
   // A browser that hides the answer: only a request that reads nothing succeeds.
@@ -218,7 +218,7 @@ test('a server that refuses cookies, or the page, is told from one that is away;
   }
 });
 
-test('ranges that the browser refuses, compressed ones for example, are told from a lost network', async () => {
+test('ranges that the browser refuses, compressed ones for example, are distinguished from a lost network', async () => {
   const { Transport } = await load('transport?ranges');
   const real = globalThis.fetch;
   globalThis.fetch = async (_, { headers }) => {

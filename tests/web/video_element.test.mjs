@@ -65,7 +65,7 @@ class FakeSource extends EventTarget {
   endOfStream() { this.readyState = 'ended'; }
 }
 
-// As in Firefox, an end that was reached stays one, whatever is appended, until the element is sent elsewhere.
+// An end that was reached stays one, in Firefox, whatever is appended, until the element is sent elsewhere.
 class FakeVideo extends EventTarget {
   paused = true;
   ended = false;

@@ -119,7 +119,7 @@ export class Actor implements Performer {
   busy(state: PlayerState): boolean {
     return this.awaits(state) || this.#decoders.some((d) => d?.busy);
   }
-  /** What the next picture waits for. */
+  /** Step that the next picture waits for. */
   missing(state: PlayerState): Step {
     if (this.#mustWait) return 'more';
     if (this.#transport.busy) return 'files';

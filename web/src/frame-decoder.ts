@@ -44,7 +44,7 @@ export interface PictureDecoder {
   /** Drops the earliest waiting picture. taken: the player has it, and frees its block if it has one. */
   shift(taken: boolean): void;
   readonly busy: boolean;
-  /** What the next picture waits for; null: for nothing of the decoder's. */
+  /** Step that the next picture waits for; null: none of the decoder's. */
   readonly missing: 'decoder' | 'upload' | null;
   /** Pictures that have come so far. */
   readonly given: number;

@@ -13,7 +13,7 @@ export interface Point {
   readonly x: number;
   readonly y: number;
 }
-/** Where the page shows the corners of a box: upper left, upper right, lower left. */
+/** Corners of a box as the page shows it: upper left, upper right, lower left. */
 export type Corners = readonly [Point, Point, Point];
 
 /** Pixels of a canvas that fills a box of so many CSS pixels. */
@@ -72,7 +72,7 @@ export class PictureBox {
     this.#changed();
   }
 
-  /** Where the page shows its corners now: CSS pixels of the window. */
+  /** Its corners as the page shows them now: CSS pixels of the window. */
   corners(): Corners {
     const [corner, right, low] = this.#makeMarks().map((mark) => mark.getBoundingClientRect());
     return [corner!, right!, low!];

@@ -8,7 +8,7 @@ import { ask, MOST_BYTES, patiently, type Answer, type Report } from './requests
 /** Gives a file the address that it is fetched from, a presigned one for example. */
 export type SignAddress = (url: string) => string | Promise<string>;
 
-/** Of all requests for a character. */
+/** Options of all requests for a character. */
 export interface RequestOptions {
   /** 'reload' takes nothing from the browser's cache, which may hold files of an earlier bake. */
   cache?: RequestCache;

@@ -4,7 +4,7 @@
 
 const PATIENCE_S = 20;
 
-/** What a picture waits for, in the order of a start. */
+/** Steps that a picture waits for, in the order of a start. */
 export type Step = 'manifest' | 'player' | 'more' | 'files' | 'decoder' | 'upload' | 'barcode' | 'geometry' | 'display';
 
 /** Detail of the event `stalled`. */

@@ -263,7 +263,7 @@ TEST(Renditions, ATransitionDoesNotWaitForARaise) {
   EXPECT_TRUE(edge.errors.empty());
 }
 
-// Of a loop, and of a sequence too long to be held whole.
+// A loop, and a sequence too long to be held whole.
 TEST(Renditions, APictureThatStandsComesAgainInTheHighest) {
   for (const uint32_t frames : {30u, 400u}) {
     const FakeCharacter character = FakeBuilder().build({{"walk", frames, 10, 25, true, 192, 16, {}, 3, 2}});

@@ -157,7 +157,7 @@ export class ViewerBase extends PageElement {
   disconnectedCallback(): void {
     queueMicrotask(() => { if (!this.isConnected && this[parts].connected) this.#leave(); });
   }
-  // What belongs to the old document, such as observers and clocks, is left there. Where the element is in the new one, connectedCallback follows.
+  // Observers and clocks belong to the old document, and are left there. Where the element is in the new one, connectedCallback follows.
   adoptedCallback(): void {
     this[parts].overlay.applyStyle();
     if (this[parts].connected) this.#leave();
