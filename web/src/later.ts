@@ -3,6 +3,7 @@
 // does: effects, companions, live streams, another bake, advice, the choice of the upload path. What fails is tried again when it
 // is needed.
 import type { Companion } from './companion.js';
+import { deferred } from './deferred.js';
 import { mayBeOfTwoBakes, type ErrorDetail } from './errors.js';
 import type { LiveStream } from './live.js';
 import type { SessionSide, SideActor } from './session-side.js';
@@ -10,6 +11,9 @@ import { loadMore, type More } from './wasm-module.js';
 import type { Align } from './wasm-player.js';
 
 export const needsFlow = (align: string): boolean => align.startsWith('flow');
+
+// Motion comes before the rest, which would share network and processor with it.
+const MOVED_PICTURES = 10, LONGEST_REST_MS = 1500;
 
 type Effect = 'useFlow' | 'useLook' | 'useRoom';
 
@@ -28,6 +32,10 @@ export class Later {
   #looked = false; // a look has been set
   #unproven = false; // it was loaded anew and could not play yet
   #held: ErrorDetail[] | null = null; // errors that wait for what #renew finds
+  readonly #rest = deferred(); // settles when what comes after the first motion is there, or cannot be had
+  #measures = false;
+  #picturesLeft = 0; // of motion, before the rest is loaded; 0: it has been, or does not wait
+  #restTimer = 0;
   #missing = ''; // why the second part is not there, as an event has said
   /** The page's side of the second part, once it is there. */
   loaded: More | null = null;
@@ -54,22 +62,38 @@ export class Later {
   firstPicture(): void {
     if (needsFlow(this.#session.align)) this.#apply('useFlow');
   }
-  /** Once it can play, so that the first pictures do not share the network with the rest. measures: the upload path. */
+  /** Once it can play: the rest is loaded when the character stands, or has moved. measures: the upload path. */
   onCanPlay(measures: boolean): void {
     this.#unproven = false;
-    this.#loadRest(measures);
+    this.#measures = measures;
+    if (this.loaded || !this.#session.host.commands.wishes.playing) {
+      this.#loadRest();
+    } else {
+      this.#picturesLeft = MOVED_PICTURES;
+      this.#restTimer = setTimeout(() => this.#loadRest(), LONGEST_REST_MS);
+    }
     for (const companion of this.#session.host.companions) this.add(companion);
   }
+  /** Another picture has been drawn. */
+  onPicture(): void { if (this.#picturesLeft && --this.#picturesLeft === 0) this.#loadRest(); }
   onClose(): void {
+    this.#forgetWait();
     this.#companions?.clear();
+  }
+  /** Resolves when transitions and the like can begin. */
+  rest(): Promise<void> { return this.#rest.promise; }
+  #forgetWait(): void {
+    clearTimeout(this.#restTimer);
+    this.#picturesLeft = 0;
   }
 
   // Without the second part the character plays on; an event says why it is missing, unless an effect's has.
-  #loadRest(measures: boolean): void {
+  #loadRest(): void {
     const session = this.#session;
-    void this.more().then(({ complete }) => complete(session, this.others, measures), (reason: unknown) => {
+    this.#forgetWait();
+    void this.more().then(({ complete }) => complete(session, this.others, this.#measures), (reason: unknown) => {
       if (session.errorOf(reason).message !== this.#missing) this.#miss(reason);
-    });
+    }).then(this.#rest.resolve);
   }
   #miss(reason: unknown): void {
     const { host, ended } = this.#session, error = this.#session.errorOf(reason);
@@ -133,7 +157,10 @@ export class Later {
     this.#companions?.remove(companion);
     this.#session.wake();
   }
-  setPlaying(playing: boolean): void { this.#companions?.setPlaying(playing); }
+  setPlaying(playing: boolean): void {
+    this.#companions?.setPlaying(playing);
+    if (!playing && this.#picturesLeft) this.#loadRest();
+  }
 
   // --- another source for the same session ---
 

@@ -62,7 +62,7 @@ export class Session implements SessionSide, Seat {
       actors: () => this.#actors,
       stage: () => this.#stage!,
       seat: this,
-      picture: () => host.picture(),
+      picture: () => { host.picture(); this.later.onPicture(); },
       firstPicture: () => { host.firstPicture(); this.later.firstPicture(); },
       drawFailed: (reason) => this.fatal(reason),
     });

@@ -62,7 +62,7 @@ export function withMotion<T extends Constructor<ViewerBase & Loading & Playback
         if (this.#goal === state && this[parts].session === session) commands.goTo(state);
         this.#goal = null;
       };
-      session!.more().then(go, go);
+      void session!.later.rest().then(go);
     }
     get state(): string { return this.#goal ?? (this[parts].commands.state()?.goal || this.sequence); }
     get inTransition(): boolean { return this[parts].commands.state()?.inTransition ?? false; }
