@@ -2,6 +2,7 @@
 // The second part of the player in a session: loads it after the first picture, or when something needs it, and hands to it what it
 // does: effects, companions, live streams, another bake, advice, the choice of the upload path. What fails is tried again when it
 // is needed.
+import { isOn } from './attributes.js';
 import type { Companion } from './companion.js';
 import { deferred } from './deferred.js';
 import { mayBeOfTwoBakes, type ErrorDetail } from './errors.js';
@@ -66,7 +67,8 @@ export class Later {
   onCanPlay(measures: boolean): void {
     this.#unproven = false;
     this.#measures = measures;
-    if (this.loaded || !this.#session.host.commands.wishes.playing) {
+    const { commands, element } = this.#session.host;
+    if (this.loaded || !commands.wishes.playing || isOn(element, 'motion-controls')) { // the rest has the keys that steer
       this.#loadRest();
     } else {
       this.#picturesLeft = MOVED_PICTURES;
