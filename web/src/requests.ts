@@ -11,9 +11,11 @@ const LONGEST_ASKED_PAUSE_MS = 60_000; // by Retry-After
 const STALL_S = 10; // without a byte
 export const MOST_BYTES = 2 ** 25; // of a file whose length the manifest does not say
 const MOST_TRIES = 7; // of a server that has never answered: about 10 s, if no request stalls
+const PROBE_AGAIN_MS = 3000; // of a server that has answered no probe: it is not loaded with more than the retries
 const MOST_BREAKS = 4; // of an answer, at the same byte
 const REDIRECTED = 'the address that it redirects to'; // in place of an origin, which the browser does not say
 
+const silent = new Map<string, number>(); // origins, and when they left a probe without an answer
 let received = 0;
 /** Parts of answers that the page has received, of all requests. */
 export const partsReceived = (): number => received;
@@ -197,11 +199,21 @@ async function faultOf({ url, address = url, init = {}, signal }: Wanted): Promi
     const { signal: watched, end } = watchForStall(signal);
     return fetch(address, { credentials: 'same-origin', ...more, signal: watched }).catch(() => null).finally(end); // nobody reads the body
   };
-  const hasRange = new Headers(init.headers).has('Range');
-  if (hasRange && (await probe({ ...init, headers: {} })) && !(await probe(init))) return cannotLoad(url, rangeRefusal(isOwn));
-  if (isOwn && (await probe({ redirect: 'manual' }))?.type !== 'opaqueredirect') return new PassingFault(origin);
-  if ((await probe({ mode: 'no-cors' })) && !(await probe(init))) return cannotLoad(url, corsRefusal(init.credentials));
-  return new PassingFault(isOwn ? REDIRECTED : origin);
+  const whole = { ...init, headers: {} }, hasRange = new Headers(init.headers).has('Range');
+  const away = (): Error => {
+    silent.set(origin, performance.now());
+    return new PassingFault(origin);
+  };
+  if (performance.now() - (silent.get(origin) ?? -Infinity) < PROBE_AGAIN_MS) return new PassingFault(origin);
+  if (isOwn) {
+    const answer = await probe({ ...whole, redirect: 'manual' });
+    if (!answer) return away();
+    if (answer.type !== 'opaqueredirect') return hasRange && !(await probe(init)) ? cannotLoad(url, rangeRefusal(isOwn)) : new PassingFault(origin);
+  } else if (hasRange && (await probe(whole)) && !(await probe(init))) {
+    return cannotLoad(url, rangeRefusal(isOwn));
+  }
+  if (!(await probe({ mode: 'no-cors' }))) return isOwn ? new PassingFault(REDIRECTED) : away();
+  return (await probe(init)) ? new PassingFault(isOwn ? REDIRECTED : origin) : cannotLoad(url, corsRefusal(init.credentials));
 }
 
 /** A whole file. Errors: ViewerError 'fetch-failed'. */
