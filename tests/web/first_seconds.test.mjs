@@ -115,7 +115,7 @@ test('a motion that is asked for at once comes by a transition: until the second
   await page.close();
 });
 
-test('a motion that is selected meanwhile is not left again', async () => {
+test('a motion that is selected, or sought in, meanwhile is not left again', async () => {
   const page = await openPage(browser), held = [];
   let hold = true;
   await page.route(/fourdvt-more\.(js|wasm)/, (route) => (hold ? held.push(route) : route.continue()));
@@ -126,6 +126,20 @@ test('a motion that is selected meanwhile is not left again', async () => {
   for (const route of held.splice(0)) await route.continue();
   await framesOf(page, 'run', 5);
   assert.equal(await page.evaluate(() => document.querySelector('fourdvt-viewer').state), 'run');
+  const state = await page.evaluate(async () => {
+    const viewer = document.createElement('fourdvt-viewer');
+    Object.assign(viewer, { src: '/character/character.gltf', autoplay: true, loop: true });
+    viewer.addEventListener('canplay', () => {
+      viewer.goTo('locomotion');
+      viewer.pause();
+      viewer.seekFrame(7);
+    }, { once: true });
+    document.querySelector('fourdvt-viewer').replaceWith(viewer);
+    await new Promise((done) => viewer.addEventListener('seeked', done, { once: true }));
+    for (let i = 0; i < 30; ++i) await new Promise((next) => requestAnimationFrame(next));
+    return [viewer.sequence, viewer.frame, viewer.state];
+  });
+  assert.deepEqual(state, ['walk', 7, 'walk']);
   await page.close();
 });
 

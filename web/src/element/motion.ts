@@ -114,6 +114,11 @@ export function withMotion<T extends Constructor<ViewerBase & Loading & Playback
         this[parts].session?.wake();
       });
     }
+    // A seek is within the motion that is shown.
+    override [emit](name: string, detail?: unknown): void {
+      if (name === 'seeking') this.#goal = null;
+      super[emit](name, detail);
+    }
     override [onSession](): void {
       super[onSession]();
       this.#goal = null;
