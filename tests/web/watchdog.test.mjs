@@ -84,9 +84,16 @@ const note = () => page.evaluate(() => {
   const line = globalThis.viewer.shadowRoot.querySelector('.note');
   return line.hidden ? null : line.textContent;
 });
-// Turns the clock until the condition holds.
+// An animation frame, which has no clock of the test's; on a page that gives none, a moment.
+const frame = () => Promise.race([
+  page.evaluate(() => new Promise((next) => requestAnimationFrame(next))).catch(() => undefined), new Promise((next) => setTimeout(next, 500)),
+]);
+// Turns the clock until the condition holds, with a frame of the page for each second.
 async function turnUntil(condition, mostS = 120) {
-  for (let s = 0; s < mostS && !(await page.evaluate(condition)); ++s) await page.evaluate(() => globalThis.testClock.turn(1000));
+  for (let s = 0; s < mostS && !(await page.evaluate(condition)); ++s) {
+    await page.evaluate(() => globalThis.testClock.turn(1000));
+    await frame();
+  }
   assert.ok(await page.evaluate(condition), `${condition}`);
 }
 async function expectStall(step, text) {
