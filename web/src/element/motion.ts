@@ -86,6 +86,7 @@ export function withMotion<T extends Constructor<ViewerBase & Loading & Playback
     set align(value: Align) { this.setAttribute('align', value); }
 
     override [firstWishes](): Partial<Wishes> {
+      this.#goal = null;
       return { ...super[firstWishes](), sequence: this.getAttribute('sequence'), travel: this.travel };
     }
     override [sessionOptions](): Partial<SessionOptions> { return { ...super[sessionOptions](), align: this.align }; }
@@ -119,8 +120,10 @@ export function withMotion<T extends Constructor<ViewerBase & Loading & Playback
       if (name === 'seeking') this.#goal = null;
       super[emit](name, detail);
     }
+    // Another session of the same source begins with what was waited for.
     override [onSession](): void {
       super[onSession]();
+      if (this.#goal) this[parts].commands.goTo(this.#goal);
       this.#goal = null;
     }
     override [onLeft](): void {
