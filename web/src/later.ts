@@ -37,7 +37,7 @@ export class Later {
   #measures = false;
   #picturesLeft = 0; // of motion, before the rest is loaded; 0: it has been, or does not wait
   #restTimer = 0;
-  #missing = ''; // why the second part is not there, as an event has said
+  #missing = ''; // reason for which the second part is not there, of the last event
   /** The page's side of the second part, once it is there. */
   loaded: More | null = null;
 
@@ -89,7 +89,7 @@ export class Later {
     this.#picturesLeft = 0;
   }
 
-  // Without the second part the character plays on; an event says why it is missing, unless an effect's has.
+  // Without the second part the character plays on; one event has the reason, an effect's or this one.
   #loadRest(): void {
     const session = this.#session;
     this.#forgetWait();

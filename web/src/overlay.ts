@@ -96,7 +96,7 @@ export class Overlay {
   #coverTimer = 0;
   #otherMode = true; // of requests, with CORS or without, is yet to be tried for the poster
   #kept: HTMLCanvasElement | null = null; // the last picture of a canvas that has gone
-  #lack = ''; // the line that says that some of the player is missing
+  #lack = ''; // line shown while some of the player is missing
   /** Called by its buttons. */
   onPlay: () => void = () => undefined;
   onRetry: () => void = () => undefined;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Requests of files. Faults that pass are waited out, with growing pauses, for as long as somebody wants the bytes: no network,
+// Requests of files. Faults that pass are waited out, with growing pauses, until the bytes are there or the request is cancelled: no network,
 // statuses 408, 425, 429 and most of 5xx, an answer that stalls. Faults that stay end the request with an error: any other status, a
 // page in place of the file, an answer that breaks off at the same byte each time, an address that the browser refuses, a server that does
 // not allow this page or has never answered.
@@ -188,7 +188,7 @@ export async function ask({ url, address = url, init = {}, signal }: Wanted): Pr
   };
 }
 
-// Finds out why a request has failed: a browser does not say it. If the same address answers another request, for the whole file or one
+// Finds out the cause of a failed request, which browsers do not report. If the same address answers another request, for the whole file or one
 // whose answer nobody may read, and fails again at this one, it is the server's word and not the network. The page's own server refuses
 // no page itself, but may redirect.
 async function faultOf({ url, address = url, init = {}, signal }: Wanted): Promise<Error> {

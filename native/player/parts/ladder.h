@@ -32,7 +32,7 @@ class Ladder {
   void judge(const package::Sequence& sequence, uint32_t rendition, bool plays);
   bool isOut(const package::Sequence& sequence, uint32_t rendition) const;
   bool allOut(const package::Sequence& sequence) const;
-  // The edge has measured this throughput before anything was fetched here; what `measure` adds takes its place.
+  // Begins with a throughput that the edge has measured elsewhere; what `measure` adds takes its place.
   void expect(double throughput_bps);
   // Adds the time since the last call: the bytes that came in it, and whether any were on their way.
   void measure(uint64_t bytes, double step_s, bool fetching);

@@ -53,7 +53,7 @@ export function withMotion<T extends Constructor<ViewerBase & Loading & Playback
       this[emit]('parameterchange', { name, value });
     }
     getParameter(name: string): number { return this[parts].commands.parameter(name); }
-    // Transitions need the second part: what plays goes on until it is there.
+    // Goes over by a transition; until the second part is there, which transitions need, the present motion plays on.
     goTo(state: string): void {
       const { session, commands } = this[parts], waits = session?.character && !session.later.loaded && commands.wishes.playing && commands.state()?.hasFrame;
       this.#goal = waits && this.sequences.some(({ name }) => name === state) ? state : null;
@@ -120,7 +120,7 @@ export function withMotion<T extends Constructor<ViewerBase & Loading & Playback
       if (name === 'seeking') this.#goal = null;
       super[emit](name, detail);
     }
-    // Another session of the same source begins with what was waited for.
+    // A new session of the same source begins with the goal that waited.
     override [onSession](): void {
       super[onSession]();
       if (this.#goal) this[parts].commands.goTo(this.#goal);
