@@ -156,7 +156,7 @@ bool Loading::requestGop(GopKey key, double ahead_s, bool stands) {
     uint32_t& chosen = stream(key.sequence).rendition;
     gop.rendition = choose(key, ahead_s, stands);
     if (gop.rendition < chosen) ladder_.rest();
-    chosen = gop.rendition;
+    if (!stands) chosen = gop.rendition;  // a standing picture may be of one that the network does not carry
   }
   if (gop.chunk_state == PartState::Absent) {
     gop.chunk_state = PartState::Fetching;
