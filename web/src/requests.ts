@@ -11,7 +11,7 @@ const LONGEST_ASKED_PAUSE_MS = 60_000; // by Retry-After
 const STALL_S = 10; // without a byte
 export const MOST_BYTES = 2 ** 25; // of a file whose length the manifest does not say
 const MOST_TRIES = 7; // of a server that has never answered: about 10 s, if no request stalls
-const PROBE_AGAIN_MS = 3000; // of a server that has answered no probe: it is not loaded with more than the retries
+const PROBE_AGAIN_MS = 15_000; // of a server that has answered no probe: it is not loaded with more than the retries
 const MOST_BREAKS = 4; // of an answer, at the same byte
 const REDIRECTED = 'the address that it redirects to'; // in place of an origin, which the browser does not say
 
