@@ -5,7 +5,8 @@
 
 /**
  * Runs in the page before its scripts. globalThis.testClock: turn(ms) adds time, in steps, with what the timers do in
- * between; setRate(rate) makes the clock run faster than the real one; now() in ms; requests(): calls of fetch so far.
+ * between; setRate(rate) makes the clock run faster than the real one; now() in ms; requests(): what fetch was called for so
+ * far, "address range".
  */
 export function installClock() {
   const kStepMs = 250;     // half of the longest step that the frame loop catches up
@@ -15,7 +16,8 @@ export function installClock() {
     setTimeout: setTimeout.bind(globalThis), clearTimeout: clearTimeout.bind(globalThis), fetch: fetch.bind(globalThis),
     requestAnimationFrame: requestAnimationFrame.bind(globalThis), now: performance.now.bind(performance), Date,
   };
-  let base = 0, since = 0, rate = 1, lastId = 0, requests = 0, unanswered = 0;
+  let base = 0, since = 0, rate = 1, lastId = 0, unanswered = 0;
+  const requests = [];
   const timers = new Map(); // by id: { due, period, run, native }
   const at = (realMs) => base + (realMs - since) * rate;
   const now = () => at(real.now());
@@ -57,7 +59,7 @@ export function installClock() {
     static now() { return date(); }
   };
   globalThis.fetch = (...request) => {
-    ++requests;
+    requests.push(`${request[0]?.url ?? request[0]} ${new Headers(request[1]?.headers).get('Range') ?? ''}`);
     ++unanswered;
     return real.fetch(...request).finally(() => { --unanswered; });
   };
