@@ -7,8 +7,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/image.h"
+#include "base/picture_marks.h"
 #include "base/result.h"
 
 namespace fourdvt {
@@ -31,6 +33,10 @@ class VideoSource {
   }
   // Upper bound on the number of pictures in the whole file where the container tells it without decoding.
   virtual std::optional<uint64_t> frameCountHint() const { return std::nullopt; }
+  // How pictures are to be shown; next() gives them as they are stored.
+  virtual PictureMarks marks() const { return {}; }
+  // Conversions that next() makes by other marks of the file, for reports; known once a picture has been read.
+  virtual std::vector<std::string> conversions() const { return {}; }
   // Mean frame rate by the container's header; nothing if it has none.
   virtual std::optional<double> framesPerSecond() const { return std::nullopt; }
 };

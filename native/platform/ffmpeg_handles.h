@@ -6,6 +6,7 @@
 
 extern "C" {
 #include <libavcodec/avcodec.h>
+#include <libavfilter/avfilter.h>
 #include <libavformat/avformat.h>
 #include <libavutil/pixdesc.h>
 #include <libswresample/swresample.h>
@@ -18,6 +19,7 @@ struct AvDeleter {
   void operator()(AVIOContext* p) const { avio_closep(&p); }
   void operator()(AVFormatContext* p) const { avformat_close_input(&p); }
   void operator()(AVCodecContext* p) const { avcodec_free_context(&p); }
+  void operator()(AVFilterGraph* p) const { avfilter_graph_free(&p); }
   void operator()(AVFrame* p) const { av_frame_free(&p); }
   void operator()(AVPacket* p) const { av_packet_free(&p); }
   void operator()(SwsContext* p) const { sws_freeContext(p); }
@@ -27,6 +29,7 @@ struct AvDeleter {
 using AvIo = std::unique_ptr<AVIOContext, AvDeleter>;
 using AvFormat = std::unique_ptr<AVFormatContext, AvDeleter>;
 using AvCodec = std::unique_ptr<AVCodecContext, AvDeleter>;
+using FilterGraph = std::unique_ptr<AVFilterGraph, AvDeleter>;
 using AvFrame = std::unique_ptr<AVFrame, AvDeleter>;
 using AvPacket = std::unique_ptr<AVPacket, AvDeleter>;
 using Resampler = std::unique_ptr<SwrContext, AvDeleter>;

@@ -16,6 +16,8 @@
 #include "platform/file_only.h"
 #include "platform/files.h"
 #include "platform/frame_colour.h"
+#include "platform/frame_filter.h"
+#include "platform/video_marks.h"
 
 namespace fourdvt::platform {
 namespace {
@@ -87,6 +89,12 @@ class FileSource final : public VideoSource {
     codec_->max_pixels = kMaxVideoPixels;
     codec_->thread_count = 1;  // the caller decodes several files side by side
     if (avcodec_open2(codec_.get(), codec, nullptr) < 0) return unreadable(path, "the decoder does not start");
+    const auto marks = marksOf(*raw, *raw->streams[stream_]);
+    if (!marks) return unreadable(path, "its display matrix turns pictures by an angle that is no quarter turn");
+    marks_ = *marks;
+    judged_ = false;
+    deinterlacer_.close();
+    to_bt709_.close();
     return {};
   }
 
@@ -105,9 +113,12 @@ class FileSource final : public VideoSource {
     return av_q2d(rate);
   }
 
+  PictureMarks marks() const override { return marks_; }
+  std::vector<std::string> conversions() const override { return conversions_; }
+
   Result<std::optional<Image>> next() override {
-    FOURDVT_ASSIGN(const bool decoded, decode());
-    if (!decoded) return std::optional<Image>();
+    FOURDVT_ASSIGN(const bool more, advance());
+    if (!more) return std::optional<Image>();
     return picture();
   }
 
@@ -115,8 +126,8 @@ class FileSource final : public VideoSource {
     const uint32_t wanted = number_ + pictures;
     if (pictures > kSeekBeyond) FOURDVT_TRY(seekBefore(wanted));
     while (number_ < wanted) {
-      FOURDVT_ASSIGN(const bool decoded, decode());
-      if (!decoded) return {};
+      FOURDVT_ASSIGN(const bool more, advance());
+      if (!more) return {};
     }
     return {};
   }
@@ -129,12 +140,52 @@ class FileSource final : public VideoSource {
   }
 
  private:
-  // Decodes the next picture into frame_. False: the video has ended.
+  // Makes frame_ the next picture. False: the video has ended.
+  Result<bool> advance() {
+    while (true) {
+      if (deinterlacer_.isOpen()) {
+        av_frame_unref(frame_.get());
+        const int pulled = deinterlacer_.pull(*frame_);
+        if (pulled == AVERROR_EOF) return false;
+        if (pulled == 0) {
+          ++number_;
+          return true;
+        }
+        if (pulled != AVERROR(EAGAIN)) return unreadable(path_, "a picture is not deinterlaced");
+      }
+      FOURDVT_ASSIGN(const bool decoded, decode());
+      if (decoded && !judged_) FOURDVT_TRY(judge());
+      if (!deinterlacer_.isOpen()) {
+        number_ += decoded;
+        return decoded;
+      }
+      if (!deinterlacer_.push(decoded ? frame_.get() : nullptr))
+        return unreadable(path_, "a picture is not deinterlaced");
+    }
+  }
+
+  // Finds the conversions that the first picture calls for.
+  Status judge() {
+    judged_ = true;
+    conversions_.clear();
+    FOURDVT_TRY(openFilter(deinterlacing(*file_.format->streams[stream_], *frame_), deinterlacer_));
+    return channels_ == 1 ? Status() : openFilter(toBt709(*frame_), to_bt709_);
+  }
+
+  Status openFilter(const Conversion& conversion, FrameFilter& filter) {
+    if (conversion.chain.empty()) return {};
+    if (!filter.open(conversion.chain, *frame_))
+      return unreadable(path_, conversion.name + ": this FFmpeg does not convert such pictures");
+    conversions_.push_back(conversion.name);
+    return {};
+  }
+
+  // Decodes what comes next into frame_. False: the video has ended.
   Result<bool> decode() {
     while (true) {
       const int received = avcodec_receive_frame(codec_.get(), frame_.get());
       if (received == 0) {
-        if (number_++ == 0) first_stamp_ = frame_->best_effort_timestamp;
+        if (!judged_) first_stamp_ = frame_->best_effort_timestamp;
         return true;
       }
       if (received == AVERROR_EOF) return false;
@@ -198,9 +249,10 @@ class FileSource final : public VideoSource {
   // position and number stay, or begin anew.
   Status seekBefore(uint32_t wanted) {
     if (number_ == 0) {
-      FOURDVT_ASSIGN(const bool decoded, decode());  // sets first_stamp_
-      if (!decoded) return {};
+      FOURDVT_ASSIGN(const bool more, advance());  // sets first_stamp_
+      if (!more) return {};
     }
+    if (deinterlacer_.isOpen()) return {};  // a picture depends on its neighbours
     bool moved = false;
     if (!listed_ && first_stamp_ != AV_NOPTS_VALUE) {
       listed_ = moved = true;
@@ -254,6 +306,10 @@ class FileSource final : public VideoSource {
   }
 
   Result<std::optional<Image>> picture() {
+    if (to_bt709_.isOpen()) {
+      const bool pushed = to_bt709_.push(frame_.get());
+      if (!pushed || to_bt709_.pull(*frame_) != 0) return unreadable(path_, "the picture does not convert to BT.709");
+    }
     const auto* format = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame_->format));
     if (!format) return unreadable(path_, "unknown pixel format");
     const bool luma_first = !(format->flags & (AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL)) &&
@@ -278,6 +334,10 @@ class FileSource final : public VideoSource {
   AvFrame frame_{av_frame_alloc()};
   AvPacket packet_{av_packet_alloc()};
   RgbConverter converter_;
+  PictureMarks marks_;
+  bool judged_ = false;  // the first picture has been decoded, and the filters are those that it calls for
+  std::vector<std::string> conversions_;
+  FrameFilter deinterlacer_, to_bt709_;
 };
 
 }  // namespace
