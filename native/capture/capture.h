@@ -41,9 +41,17 @@ struct Distortion {
 // Need of a reader: mattes (or plates to make them from), or colour alone.
 enum class MatteNeed { Required, None };
 
+// Pictures that a camera is calibrated for, where files mark theirs as turned or mirrored.
+enum class Orientation {
+  BySize,  // those of the calibrated size; an error where both are
+  Marked,  // as players show them
+  Stored,  // as they lie in the file
+};
+
 struct CaptureCamera {
   PinholeCamera pinhole;  // after undistortion; name as in images.txt without extension
   Distortion distortion;  // what the reader removes
+  Orientation orientation = Orientation::BySize;
 };
 
 // What surface a capture has, in all its sequences alike.

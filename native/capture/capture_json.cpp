@@ -41,6 +41,7 @@ class Parser {
     FOURDVT_ASSIGN(capture.cameras_folder,
                    inside("\"calibration\"", text(member(member(root, "calibration"), "ring"), "cameras")));
     FOURDVT_TRY(skew(member(member(root, "calibration"), "skew")));
+    FOURDVT_TRY(orientation(member(member(root, "calibration"), "orientation")));
     FOURDVT_TRY(background(member(root, "background")));
     FOURDVT_TRY(scale(root));
     FOURDVT_TRY(room(member(root, "room")));
@@ -79,6 +80,16 @@ class Parser {
       out_.skew[camera] = pixels.get<double>();
     }
     return {};
+  }
+
+  Status orientation(const Json& node) {
+    const std::string kind = text(node);
+    if (kind == "marked") out_.orientation = Orientation::Marked;
+    if (kind == "stored") out_.orientation = Orientation::Stored;
+    if (node.is_null() || out_.orientation != Orientation::BySize) return {};
+    return error(
+        "\"orientation\" of \"calibration\" must be \"marked\" (of pictures as players show them) or \"stored\" (as "
+        "they lie in the file)");
   }
 
   // {"cam03": -1.5}: of the whole capture, or of one sequence, which goes before.

@@ -23,6 +23,7 @@ struct DeclaredCapture {
   bool per_frame = false;  // "topology": "per-frame"
   std::vector<DeclaredSequence> sequences;
   std::map<std::string, double> skew;  // by camera's name, pixels
+  Orientation orientation = Orientation::BySize;
 };
 
 // `folder` holds capture.json. Lengths are in the declared units, root velocities in those units per second.

@@ -20,11 +20,11 @@ class CameraReader {
     FOURDVT_ASSIGN(const PicturePlace place, colourPlace(sequence, camera));
     CameraReader reader(camera);
     const std::string& name = camera.pinhole.name;
-    FOURDVT_TRY(openStream(place, sequence, name, 3, open_video, check_files, reader.colour_));
+    FOURDVT_TRY(openStream(place, sequence, camera, 3, open_video, check_files, reader.colour_));
     if (mattes == MatteNeed::None) return reader;
     const auto matte_place = findPictures(sequence.folder, matteStem(name));
     if (matte_place) {
-      FOURDVT_TRY(openStream(*matte_place, sequence, name, 1, open_video, check_files, reader.matte_));
+      FOURDVT_TRY(openStream(*matte_place, sequence, camera, 1, open_video, check_files, reader.matte_));
     } else {
       FOURDVT_ASSIGN(reader.key_, PlateKey::open(capture, camera));
     }
@@ -34,12 +34,10 @@ class CameraReader {
   // RGBA, undistorted.
   Status read(uint32_t frame, Image& out) {
     FOURDVT_ASSIGN(auto colour, colour_->read(frame));
-    FOURDVT_TRY(checkSize(colour, camera_, colour_->path()));
     Image alpha;
     float residual = 0;
     if (matte_) {
       FOURDVT_ASSIGN(auto matte, matte_->read(frame));
-      FOURDVT_TRY(checkSize(matte, camera_, matte_->path()));
       alpha = std::move(matte);
     } else if (key_) {
       alpha = key_->matte(colour, &residual);
@@ -54,7 +52,7 @@ class CameraReader {
  private:
   explicit CameraReader(const CaptureCamera& camera) : camera_(camera), undistorter_(camera) {}
 
-  static Status openStream(const PicturePlace& place, const CaptureSequence& sequence, const std::string& camera,
+  static Status openStream(const PicturePlace& place, const CaptureSequence& sequence, const CaptureCamera& camera,
                            int channels, const OpenVideo& open_video, bool check_files,
                            std::optional<PictureStream>& out) {
     FOURDVT_ASSIGN(out, PictureStream::open(place, sequence, camera, channels, open_video, check_files));

@@ -230,6 +230,7 @@ Result<Capture> openDescription(const std::string& folder, const std::vector<std
   FOURDVT_ASSIGN(capture.cameras, readColmapCameras(capture.cameras_folder));
   scaleToMetres(capture.cameras, capture.metres_per_unit);
   FOURDVT_TRY(applySkew(declared.skew, capture));
+  for (CaptureCamera& camera : capture.cameras) camera.orientation = declared.orientation;
   for (const DeclaredSequence& d : declared.sequences) capture.sequences.push_back(d.sequence);
   for (const CaptureSequence& sequence : capture.sequences) FOURDVT_TRY(checkOffsets(capture, sequence));
   FOURDVT_TRY(checkMeshes(declared.sequences, capture));

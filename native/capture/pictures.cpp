@@ -9,7 +9,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "capture/mesh_sequence.h"
+#include "capture/still_marks.h"
 #include "capture/text.h"
+#include "capture/upright.h"
 
 namespace fourdvt::capture {
 std::vector<std::filesystem::path> sortedEntries(const std::filesystem::path& folder) {
@@ -68,12 +70,14 @@ cv::Mat decodeMatte(const cv::Mat& encoded) {
 
 }  // namespace
 
-Result<Image> readPicture(const std::string& path, int channels) {
+Result<Image> readPicture(const std::string& path, int channels, PictureMarks* marks) {
   const auto bytes = readText(path);
   if (!bytes) return Error{ErrorId::FileMissing, path + ": picture cannot be read; check that it is there"};
   const Error bad{ErrorId::FileUnreadable, path + ": not a readable picture; export it as 8-bit PNG again"};
   if (bytes->empty()) return bad;
   try {
+    const StillMarks found = stillMarks(*bytes);
+    if (marks) *marks = found.marks;
     const cv::Mat encoded(1, static_cast<int>(bytes->size()), CV_8U, const_cast<char*>(bytes->data()));
     const int mode = channels == 4 ? int(cv::IMREAD_UNCHANGED) : cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION;
     cv::Mat decoded = channels == 1 ? decodeMatte(encoded) : cv::imdecode(encoded, mode);
@@ -91,19 +95,27 @@ Result<Image> readPicture(const std::string& path, int channels) {
       cv::cvtColor(decoded, out, cv::COLOR_BGRA2RGBA);
     else
       cv::cvtColor(decoded, out, cv::COLOR_BGR2RGB);
+    if (channels == 3) toSrgb(found.profile, image);
     return image;
   } catch (const cv::Exception&) {
     return bad;
   }
 }
 
+Result<Image> readCalibrated(const std::string& path, int channels, const CaptureCamera& camera) {
+  PictureMarks marks;
+  FOURDVT_ASSIGN(auto picture, readPicture(path, channels, &marks));
+  return asCalibrated(std::move(picture), marks, camera, path);
+}
+
 Result<PictureStream> PictureStream::open(const PicturePlace& place, const CaptureSequence& sequence,
-                                          const std::string& camera, int channels, const OpenVideo& open_video,
+                                          const CaptureCamera& camera, int channels, const OpenVideo& open_video,
                                           bool check_files) {
   PictureStream stream;
   stream.place_ = place;
+  stream.camera_ = camera;
   for (uint32_t frame = 0; frame < sequence.frame_count; ++frame)
-    stream.numbers_.push_back(sequence.pictureOf(camera, frame));
+    stream.numbers_.push_back(sequence.pictureOf(camera.pinhole.name, frame));
   stream.pictures_ = 1 + *std::max_element(stream.numbers_.begin(), stream.numbers_.end());
   stream.as_declared_ = stream.pictures_ == sequence.frame_count;
   stream.open_video_ = open_video;
@@ -138,7 +150,7 @@ Status PictureStream::checkFiles() const {
 
 Result<Image> PictureStream::read(uint32_t frame) {
   const uint32_t number = frame < numbers_.size() ? numbers_[frame] : frame;
-  if (place_.numbered) return readPicture(framePath(place_.path, number), channels_);
+  if (place_.numbered) return readCalibrated(framePath(place_.path, number), channels_, camera_);
   if (number < next_) {
     FOURDVT_ASSIGN(video_, open_video_(place_.path, channels_));
     next_ = 0;
@@ -147,7 +159,7 @@ Result<Image> PictureStream::read(uint32_t frame) {
   FOURDVT_ASSIGN(auto picture, video_->next());
   if (!picture) return tooShort((number == next_ ? "" : "at most ") + std::to_string(number) + " frames");
   next_ = number + 1;
-  return std::move(*picture);
+  return asCalibrated(std::move(*picture), video_->marks(), camera_, place_.path);
 }
 
 Status checkSize(const Image& image, const CaptureCamera& camera, const std::string& path) {
@@ -156,7 +168,7 @@ Status checkSize(const Image& image, const CaptureCamera& camera, const std::str
   auto size = [](int w, int h) { return std::to_string(w) + "x" + std::to_string(h); };
   return Error{ErrorId::FrameSize, path + ": picture of " + size(image.width, image.height) + " pixels, but camera \"" +
                                        p.name + "\" is calibrated for " + size(p.width, p.height) +
-                                       "; scale the pictures or the calibration"};
+                                       "; use the pictures that were calibrated"};
 }
 
 }  // namespace fourdvt::capture

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/image.h"
+#include "base/picture_marks.h"
 #include "base/video.h"
 #include "capture/capture.h"
 
@@ -36,20 +37,25 @@ bool isFile(const std::string& path);
 // Name of a camera's matte: cam03 → mask03, other → maskother.
 std::string matteStem(const std::string& camera_name);
 
-// Reads a PNG or JPEG as 3 channels (RGB), 4 (RGBA; opaque where the file has no alpha), or 1: grey, or the alpha of a
-// picture that is not opaque throughout. Errors: FileMissing, FileUnreadable.
-Result<Image> readPicture(const std::string& path, int channels);
+// Reads a PNG or JPEG as it lies in the file, as 3 channels (RGB; turned into sRGB by the file's colour profile), 4
+// (RGBA; opaque where the file has no alpha), or 1: grey, or the alpha of a picture that is not opaque throughout.
+// `marks`, if wanted: how it is to be shown. Errors: FileMissing, FileUnreadable.
+Result<Image> readPicture(const std::string& path, int channels, PictureMarks* marks = nullptr);
+
+// The same, as the camera is calibrated for it. Errors: those of readPicture; FrameSize.
+Result<Image> readCalibrated(const std::string& path, int channels, const CaptureCamera& camera);
 
 class PictureStream {
  public:
   // Checks what is cheap to check: that the files are there, and that the video does not announce too few frames.
-  // `camera`: its name, for its offset in time. `check_files`: numbered files are looked for, all of the sequence.
+  // `check_files`: numbered files are looked for, all of the sequence.
   // Errors: VideoTooShort, and those of `open_video`.
   static Result<PictureStream> open(const PicturePlace& place, const CaptureSequence& sequence,
-                                    const std::string& camera, int channels, const OpenVideo& open_video,
+                                    const CaptureCamera& camera, int channels, const OpenVideo& open_video,
                                     bool check_files = true);
-  // Reads frames in ascending order; a video leaves out those in between (VideoSource::skip), and is opened anew where
-  // a loop begins again. Errors: VideoTooShort, FileUnreadable.
+  // Reads frames in ascending order, as the camera is calibrated for them; a video leaves out those in between
+  // (VideoSource::skip), and is opened anew where a loop begins again. Errors: VideoTooShort, FileUnreadable,
+  // FrameSize.
   Result<Image> read(uint32_t frame);
   const std::string& path() const { return place_.path; }
 
@@ -58,6 +64,7 @@ class PictureStream {
   Status checkFiles() const;
 
   PicturePlace place_;
+  CaptureCamera camera_;
   std::vector<uint32_t> numbers_;     // [frame] of the picture
   uint32_t pictures_ = 0, next_ = 0;  // how many there must be; number of the video's next one
   bool as_declared_ = true;           // nothing but "frames" decides on it

@@ -39,9 +39,9 @@ Result<Plates> readPlates(const Capture& capture, const CaptureCamera& camera, c
   Plates out;
   for (const std::string& path : platePaths(capture.background_folder + "/" + camera.pinhole.name)) {
     if (out.path.empty()) out.path = path;
-    auto plate = readPicture(path, 3);
+    auto plate = readCalibrated(path, 3, camera);
+    if (!plate.ok() && plate.error().id == ErrorId::FrameSize) return plate.error();
     if (!plate.ok()) return Error{plate.error().id, path + ": " + otherwise};
-    FOURDVT_TRY(checkSize(plate.value(), camera, path));
     out.pictures.push_back(plate.take());
   }
   return out;

@@ -2,6 +2,7 @@
 #include "capture/import/calibration_files.h"
 #include "capture/import/import_capture.h"
 #include "tools/args.h"
+#include "tools/choice.h"
 #include "tools/commands.h"
 #include "tools/log.h"
 #include "tools/session.h"
@@ -27,6 +28,9 @@ const CommandHelp& help() {
        {"--cropped", nullptr,
         "pictures that are smaller than calibrated lack columns at the right and rows at the bottom (default: an "
         "error)"},
+       {"--orientation", "marked|stored",
+        "the calibration is of pictures as players show them, or as they lie in the file, where files mark them as "
+        "turned or mirrored (default: by size; an error where both fit)"},
        {"--fps", "X", "frames a second (default: that of the videos, else 25)"},
        {"--sequences", "A=DIR,...",
         "names of the sequences, and the folders in SOURCE that hold their videos (default: one, called take, of "
@@ -44,6 +48,9 @@ capture::ImportOptions readOptions(Args& args) {
   }
   if (args.has("--scale")) o.metres_per_unit = args.number("--scale", 1, 1e-6, 1e6);
   if (args.has("--fps")) o.fps = args.number("--fps", 25, 0.01, 1000);
+  using capture::Orientation;
+  o.orientation = choice(args, "--orientation", Orientation::BySize,
+                         {{"marked", Orientation::Marked}, {"stored", Orientation::Stored}});
   o.cropped = args.has("--cropped");
   for (const std::string& entry : args.list("--sequences")) {
     const size_t equals = entry.find('=');

@@ -66,8 +66,8 @@ std::vector<View> readViews(const capture::Capture& capture, const std::string& 
     const auto place = orStop(capture::colourPlace(sequence, camera));
     const auto mattes = capture::findPictures(truth + "/" + sequence.name, capture::matteStem(name));
     if (!mattes) std::fprintf(stderr, "no true mattes of %s in %s\n", name.c_str(), truth.c_str()), std::exit(1);
-    auto colour = orStop(capture::PictureStream::open(place, sequence, name, 3, platform::openVideoFile));
-    auto matte = orStop(capture::PictureStream::open(*mattes, sequence, name, 1, platform::openVideoFile));
+    auto colour = orStop(capture::PictureStream::open(place, sequence, camera, 3, platform::openVideoFile));
+    auto matte = orStop(capture::PictureStream::open(*mattes, sequence, camera, 1, platform::openVideoFile));
     for (uint32_t frame = 0; frame < sequence.frame_count; frame += 9) {
       view.pictures.push_back(orStop(colour.read(frame)));
       view.mattes.push_back(orStop(matte.read(frame)));

@@ -149,7 +149,7 @@ Result<ImportSummary> importCapture(const ImportOptions& given, const OpenVideo&
                          std::to_string(calibration.cameras.size()) + " cameras");
   std::vector<Take> takes = takesOf(options, calibration);
   FOURDVT_TRY(keepSeenCameras(takes, calibration, summary.warnings));
-  ViewMeasures measures{options.cropped, options.fps};
+  ViewMeasures measures{options.cropped, options.fps, options.orientation};
   for (Take& take : takes) FOURDVT_TRY(measureViews(open_video, calibration, take, measures, summary.warnings));
   double fps = measures.fps;
   if (fps == 0) {

@@ -19,7 +19,8 @@ struct ImportOptions {
   std::optional<WorldAxis> up;            // none: what the format defines, else Y
   std::optional<double> metres_per_unit;  // none: what the format defines, else 1
   bool cropped = false;                   // pictures may lack columns at the right and rows at the bottom
-  double fps = 0;                         // 0: that of the videos, else 25
+  Orientation orientation = Orientation::BySize;
+  double fps = 0;  // 0: that of the videos, else 25
   // Name of each sequence, and its folder in `source`; none: one called "take", of `source` itself.
   std::vector<std::pair<std::string, std::string>> sequences;
   std::string check() const;  // what is wrong, or empty

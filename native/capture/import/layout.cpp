@@ -73,8 +73,9 @@ Status writePlates(const View& plates, const CaptureCamera& camera, const OpenVi
                    const std::string& folder) {
   const std::string own = folder + "/background/" + camera.pinhole.name;
   if (plates.video.empty()) {
-    FOURDVT_ASSIGN(const Image first, readPicture(plates.first(), 3));
-    FOURDVT_TRY(checkImportedSize(first, camera, plates.first()));
+    PictureMarks marks;
+    FOURDVT_ASSIGN(const Image first, readPicture(plates.first(), 3, &marks));
+    if (const auto fits = importedPicture(first, marks, camera, plates.first()); !fits.ok()) return fits.error();
     return linkPictures(plates.pictures, own);
   }
   FOURDVT_TRY(platform::makeFolder(own));
@@ -85,8 +86,8 @@ Status writePlates(const View& plates, const CaptureCamera& camera, const OpenVi
     FOURDVT_ASSIGN(const std::optional<Image> picture, video->next());
     if (!picture) break;
     if (frame % step != 0) continue;
-    FOURDVT_TRY(checkImportedSize(*picture, camera, plates.video));
-    FOURDVT_TRY(platform::writeImage(framePath(own + "/%06d.png", written++), *picture));
+    FOURDVT_ASSIGN(const Image plate, importedPicture(*picture, video->marks(), camera, plates.video));
+    FOURDVT_TRY(platform::writeImage(framePath(own + "/%06d.png", written++), plate));
   }
   if (written > 0) return {};
   return Error{ErrorId::FileUnreadable, plates.video + ": no picture in it; export the clip again"};
@@ -102,6 +103,8 @@ Status writeDescription(const ImportedCalibration& calibration, const std::vecto
     if (const double skew = imported.camera.distortion.skew; skew != 0)
       json["calibration"]["skew"][imported.camera.pinhole.name] = skew;
   }
+  if (const auto orientation = calibration.cameras.front().camera.orientation; orientation != Orientation::BySize)
+    json["calibration"]["orientation"] = orientation == Orientation::Marked ? "marked" : "stored";
   for (const Take& take : takes) json["sequences"].push_back({{"name", take.name}, {"frames", take.frames}});
   const ColmapText text = colmapText(cameras, 1);
   FOURDVT_TRY(platform::makeFolder(folder + "/cameras"));

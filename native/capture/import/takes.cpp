@@ -6,14 +6,14 @@
 #include <filesystem>
 
 #include "capture/pictures.h"
+#include "capture/upright.h"
 
 namespace fourdvt::capture {
 namespace {
 
-std::string sizeText(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
-
 struct Measured {
-  Image first;
+  Image first;  // as it is stored
+  PictureMarks marks;
   uint64_t frames = 0;
   std::optional<double> fps;
 };
@@ -28,7 +28,7 @@ Result<Measured> measureVideo(const OpenVideo& open_video, const std::string& pa
   FOURDVT_ASSIGN(auto video, open_video(path, 3));
   FOURDVT_ASSIGN(auto first, video->next());
   if (!first) return Error{ErrorId::FileUnreadable, path + ": no picture in it; export the video again"};
-  Measured out{std::move(*first), 1, video->framesPerSecond()};
+  Measured out{std::move(*first), video->marks(), 1, video->framesPerSecond()};
   if (const auto hint = video->frameCountHint(); hint && countsItsFrames(path)) {
     out.frames = *hint;
     return out;
@@ -42,8 +42,20 @@ Result<Measured> measureVideo(const OpenVideo& open_video, const std::string& pa
 
 Result<Measured> measureView(const OpenVideo& open_video, const View& view) {
   if (!view.video.empty()) return measureVideo(open_video, view.video);
-  FOURDVT_ASSIGN(Image first, readPicture(view.pictures.front(), 3));
-  return Measured{std::move(first), view.pictures.size(), std::nullopt};
+  Measured out{{}, {}, view.pictures.size(), std::nullopt};
+  FOURDVT_ASSIGN(out.first, readPicture(view.pictures.front(), 3, &out.marks));
+  return out;
+}
+
+// Gives the camera the picture's size, which the calibration does not have or which differs by cropping.
+Status takeSize(const Measured& measured, const std::string& path, CaptureCamera& camera) {
+  PictureMarks marks;
+  if (measured.marks.turns() && camera.orientation == Orientation::BySize)
+    return orientationIsOpen(measured.marks, camera, path);
+  if (camera.orientation == Orientation::Marked) marks = measured.marks, marks.pixel_aspect = 1;
+  camera.pinhole.width = marks.swapsSides() ? measured.first.height : measured.first.width;
+  camera.pinhole.height = marks.swapsSides() ? measured.first.width : measured.first.height;
+  return {};
 }
 
 }  // namespace
@@ -91,15 +103,15 @@ Status keepSeenCameras(const std::vector<Take>& takes, ImportedCalibration& cali
                    "CAMERA.png) of any of the cameras " + list + "; name them like the cameras"};
 }
 
-Status checkImportedSize(const Image& picture, const CaptureCamera& camera, const std::string& path) {
+Result<Image> importedPicture(const Image& stored, const PictureMarks& marks, const CaptureCamera& camera,
+                              const std::string& path) {
+  auto picture = asCalibrated(stored, marks, camera, path);
   const PinholeCamera& p = camera.pinhole;
-  if (picture.width == p.width && picture.height == p.height) return {};
-  const bool smaller = picture.width <= p.width && picture.height <= p.height;
-  const std::string remedy =
-      smaller ? ", or give --cropped if they only lack columns at the right or rows at the bottom" : "";
-  return Error{ErrorId::FrameSize, path + ": " + sizeText(picture.width, picture.height) + " pixels, but camera " +
-                                       p.name + " is calibrated for " + sizeText(p.width, p.height) +
-                                       "; use the pictures that were calibrated" + remedy};
+  const bool smaller = stored.width <= p.width && stored.height <= p.height;
+  if (picture.ok() || !smaller || (stored.width == p.width && stored.height == p.height)) return picture;
+  return Error{
+      picture.error().id,
+      picture.error().message + ", or give --cropped if they only lack columns at the right or rows at the bottom"};
 }
 
 Status measureViews(const OpenVideo& open_video, ImportedCalibration& calibration, Take& take, ViewMeasures& measures,
@@ -108,13 +120,15 @@ Status measureViews(const OpenVideo& open_video, ImportedCalibration& calibratio
   uint64_t fewest = UINT32_MAX, most = 0;
   std::string shortest;
   for (ImportedCamera& imported : calibration.cameras) {
-    PinholeCamera& pinhole = imported.camera.pinhole;
+    const PinholeCamera& pinhole = imported.camera.pinhole;
     const View& view = take.views.at(pinhole.name);
     FOURDVT_ASSIGN(const Measured measured, measureView(open_video, view));
     const bool smaller = measured.first.width <= pinhole.width && measured.first.height <= pinhole.height;
+    imported.camera.orientation = measures.orientation;
     if (pinhole.width == 0 || (measures.cropped && smaller))
-      pinhole.width = measured.first.width, pinhole.height = measured.first.height;
-    FOURDVT_TRY(checkImportedSize(measured.first, imported.camera, view.first()));
+      FOURDVT_TRY(takeSize(measured, view.first(), imported.camera));
+    const auto picture = importedPicture(measured.first, measured.marks, imported.camera, view.first());
+    if (!picture.ok()) return picture.error();
     if (fps == 0 && measured.fps) fps = *measured.fps;
     if (measured.fps && std::abs(*measured.fps - fps) > 0.01 * fps) {
       warnings.push_back(view.video + ": its container says " + std::to_string(*measured.fps) + " frames a second; " +

@@ -32,6 +32,7 @@ struct ViewMeasures {
   bool cropped =
       false;       // smaller pictures lack columns at the right and rows at the bottom: their size is the camera's
   double fps = 0;  // 0: that of the first video that has one
+  Orientation orientation = Orientation::BySize;
 };
 
 // Opens every view once: sets take.frames, measures.fps, and the sizes that the calibration
@@ -39,7 +40,8 @@ struct ViewMeasures {
 Status measureViews(const OpenVideo& open_video, ImportedCalibration& calibration, Take& take, ViewMeasures& measures,
                     std::vector<std::string>& warnings);
 
-// Error FrameSize, naming both, unless the picture has the camera's size.
-Status checkImportedSize(const Image& picture, const CaptureCamera& camera, const std::string& path);
+// A stored picture as the camera is calibrated for it. Errors: those of asCalibrated, with the options of an import.
+Result<Image> importedPicture(const Image& stored, const PictureMarks& marks, const CaptureCamera& camera,
+                              const std::string& path);
 
 }  // namespace fourdvt::capture

@@ -21,12 +21,11 @@ class TrueMattes {
       return Error{ErrorId::FileMissing,
                    folder + "/" + stem + ".mkv: no video and no folder with 000000.png; name the true mattes' folder " +
                        "with --against"};
-    FOURDVT_ASSIGN(auto stream, capture::PictureStream::open(*place, sequence, camera.pinhole.name, 1, open_video));
+    FOURDVT_ASSIGN(auto stream, capture::PictureStream::open(*place, sequence, camera, 1, open_video));
     return TrueMattes(std::move(stream), camera);
   }
   Result<Image> read(uint32_t frame) {
     FOURDVT_ASSIGN(auto matte, stream_.read(frame));
-    FOURDVT_TRY(capture::checkSize(matte, camera_, stream_.path()));
     return undistorter_.apply(std::move(matte));
   }
 

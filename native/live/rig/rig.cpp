@@ -143,14 +143,14 @@ class RigReader {
       std::string path = stem + ".png";
       for (const char* ending : {"/000000.png", "/000000.jpg"})
         if (!capture::isFile(path) && capture::isFile(stem + ending)) path = stem + ending;
-      auto plate = capture::readPicture(path, 3);
-      if (!plate.ok())
+      auto plate = capture::readCalibrated(path, 3, c.filmed);
+      if (!plate.ok() && plate.error().id != ErrorId::FrameSize)
         return Error{plate.error().id, path + ": no readable picture of the empty stage, which camera \"" +
                                            c.camera.pinhole.name +
                                            "\" is keyed against; take one, or correct "
                                            "\"background\" in " +
                                            rig_.path};
-      FOURDVT_TRY(capture::checkSize(plate.value(), c.filmed, path));
+      if (!plate.ok()) return plate.error();
     }
     return {};
   }

@@ -40,11 +40,10 @@ Status readSamples(const capture::CaptureCamera& camera, const std::vector<Insta
     if (at.sequence != open) {
       FOURDVT_ASSIGN(const auto place, capture::colourPlace(*at.sequence, camera));
       FOURDVT_ASSIGN(stream,
-                     capture::PictureStream::open(place, *at.sequence, camera.pinhole.name, 3, environment.open_video));
+                     capture::PictureStream::open(place, *at.sequence, camera, 3, environment.open_video));
       open = at.sequence;
     }
     FOURDVT_ASSIGN(auto picture, stream->read(at.frame));
-    FOURDVT_TRY(capture::checkSize(picture, camera, stream->path()));
     take(std::move(picture));
   }
   return {};

@@ -16,13 +16,13 @@ Result<SequenceMattes> SequenceMattes::open(const capture::Capture& capture, con
   SequenceMattes out(capture, sources, joint);
   for (const capture::CaptureCamera& camera : capture.cameras) {
     FOURDVT_ASSIGN(const auto place, capture::colourPlace(sequence, camera));
-    FOURDVT_ASSIGN(auto colour, capture::PictureStream::open(place, sequence, camera.pinhole.name, 3, open_video));
+    FOURDVT_ASSIGN(auto colour, capture::PictureStream::open(place, sequence, camera, 3, open_video));
     out.colour_.push_back(std::move(colour));
     out.given_.emplace_back();
     const auto matte = capture::findPictures(sequence.folder, capture::matteStem(camera.pinhole.name));
     if (!matte) continue;
     FOURDVT_ASSIGN(out.given_.back(),
-                   capture::PictureStream::open(*matte, sequence, camera.pinhole.name, 1, open_video));
+                   capture::PictureStream::open(*matte, sequence, camera, 1, open_video));
   }
   out.strokes_ = strokes;
   out.hints_.resize(capture.cameras.size());
@@ -45,7 +45,6 @@ Status SequenceMattes::readCamera(size_t camera, uint32_t frame, MatteView& view
   const capture::CaptureCamera& calibrated = capture_->cameras[camera];
   for (uint32_t at = firstToRead(camera, frame); at <= frame; ++at) {
     FOURDVT_ASSIGN(view.picture, colour_[camera].read(at));
-    FOURDVT_TRY(capture::checkSize(view.picture, calibrated, colour_[camera].path()));
     const auto stroke = strokes_[camera].find(at);
     const bool has = stroke != strokes_[camera].end();
     if (has || !hints_[camera].idle()) hints_[camera].advance(view.picture, has ? &stroke->second : nullptr);
@@ -53,7 +52,6 @@ Status SequenceMattes::readCamera(size_t camera, uint32_t frame, MatteView& view
   view.hints = hints_[camera].cost();
   if (given_[camera]) {
     FOURDVT_ASSIGN(view.given, given_[camera]->read(frame));
-    FOURDVT_TRY(capture::checkSize(view.given, calibrated, given_[camera]->path()));
     view.given_is_final = true;
     return {};
   }

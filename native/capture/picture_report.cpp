@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/picture_report.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "capture/mesh_sequence.h"
+#include "capture/pictures.h"
+#include "capture/plates.h"
+#include "capture/still_marks.h"
+#include "capture/text.h"
+#include "capture/upright.h"
+
+namespace fourdvt::capture {
+namespace {
+
+// Marks that asCalibrated has applied: those that change the size are seen by it, others follow the orientation.
+void addMarks(const PictureMarks& marks, const Image& shown, const CaptureCamera& camera, PictureReport& out) {
+  if (marks.turns()) {
+    const bool by_size = camera.orientation == Orientation::BySize && marks.swapsSides() && shown.width != out.width;
+    PictureMarks turn = marks;
+    turn.pixel_aspect = 1;
+    out.done.push_back((camera.orientation == Orientation::Marked || by_size ? "" : "left as stored, not ") +
+                       describe(turn));
+  }
+  if (marks.stretches()) {
+    PictureMarks stretch;
+    stretch.pixel_aspect = marks.pixel_aspect;
+    const bool kept = int64_t{shown.width} * shown.height == int64_t{out.width} * out.height;
+    out.done.push_back(describe(stretch) + (kept ? ", left as stored" : ", made square"));
+  }
+}
+
+Result<PictureReport> reportOnVideo(const std::string& path, const CaptureCamera& camera, const OpenVideo& open_video) {
+  FOURDVT_ASSIGN(auto video, open_video(path, 3));
+  FOURDVT_ASSIGN(auto picture, video->next());
+  if (!picture) return Error{ErrorId::VideoTooShort, path + ": no picture in it; export the video again"};
+  PictureReport out{path, picture->width, picture->height, video->frameCountHint(), video->framesPerSecond(), {}};
+  FOURDVT_ASSIGN(const Image shown, asCalibrated(std::move(*picture), video->marks(), camera, path));
+  addMarks(video->marks(), shown, camera, out);
+  for (const std::string& conversion : video->conversions()) out.done.push_back(conversion);
+  return out;
+}
+
+Result<PictureReport> reportOnStills(const std::string& path, const CaptureCamera& camera) {
+  PictureMarks marks;
+  FOURDVT_ASSIGN(Image stored, readPicture(path, 3, &marks));
+  PictureReport out{path, stored.width, stored.height, std::nullopt, std::nullopt, {}};
+  FOURDVT_ASSIGN(const Image shown, asCalibrated(std::move(stored), marks, camera, path));
+  addMarks(marks, shown, camera, out);
+  std::string name;
+  if (const auto bytes = readText(path); bytes && changesColours(stillMarks(*bytes).profile, &name))
+    out.done.push_back((name.empty() ? "colour profile" : name) + " → sRGB");
+  return out;
+}
+
+}  // namespace
+
+Result<PictureReport> reportOnPictures(const CaptureSequence& sequence, const CaptureCamera& camera,
+                                       const OpenVideo& open_video) {
+  FOURDVT_ASSIGN(const PicturePlace place, colourPlace(sequence, camera));
+  if (!place.numbered) return reportOnVideo(place.path, camera, open_video);
+  return reportOnStills(framePath(place.path, sequence.pictureOf(camera.pinhole.name, 0)), camera);
+}
+
+std::string matteSource(const Capture& capture, const CaptureSequence& sequence, const CaptureCamera& camera) {
+  const auto inCapture = [&](const std::string& path) {
+    return std::filesystem::path(path).lexically_relative(capture.folder).string();
+  };
+  const std::string& name = camera.pinhole.name;
+  if (const auto place = findPictures(sequence.folder, matteStem(name))) return inCapture(place->path);
+  const auto plates = readPlates(capture, camera, "none");
+  return plates.ok() ? "keyed against " + inCapture(plates.value().path) : "none";
+}
+
+}  // namespace fourdvt::capture

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a camera's files hold, and what reading makes of it, for people. Reads one picture of each.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/video.h"
+#include "capture/capture.h"
+
+namespace fourdvt::capture {
+
+struct PictureReport {
+  std::string path;                  // of the video, or of the first picture
+  int width = 0, height = 0;         // as stored
+  std::optional<uint64_t> pictures;  // at most so many, by the video's header
+  std::optional<double> fps;
+  std::vector<std::string> done;  // "turned by 90°", "HLG, BT.2020 → BT.709"
+};
+
+// The colour pictures of a camera in a sequence. Errors: those of reading its first picture.
+Result<PictureReport> reportOnPictures(const CaptureSequence& sequence, const CaptureCamera& camera,
+                                       const OpenVideo& open_video);
+
+// Source of a camera's mattes in a sequence: their file, "keyed against its plate background/cam00.png", or "none".
+std::string matteSource(const Capture& capture, const CaptureSequence& sequence, const CaptureCamera& camera);
+
+}  // namespace fourdvt::capture

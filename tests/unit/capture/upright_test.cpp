@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures that their files mark as turned, mirrored, stretched or of other colours.
+#include "capture/upright.h"
+
+#include <lcms2.h>
+#include <zlib.h>
+
+#include "capture/pictures.h"
+#include "capture/still_marks.h"
+#include "capture_fixture.h"
+
+namespace fourdvt::capture {
+namespace {
+
+std::string bigEndian(uint32_t value, int bytes) {
+  std::string out;
+  for (int i = bytes - 1; i >= 0; --i) out += char(value >> (8 * i) & 0xff);
+  return out;
+}
+
+// A TIFF header, and one tag in its first list: the orientation.
+std::string exif(int orientation, bool big_endian) {
+  if (big_endian)
+    return std::string("MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0", 19) + char(orientation) +
+           std::string("\0\0\0\0\0\0", 6);
+  return std::string("II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0", 18) + char(orientation) +
+         std::string("\0\0\0\0\0\0\0", 7);
+}
+
+std::string chunk(const std::string& kind, const std::string& data) {
+  const std::string body = kind + data;
+  const auto crc = crc32(0, reinterpret_cast<const Bytef*>(body.data()), uInt(body.size()));
+  return bigEndian(uint32_t(data.size()), 4) + body + bigEndian(uint32_t(crc), 4);
+}
+
+constexpr size_t kPngHeader = 33;  // signature and IHDR
+
+// Puts a chunk before the pixels of a PNG.
+void addChunk(const std::string& path, const std::string& kind, const std::string& data) {
+  std::ifstream in(path, std::ios::binary);
+  std::string bytes(std::istreambuf_iterator<char>(in), {});
+  std::ofstream(path, std::ios::binary) << bytes.insert(kPngHeader, chunk(kind, data));
+}
+
+std::string deflated(const std::string& bytes) {
+  std::string out(compressBound(uLong(bytes.size())), '\0');
+  uLongf length = out.size();
+  compress(reinterpret_cast<Bytef*>(out.data()), &length, reinterpret_cast<const Bytef*>(bytes.data()),
+           uLong(bytes.size()));
+  out.resize(length);
+  return out;
+}
+
+std::string profileOf(const cmsCIExyYTRIPLE& primaries, double gamma) {
+  const cmsCIExyY d65{0.3127, 0.3290, 1};
+  cmsToneCurve* curve = cmsBuildGamma(nullptr, gamma);
+  cmsToneCurve* curves[3] = {curve, curve, curve};
+  cmsHPROFILE profile = cmsCreateRGBProfile(&d65, &primaries, curves);
+  cmsUInt32Number bytes = 0;
+  cmsSaveProfileToMem(profile, nullptr, &bytes);
+  std::string out(bytes, '\0');
+  cmsSaveProfileToMem(profile, out.data(), &bytes);
+  cmsCloseProfile(profile);
+  cmsFreeToneCurve(curve);
+  return out;
+}
+
+const cmsCIExyYTRIPLE kP3{{0.680, 0.320, 1}, {0.265, 0.690, 1}, {0.150, 0.060, 1}};
+
+// 3 x 2 pixels, all different.
+Image pattern() {
+  Image out(3, 2, 3);
+  for (size_t i = 0; i < out.pixels.size(); ++i) out.pixels[i] = uint8_t(10 * i);
+  return out;
+}
+
+CaptureCamera calibratedFor(int width, int height, Orientation orientation = Orientation::BySize) {
+  CaptureCamera camera;
+  camera.pinhole.name = "cam00";
+  camera.pinhole.width = width, camera.pinhole.height = height;
+  camera.orientation = orientation;
+  return camera;
+}
+
+// EXIF 2.3: where row 0 and column 0 of the stored picture are seen.
+TEST(Upright, EightOrientationsOfExif) {
+  const char* kRow0[] = {"top", "top", "bottom", "bottom", "left", "right", "right", "left"};
+  const char* kColumn0[] = {"left", "right", "right", "left", "top", "top", "bottom", "bottom"};
+  const TempFolder folder;
+  for (const bool big_endian : {false, true}) {
+    for (int orientation = 1; orientation <= 8; ++orientation) {
+      folder.write("a.png", pattern());
+      addChunk(folder / "a.png", "eXIf", exif(orientation, big_endian));
+      PictureMarks marks;
+      const Image stored = readPicture(folder / "a.png", 3, &marks).value(), shown = applyMarks(stored, marks);
+      const std::string row0 = kRow0[orientation - 1], column0 = kColumn0[orientation - 1];
+      for (int row = 0; row < 2; ++row) {
+        for (int column = 0; column < 3; ++column) {
+          int x = 0, y = 0;
+          if (row0 == "top") y = row;
+          if (row0 == "bottom") y = 1 - row;
+          if (row0 == "left") x = row;
+          if (row0 == "right") x = 1 - row;
+          if (column0 == "left") x = column;
+          if (column0 == "right") x = 2 - column;
+          if (column0 == "top") y = column;
+          if (column0 == "bottom") y = 2 - column;
+          EXPECT_EQ(*shown.at(x, y), *stored.at(column, row)) << orientation << ": " << row << ", " << column;
+        }
+      }
+    }
+  }
+}
+
+TEST(Upright, JpegSegmentsAreRead) {
+  const std::string segment = std::string("Exif\0\0", 6) + exif(6, true), profile = profileOf(kP3, 2.2);
+  std::string jpeg = "\xff\xd8\xff\xe1" + bigEndian(uint32_t(segment.size() + 2), 2) + segment;
+  for (const int part : {2, 1}) {  // parts have numbers, and need not be in order
+    const size_t half = profile.size() / 2;
+    const std::string data = std::string("ICC_PROFILE\0", 12) + char(part) + '\x02' +
+                             (part == 1 ? profile.substr(0, half) : profile.substr(half));
+    jpeg += "\xff\xe2" + bigEndian(uint32_t(data.size() + 2), 2) + data;
+  }
+  const StillMarks found = stillMarks(jpeg + "\xff\xda");
+  EXPECT_EQ(found.marks.quarter_turns, 1);
+  EXPECT_EQ(found.profile, profile);
+}
+
+TEST(Upright, DamagedMarksAreNone) {
+  const std::string segment = std::string("Exif\0\0", 6) + exif(6, true);
+  const std::string jpeg = "\xff\xd8\xff\xe1" + bigEndian(uint32_t(segment.size() + 2), 2) + segment + "\xff\xda";
+  EXPECT_EQ(stillMarks(jpeg).marks.quarter_turns, 1);
+  for (size_t length = 0; length < 30; ++length) EXPECT_FALSE(stillMarks(jpeg.substr(0, length)).marks.turns());
+  EXPECT_FALSE(stillMarks("\xff\xd8\xff\xe1\xff\xff").marks.turns());
+  Image image = pattern();
+  toSrgb("no profile", image);
+  EXPECT_EQ(image.pixels, pattern().pixels);
+}
+
+TEST(Upright, TheCalibratedSizeDecides) {
+  const PictureMarks quarter{false, 1};
+  EXPECT_EQ(asCalibrated(pattern(), quarter, calibratedFor(3, 2), "a").value().pixels, pattern().pixels);
+  const Image turned = asCalibrated(pattern(), quarter, calibratedFor(2, 3), "a").value();
+  EXPECT_EQ(turned.width, 2);
+  EXPECT_EQ(*turned.at(1, 0), *pattern().at(0, 0));
+  const auto neither = asCalibrated(pattern(), quarter, calibratedFor(5, 5), "a.mp4");
+  expectError(neither, ErrorId::FrameSize, "a.mp4: 3x2 pixels, marked as turned by 90°, but camera cam00");
+}
+
+TEST(Upright, WhereBothSizesFitTheUserDecides) {
+  const PictureMarks half{false, 2};
+  expectError(asCalibrated(pattern(), half, calibratedFor(3, 2), "a.mp4"), ErrorId::FrameSize, "--orientation marked");
+  const auto as = [&](Orientation orientation) {
+    return *asCalibrated(pattern(), half, calibratedFor(3, 2, orientation), "a.mp4").value().at(0, 0);
+  };
+  EXPECT_EQ(as(Orientation::Stored), *pattern().at(0, 0));
+  EXPECT_EQ(as(Orientation::Marked), *pattern().at(2, 1));
+}
+
+TEST(Upright, PixelsThatAreNotSquareAreStretchedIfTheCalibrationIs) {
+  const PictureMarks wide{false, 0, 4.0 / 3}, narrow{false, 0, 0.5};
+  EXPECT_EQ(asCalibrated(pattern(), wide, calibratedFor(3, 2), "a").value().pixels, pattern().pixels);
+  EXPECT_EQ(asCalibrated(pattern(), wide, calibratedFor(4, 2), "a").value().width, 4);
+  EXPECT_EQ(asCalibrated(pattern(), narrow, calibratedFor(3, 4), "a").value().height, 4);
+  const PictureMarks both{false, 3, 4.0 / 3};
+  EXPECT_EQ(asCalibrated(pattern(), both, calibratedFor(2, 4), "a").value().height, 4);
+}
+
+TEST(Upright, ProfilesBecomeSrgb) {
+  const TempFolder folder;
+  folder.write("a.png", Image(4, 4, 3, 120));
+  folder.write("b.png", Image(4, 4, 3, 120));
+  addChunk(folder / "a.png", "iCCP", std::string("P3\0\0", 4) + deflated(profileOf(kP3, 1.8)));
+  const Image converted = readPicture(folder / "a.png", 3).value(), plain = readPicture(folder / "b.png", 3).value();
+  EXPECT_EQ(*plain.at(1, 1), 120);
+  const double light = std::pow(120 / 255.0, 1.8), srgb = 255 * (1.055 * std::pow(light, 1 / 2.4) - 0.055);
+  EXPECT_NEAR(*converted.at(1, 1), srgb, 1.5);  // grey has no primaries
+  std::string name;
+  EXPECT_TRUE(changesColours(profileOf(kP3, 2.2), &name));
+}
+
+TEST(Upright, ProfilesOfSrgbChangeNothing) {
+  cmsHPROFILE srgb = cmsCreate_sRGBProfile();
+  cmsUInt32Number bytes = 0;
+  cmsSaveProfileToMem(srgb, nullptr, &bytes);
+  std::string profile(bytes, '\0');
+  cmsSaveProfileToMem(srgb, profile.data(), &bytes);
+  cmsCloseProfile(srgb);
+  EXPECT_FALSE(changesColours(profile));
+  Image image = pattern();
+  toSrgb(profile, image);
+  EXPECT_EQ(image.pixels, pattern().pixels);
+}
+
+// Frames, plates and mattes of a camera alike.
+TEST(Upright, CapturesAreReadAsTheyAreCalibrated) {
+  SmallCapture capture;
+  Image stored(12, 16, 3, 50);
+  *stored.at(0, 0) = 200;
+  for (int frame = 0; frame < SmallCapture::kFrames; ++frame) {
+    const std::string name = "walk/cam01/" + numbered(frame, ".png");
+    capture.write(name, stored);
+    addChunk(capture / name, "eXIf", exif(6, false));
+  }
+  const auto opened = capture.open();
+  ASSERT_TRUE(opened.ok()) << opened.error().message;
+  auto reader = FrameReader::open(opened.value(), opened.value().sequences[0], platform::openVideoFile);
+  ASSERT_TRUE(reader.ok());
+  const CaptureFrame frame = reader.value()->next().take();
+  EXPECT_EQ(frame.pictures[1].width, 16);
+  EXPECT_EQ(*frame.pictures[1].at(15, 0), 200);  // the first row is seen at the right
+}
+
+TEST(Upright, CaptureJsonDecides) {
+  SmallCapture capture;
+  for (int frame = 0; frame < SmallCapture::kFrames; ++frame)
+    addChunk(capture / ("walk/cam01/" + numbered(frame, ".png")), "eXIf", exif(3, false));
+  expectError(capture.open(), ErrorId::FrameSize, "cam01");
+  std::string json = capture.json();
+  capture.write("capture.json", json.insert(1, R"("calibration": {"orientation": "stored"}, )"));
+  EXPECT_TRUE(capture.open().ok());
+  capture.write("capture.json", capture.json().insert(1, R"("calibration": {"orientation": "sideways"}, )"));
+  expectError(capture.open(), ErrorId::CaptureJson, "orientation");
+}
+
+}  // namespace
+}  // namespace fourdvt::capture
