@@ -14,40 +14,23 @@
 namespace fourdvt::capture {
 namespace {
 
-// Marks that asCalibrated has applied: those that change the size are seen by it, others follow the orientation.
-void addMarks(const PictureMarks& marks, const Image& shown, const CaptureCamera& camera, PictureReport& out) {
-  if (marks.turns()) {
-    const bool by_size = camera.orientation == Orientation::BySize && marks.swapsSides() && shown.width != out.width;
-    PictureMarks turn = marks;
-    turn.pixel_aspect = 1;
-    out.done.push_back((camera.orientation == Orientation::Marked || by_size ? "" : "left as stored, not ") +
-                       describe(turn));
-  }
-  if (marks.stretches()) {
-    PictureMarks stretch;
-    stretch.pixel_aspect = marks.pixel_aspect;
-    const bool kept = int64_t{shown.width} * shown.height == int64_t{out.width} * out.height;
-    out.done.push_back(describe(stretch) + (kept ? ", left as stored" : ", made square"));
-  }
-}
-
 Result<PictureReport> reportOnVideo(const std::string& path, const CaptureCamera& camera, const OpenVideo& open_video) {
   FOURDVT_ASSIGN(auto video, open_video(path, 3));
   FOURDVT_ASSIGN(auto picture, video->next());
   if (!picture) return Error{ErrorId::VideoTooShort, path + ": no picture in it; export the video again"};
   PictureReport out{path, picture->width, picture->height, video->frameCountHint(), video->framesPerSecond(), {}};
-  FOURDVT_ASSIGN(const Image shown, asCalibrated(std::move(*picture), video->marks(), camera, path));
-  addMarks(video->marks(), shown, camera, out);
+  FOURDVT_ASSIGN(const Image shown, asCalibrated(*picture, video->marks(), camera, path));
+  out.done = describeMarks(video->marks(), *picture, shown, camera);
   for (const std::string& conversion : video->conversions()) out.done.push_back(conversion);
   return out;
 }
 
 Result<PictureReport> reportOnStills(const std::string& path, const CaptureCamera& camera) {
   PictureMarks marks;
-  FOURDVT_ASSIGN(Image stored, readPicture(path, 3, &marks));
+  FOURDVT_ASSIGN(const Image stored, readPicture(path, 3, &marks));
   PictureReport out{path, stored.width, stored.height, std::nullopt, std::nullopt, {}};
-  FOURDVT_ASSIGN(const Image shown, asCalibrated(std::move(stored), marks, camera, path));
-  addMarks(marks, shown, camera, out);
+  FOURDVT_ASSIGN(const Image shown, asCalibrated(stored, marks, camera, path));
+  out.done = describeMarks(marks, stored, shown, camera);
   std::string name;
   if (const auto bytes = readText(path); bytes && changesColours(stillMarks(*bytes).profile, &name))
     out.done.push_back((name.empty() ? "colour profile" : name) + " → sRGB");
@@ -55,6 +38,24 @@ Result<PictureReport> reportOnStills(const std::string& path, const CaptureCamer
 }
 
 }  // namespace
+
+// Marks that swap the sides are seen by the size; others follow the camera's orientation.
+std::vector<std::string> describeMarks(const PictureMarks& marks, const Image& stored, const Image& shown,
+                                       const CaptureCamera& camera) {
+  std::vector<std::string> out;
+  PictureMarks turn = marks, stretch;
+  turn.pixel_aspect = 1;
+  stretch.pixel_aspect = marks.pixel_aspect;
+  const bool stretched = int64_t{shown.width} * shown.height != int64_t{stored.width} * stored.height;
+  if (marks.turns()) {
+    const bool wide = stored.width > stored.height, swapped = wide != (shown.width > shown.height);
+    const bool turned = camera.orientation == Orientation::Marked ||
+                        (camera.orientation == Orientation::BySize && marks.swapsSides() && swapped);
+    out.push_back((turned ? "" : "not ") + describe(turn) + (turned ? "" : ": the calibration is of stored pictures"));
+  }
+  if (marks.stretches()) out.push_back(describe(stretch) + (stretched ? ": made square" : ": left as stored"));
+  return out;
+}
 
 Result<PictureReport> reportOnPictures(const CaptureSequence& sequence, const CaptureCamera& camera,
                                        const OpenVideo& open_video) {

@@ -20,6 +20,10 @@ struct PictureReport {
   std::vector<std::string> done;  // "turned by 90°", "HLG, BT.2020 → BT.709"
 };
 
+// Marks of a stored picture of which asCalibrated has made `shown`, and what became of each.
+std::vector<std::string> describeMarks(const PictureMarks& marks, const Image& stored, const Image& shown,
+                                       const CaptureCamera& camera);
+
 // The colour pictures of a camera in a sequence. Errors: those of reading its first picture.
 Result<PictureReport> reportOnPictures(const CaptureSequence& sequence, const CaptureCamera& camera,
                                        const OpenVideo& open_video);

@@ -151,6 +151,12 @@ Result<ImportSummary> importCapture(const ImportOptions& given, const OpenVideo&
   FOURDVT_TRY(keepSeenCameras(takes, calibration, summary.warnings));
   ViewMeasures measures{options.cropped, options.fps, options.orientation};
   for (Take& take : takes) FOURDVT_TRY(measureViews(open_video, calibration, take, measures, summary.warnings));
+  for (const auto& [what, cameras] : measures.done) {
+    std::string names;
+    for (const std::string& name : cameras) names += (names.empty() ? "" : ", ") + name;
+    const bool all = cameras.size() == calibration.cameras.size();
+    summary.done.push_back("pictures of " + (all ? std::string("all cameras") : names) + ": " + what);
+  }
   double fps = measures.fps;
   if (fps == 0) {
     fps = kAssumedFps;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "capture/picture_report.h"
 #include "capture/pictures.h"
 #include "capture/upright.h"
 
@@ -14,6 +15,7 @@ namespace {
 struct Measured {
   Image first;  // as it is stored
   PictureMarks marks;
+  std::vector<std::string> conversions;
   uint64_t frames = 0;
   std::optional<double> fps;
 };
@@ -28,7 +30,7 @@ Result<Measured> measureVideo(const OpenVideo& open_video, const std::string& pa
   FOURDVT_ASSIGN(auto video, open_video(path, 3));
   FOURDVT_ASSIGN(auto first, video->next());
   if (!first) return Error{ErrorId::FileUnreadable, path + ": no picture in it; export the video again"};
-  Measured out{std::move(*first), video->marks(), 1, video->framesPerSecond()};
+  Measured out{std::move(*first), video->marks(), video->conversions(), 1, video->framesPerSecond()};
   if (const auto hint = video->frameCountHint(); hint && countsItsFrames(path)) {
     out.frames = *hint;
     return out;
@@ -42,7 +44,7 @@ Result<Measured> measureVideo(const OpenVideo& open_video, const std::string& pa
 
 Result<Measured> measureView(const OpenVideo& open_video, const View& view) {
   if (!view.video.empty()) return measureVideo(open_video, view.video);
-  Measured out{{}, {}, view.pictures.size(), std::nullopt};
+  Measured out{{}, {}, {}, view.pictures.size(), std::nullopt};
   FOURDVT_ASSIGN(out.first, readPicture(view.pictures.front(), 3, &out.marks));
   return out;
 }
@@ -129,6 +131,9 @@ Status measureViews(const OpenVideo& open_video, ImportedCalibration& calibratio
       FOURDVT_TRY(takeSize(measured, view.first(), imported.camera));
     const auto picture = importedPicture(measured.first, measured.marks, imported.camera, view.first());
     if (!picture.ok()) return picture.error();
+    auto done = describeMarks(measured.marks, measured.first, picture.value(), imported.camera);
+    done.insert(done.end(), measured.conversions.begin(), measured.conversions.end());
+    for (const std::string& what : done) measures.done[what].insert(pinhole.name);
     if (fps == 0 && measured.fps) fps = *measured.fps;
     if (measured.fps && std::abs(*measured.fps - fps) > 0.01 * fps) {
       warnings.push_back(view.video + ": its container says " + std::to_string(*measured.fps) + " frames a second; " +

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,7 @@ struct ViewMeasures {
       false;       // smaller pictures lack columns at the right and rows at the bottom: their size is the camera's
   double fps = 0;  // 0: that of the first video that has one
   Orientation orientation = Orientation::BySize;
+  std::map<std::string, std::set<std::string>> done;  // by marks of files: what reading makes of them, cameras
 };
 
 // Opens every view once: sets take.frames, measures.fps, and the sizes that the calibration

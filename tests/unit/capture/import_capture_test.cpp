@@ -4,6 +4,7 @@
 
 #include "capture/import/calibration_files.h"
 #include "import_fixture.h"
+#include "png_marks.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -243,6 +244,23 @@ TEST(ImportFiles, ManyCamerasAreRead) {
   expectError(readCalibration(files.path()), ErrorId::CameraPose, "\"C5\" is listed twice");
   files.write("calibration.csv", text + "../x,16,12,0,0,0,0,0,0,1,1,.5,.5\n");
   expectError(readCalibration(files.path()), ErrorId::CameraPose, "../x");
+}
+
+// cam1 lies upside down, cam2 does not.
+TEST(ImportCapture, PicturesThatAreMarkedAsTurned) {
+  ImportFolder files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(files / "in/cam1"))
+    if (entry.path().extension() == ".png") addChunk(entry.path().string(), "eXIf", exif(3, false));
+  expectError(files.run(), ErrorId::FrameSize, "give fourdvt import --orientation marked");
+  files.options.orientation = Orientation::Marked;
+  const auto marked = files.run();
+  ASSERT_TRUE(marked.ok()) << marked.error().message;
+  EXPECT_TRUE(mentions(marked.value().done, "pictures of cam1: turned by 180°"));
+  EXPECT_EQ(files.open().value().cameras[0].orientation, Orientation::Marked);
+  files.remove("out");
+  files.options.orientation = Orientation::Stored;
+  EXPECT_TRUE(mentions(files.run().value().done, "pictures of cam1: not turned by 180°"));
+  EXPECT_EQ(files.open().value().cameras[0].orientation, Orientation::Stored);
 }
 
 }  // namespace

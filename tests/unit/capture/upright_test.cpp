@@ -3,44 +3,14 @@
 #include "capture/upright.h"
 
 #include <lcms2.h>
-#include <zlib.h>
 
 #include "capture/pictures.h"
 #include "capture/still_marks.h"
 #include "capture_fixture.h"
+#include "png_marks.h"
 
 namespace fourdvt::capture {
 namespace {
-
-std::string bigEndian(uint32_t value, int bytes) {
-  std::string out;
-  for (int i = bytes - 1; i >= 0; --i) out += char(value >> (8 * i) & 0xff);
-  return out;
-}
-
-// A TIFF header, and one tag in its first list: the orientation.
-std::string exif(int orientation, bool big_endian) {
-  if (big_endian)
-    return std::string("MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0", 19) + char(orientation) +
-           std::string("\0\0\0\0\0\0", 6);
-  return std::string("II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0", 18) + char(orientation) +
-         std::string("\0\0\0\0\0\0\0", 7);
-}
-
-std::string chunk(const std::string& kind, const std::string& data) {
-  const std::string body = kind + data;
-  const auto crc = crc32(0, reinterpret_cast<const Bytef*>(body.data()), uInt(body.size()));
-  return bigEndian(uint32_t(data.size()), 4) + body + bigEndian(uint32_t(crc), 4);
-}
-
-constexpr size_t kPngHeader = 33;  // signature and IHDR
-
-// Puts a chunk before the pixels of a PNG.
-void addChunk(const std::string& path, const std::string& kind, const std::string& data) {
-  std::ifstream in(path, std::ios::binary);
-  std::string bytes(std::istreambuf_iterator<char>(in), {});
-  std::ofstream(path, std::ios::binary) << bytes.insert(kPngHeader, chunk(kind, data));
-}
 
 std::string deflated(const std::string& bytes) {
   std::string out(compressBound(uLong(bytes.size())), '\0');
