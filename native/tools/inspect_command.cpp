@@ -19,6 +19,7 @@
 #include "platform/files.h"
 #include "tools/args.h"
 #include "tools/commands.h"
+#include "tools/inspect_capture.h"
 #include "tools/room_file.h"
 #include "tools/session.h"
 
@@ -29,8 +30,12 @@ namespace fs = std::filesystem;
 
 const CommandHelp& help() {
   static const CommandHelp text{
-      "inspect CHARACTER",
-      "Lists sequences, motion classes, renditions (the lowest first) and sizes of a character folder (or of "
+      "inspect CHARACTER|CAPTURE",
+      "Of a capture folder: lists per camera the pictures, the marks that their files have (turned, interlaced, HDR, "
+      "colour "
+      "profiles), what reading makes of them, and where mattes come from; exits with 1 if a view cannot be used. Of a "
+      "character: lists sequences, motion classes, renditions (the lowest first) and sizes of a character folder (or "
+      "of "
       "its character.gltf). Checks content hashes and decodes every chunk, every video "
       "frame, the motion graph and the room. Exits with 1 if anything is damaged.",
       {}};
@@ -422,7 +427,9 @@ class Inspection {
 int inspectCommand(int argc, char** argv) {
   Args args(help(), argc, argv);
   if (const auto code = helpOrProblem(help(), args)) return *code;
-  Inspection inspection(manifestPath(args.positional()));
+  const std::string path = args.positional();
+  if (isCaptureFolder(path)) return inspectCapture(path);
+  Inspection inspection(manifestPath(path));
   const Status status = inspection.run();
   if (!status.ok()) return fail(status.error());
   inspection.print();

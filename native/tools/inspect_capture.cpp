@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/inspect_capture.h"
+
+#include <cstdio>
+#include <filesystem>
+
+#include "capture/capture.h"
+#include "capture/picture_report.h"
+#include "tools/commands.h"
+#include "tools/log.h"
+#include "tools/session.h"
+
+namespace fourdvt::tools {
+namespace {
+
+std::string joined(const std::vector<std::string>& parts) {
+  std::string out;
+  for (const std::string& part : parts) out += (out.empty() ? "" : "; ") + part;
+  return out;
+}
+
+const char* meshesOf(const std::string& folder) {
+  const auto with = capture::openDescription(folder, {}, capture::MeshNeed::AnySurface);
+  if (!with.ok()) return with.error().id == ErrorId::FileMissing ? "no meshes" : "meshes that cannot be read";
+  return with.value().meshes == capture::CaptureMeshes::PerFrame ? "meshes of a topology per frame"
+                                                                 : "meshes of constant topology";
+}
+
+// False: its pictures cannot be used; the reason is printed.
+bool printCamera(const capture::Capture& capture, const capture::CaptureSequence& sequence,
+                 const capture::CaptureCamera& camera) {
+  const auto report = capture::reportOnPictures(sequence, camera, videoOpener());
+  const char* name = camera.pinhole.name.c_str();
+  if (!report.ok()) {
+    std::printf("  %-10s %s\n", name, report.error().message.c_str());
+    return false;
+  }
+  const capture::PictureReport& r = report.value();
+  std::string line = std::filesystem::path(r.path).lexically_relative(capture.folder).string() + ", " +
+                     std::to_string(r.width) + "x" + std::to_string(r.height);
+  char rate[32] = "";
+  if (r.fps) std::snprintf(rate, sizeof rate, " at %.4g/s", *r.fps);
+  if (r.pictures) line += ", " + std::to_string(*r.pictures) + " pictures" + rate;
+  if (!r.done.empty()) line += "; " + joined(r.done);
+  std::printf("  %-10s %s; mattes: %s\n", name, line.c_str(), capture::matteSource(capture, sequence, camera).c_str());
+  return true;
+}
+
+}  // namespace
+
+bool isCaptureFolder(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(std::filesystem::path(path) / "capture.json", ignored);
+}
+
+int inspectCapture(const std::string& folder) {
+  const auto opened = capture::openDescription(folder, {}, capture::MeshNeed::Nothing);
+  if (!opened.ok()) return fail(opened.error());
+  const capture::Capture& capture = opened.value();
+  std::printf("%s: %s, %zu cameras, %g frames/s, %s\n", folder.c_str(), capture.name.c_str(), capture.cameras.size(),
+              capture.fps, meshesOf(folder));
+  size_t unusable = 0;
+  for (const capture::CaptureSequence& sequence : capture.sequences) {
+    std::printf("sequence %s: %u frames%s\n", sequence.name.c_str(), sequence.frame_count,
+                sequence.loop ? ", a loop" : "");
+    for (const capture::CaptureCamera& camera : capture.cameras) unusable += !printCamera(capture, sequence, camera);
+  }
+  if (unusable > 0) std::printf("%zu of the views cannot be used\n", unusable);
+  return unusable > 0 ? kFailed : kOk;
+}
+
+}  // namespace fourdvt::tools
