@@ -6,7 +6,7 @@
 # What the page needs.
 page_packages=(build-essential pkg-config cmake ninja-build ca-certificates dpkg-dev
   libglm-dev libeigen3-dev libtinygltf-dev nlohmann-json3-dev libdraco-dev libopencv-dev liblcms2-dev libpugixml-dev libtomlplusplus-dev libyaml-cpp-dev
-  libopenvdb-dev libboost-iostreams-dev libssl-dev libmeshoptimizer-dev
+  libopenvdb-dev libboost-iostreams-dev zlib1g-dev libssl-dev libmeshoptimizer-dev
   libavcodec-dev libavfilter-dev libavformat-dev libavutil-dev libswscale-dev libswresample-dev
   libegl-dev libgles-dev libegl1 libgles2 libgl1-mesa-dri emscripten clang-14)
 # A Node from elsewhere serves as well; Debian's npm would conflict with it.
