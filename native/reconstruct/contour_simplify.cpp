@@ -5,7 +5,7 @@
 #include <cmath>
 #include <queue>
 
-#include "reconstruct/planar.h"
+#include "base/planar.h"
 
 namespace fourdvt::reconstruct {
 namespace {

@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "reconstruct/triangulate.h"
+#include "base/triangulate.h"
 
 namespace fourdvt::reconstruct {
 namespace {

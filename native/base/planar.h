@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Geometry of the picture's plane. Internal to reconstruct/.
+// Geometry of a plane.
 #pragma once
 
 #include <glm/glm.hpp>
 
-namespace fourdvt::reconstruct {
+namespace fourdvt {
 
 // Twice the signed area of the triangle (0, a, b).
 inline double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
-}  // namespace fourdvt::reconstruct
+}  // namespace fourdvt

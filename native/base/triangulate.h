@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace fourdvt::reconstruct {
+namespace fourdvt {
 
 // A vertex of a polygon in its plane. `id` tells vertices apart; no id occurs twice.
 struct FlatVertex {
@@ -21,4 +21,4 @@ using FlatLoop = std::vector<FlatVertex>;
 // once in each, even where rounded places make the polygon cross itself; so faces that share loop edges stay closed.
 void triangulate(std::vector<FlatLoop> loops, std::vector<glm::uvec3>& triangles);
 
-}  // namespace fourdvt::reconstruct
+}  // namespace fourdvt

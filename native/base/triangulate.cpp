@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Ear clipping. A hole is first joined to its polygon by a bridge, an edge that is walked in both directions.
-#include "reconstruct/triangulate.h"
+#include "base/triangulate.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "reconstruct/planar.h"
+#include "base/planar.h"
 
-namespace fourdvt::reconstruct {
+namespace fourdvt {
 namespace {
 
 // Twice the signed area; > 0: counter-clockwise.
@@ -164,4 +164,4 @@ void triangulate(std::vector<FlatLoop> loops, std::vector<glm::uvec3>& triangles
   for (const FlatLoop& outer : outers) EarClipper(outer, triangles).run();
 }
 
-}  // namespace fourdvt::reconstruct
+}  // namespace fourdvt

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruct/triangulate.h"
+#include "base/triangulate.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <map>
 #include <random>
 
-namespace fourdvt::reconstruct {
+namespace fourdvt {
 namespace {
 
 FlatLoop loop(const std::vector<glm::dvec2>& places, uint32_t first_id) {
@@ -51,32 +51,32 @@ void expectCovered(const std::vector<FlatLoop>& loops) {
   EXPECT_EQ(left, int(edges));
 }
 
-const std::vector<glm::dvec2> kSquare{{0, 0}, {10, 0}, {10, 10}, {0, 10}};
+const std::vector<glm::dvec2> kOuterSquare{{0, 0}, {10, 0}, {10, 10}, {0, 10}};
 std::vector<glm::dvec2> hole(double x, double y) { return {{x, y}, {x + .1, y + 1}, {x + 1, y + 1.1}, {x + 1.2, y}}; }
 
 TEST(Triangulate, ConvexAndReflexLoops) {
   expectCovered({loop({{0, 0}, {1, 0}, {0, 1}}, 0)});
-  expectCovered({loop(kSquare, 0)});
+  expectCovered({loop(kOuterSquare, 0)});
   expectCovered({loop({{0, 0}, {4, 0}, {4, 4}, {3, 4}, {3, 1}, {2, 1.5}, {1, 1}, {1, 4}, {0, 4}}, 0)});
 }
 
 TEST(Triangulate, HolesAreJoined) {
-  expectCovered({loop(kSquare, 0), loop(hole(4, 4), 10)});
-  expectCovered({loop(kSquare, 0), loop(hole(1, 4), 10), loop(hole(4, 4.3), 20), loop(hole(7, 4.1), 30)});
-  expectCovered({loop(hole(4, 1), 10), loop(kSquare, 0), loop(hole(4.2, 7), 20), loop(hole(4.1, 4), 30)});
+  expectCovered({loop(kOuterSquare, 0), loop(hole(4, 4), 10)});
+  expectCovered({loop(kOuterSquare, 0), loop(hole(1, 4), 10), loop(hole(4, 4.3), 20), loop(hole(7, 4.1), 30)});
+  expectCovered({loop(hole(4, 1), 10), loop(kOuterSquare, 0), loop(hole(4.2, 7), 20), loop(hole(4.1, 4), 30)});
 }
 
 TEST(Triangulate, SeveralPolygonsKeepTheirHoles) {
-  std::vector<glm::dvec2> other = kSquare;
+  std::vector<glm::dvec2> other = kOuterSquare;
   for (glm::dvec2& p : other) p.x += 20;
   expectCovered(
-      {loop(kSquare, 0), loop(other, 10), loop(hole(4, 4), 20), loop(hole(24, 4), 30), loop(hole(26, 7), 40)});
+      {loop(kOuterSquare, 0), loop(other, 10), loop(hole(4, 4), 20), loop(hole(24, 4), 30), loop(hole(26, 7), 40)});
 }
 
 TEST(Triangulate, IslandInAHoleKeepsItsOwnHole) {
   const std::vector<glm::dvec2> pond{{1, 1}, {1, 9}, {9, 9}, {9, 1}}, island{{3, 3}, {7, 3}, {7, 7}, {3, 7}};
-  expectCovered({loop(kSquare, 0), loop(pond, 10), loop(island, 20), loop(hole(4.5, 4.5), 30)});
-  expectCovered({loop(island, 20), loop(hole(4.5, 4.5), 30), loop(pond, 10), loop(kSquare, 0)});
+  expectCovered({loop(kOuterSquare, 0), loop(pond, 10), loop(island, 20), loop(hole(4.5, 4.5), 30)});
+  expectCovered({loop(island, 20), loop(hole(4.5, 4.5), 30), loop(pond, 10), loop(kOuterSquare, 0)});
 }
 
 TEST(Triangulate, RandomStarsWithHoles) {
@@ -105,9 +105,10 @@ TEST(Triangulate, LoopThatRoundingTurnedOverStillClosesTheSurface) {
   std::vector<glm::uvec3> triangles;
   triangulate({loop({{0, 0}, {0, 1e-16}, {1, 0}, {0.5, -1e-17}}, 0)}, triangles);
   EXPECT_EQ(triangles.size(), 2u);
-  triangulate({loop(kSquare, 10), loop({{20, 0}, {20, 1e-9}, {21, 0}}, 20)}, triangles);  // clockwise and in nothing
+  triangulate({loop(kOuterSquare, 10), loop({{20, 0}, {20, 1e-9}, {21, 0}}, 20)},
+              triangles);  // clockwise and in nothing
   EXPECT_EQ(triangles.size(), 5u);
 }
 
 }  // namespace
-}  // namespace fourdvt::reconstruct
+}  // namespace fourdvt
