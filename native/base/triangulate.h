@@ -9,7 +9,8 @@
 
 namespace fourdvt {
 
-// A vertex of a polygon in its plane. `id` tells vertices apart; no id occurs twice.
+// A vertex of a polygon in its plane. `id` tells vertices apart; in a single loop, one that the loop touches twice has
+// one id.
 struct FlatVertex {
   glm::dvec2 place{0};
   uint32_t id = 0;

@@ -196,12 +196,13 @@ Result<Positions> readMeshFrame(const Capture& capture, const CaptureSequence& s
 // (mesh_file.h); FileMissing if the capture has none.
 Result<TriangleMesh> readSurfaceFrame(const Capture& capture, const CaptureSequence& sequence, uint32_t frame);
 
-// Parses OBJ text: splits polygons into triangle fans and flips the UVs to a top-left origin. `path` is for messages.
-// Errors: MeshNoUvs, MeshNotFinite, MeshIndex, MeshUvRange.
-struct ObjMesh {
+struct UvMesh {
   MeshTopology topology;
   Positions positions;
 };
-Result<ObjMesh> parseObj(std::string_view text, const std::string& path);
+// Parses OBJ text: splits polygons into triangles (polygon.h) and flips the UVs to a top-left origin. `path` is for
+// messages. `split_as`: the mesh at another instant, whose polygons are split in the same way; null: by their own
+// shape. Errors: MeshNoUvs, MeshNotFinite, MeshIndex, MeshUvRange, Unsupported (a face of too many corners).
+Result<UvMesh> parseObj(std::string_view text, const std::string& path, const MeshTopology* split_as = nullptr);
 
 }  // namespace fourdvt::capture

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Surfaces of any topology from files as modellers, scanners and reconstructions write them: OBJ, PLY, GLB, glTF.
 //
-// Vertices keep their number and order; several meshes of a file become one; polygons become triangle fans; the
+// Vertices keep their number and order; several meshes of a file become one; polygons become triangles (polygon.h); the
 // transforms of glTF's nodes are applied. Points, lines, normals, colours and UVs are not read. Does NOT know units.
 #pragma once
 

@@ -83,7 +83,7 @@ Result<Positions> readGivenFrame(const Capture& capture, const CaptureSequence& 
   FOURDVT_TRY(checkFrame(sequence, frame));
   if (!sequence.packed_positions.empty()) return readPacked(capture, sequence, frame);
   const std::string path = meshPath(sequence, frame);
-  FOURDVT_ASSIGN(auto mesh, readObj(path));
+  FOURDVT_ASSIGN(auto mesh, readObj(path, &capture.topology));
   const MeshTopology& topology = mesh.topology;
   if (!sameTopology(topology, capture.topology)) {
     return otherTopology(path, std::to_string(topology.vertex_count) + " vertices and " +
@@ -134,10 +134,10 @@ std::string meshPath(const CaptureSequence& sequence, uint32_t frame) {
   return numbered.empty() ? sequence.mesh_pattern : numbered;
 }
 
-Result<ObjMesh> readObj(const std::string& path) {
+Result<UvMesh> readObj(const std::string& path, const MeshTopology* split_as) {
   const auto text = readText(path);
   if (!text) return missing(path);
-  return parseObj(*text, path);
+  return parseObj(*text, path, split_as);
 }
 
 bool sameTopology(const MeshTopology& a, const MeshTopology& b) {

@@ -20,8 +20,8 @@ std::string framePath(const std::string& pattern, uint32_t frame);
 // Path of a frame's mesh file; the sequence has one file a frame.
 std::string meshPath(const CaptureSequence& sequence, uint32_t frame);
 
-// Reads the whole OBJ at `path`. Errors: FileMissing and those of parseObj.
-Result<ObjMesh> readObj(const std::string& path);
+// Reads the whole OBJ at `path`. Errors: FileMissing and those of parseObj, which has `split_as`, too.
+Result<UvMesh> readObj(const std::string& path, const MeshTopology* split_as = nullptr);
 
 bool sameTopology(const MeshTopology& a, const MeshTopology& b);
 

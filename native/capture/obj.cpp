@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Wavefront OBJ: positions, wedge UVs if they are wanted, polygons. Everything else in the file is skipped.
+#include <algorithm>
 #include <cmath>
 
 #include "capture/capture.h"
 #include "capture/mesh_file.h"
+#include "capture/polygon.h"
 #include "capture/text.h"
 
 namespace fourdvt::capture {
@@ -13,14 +15,15 @@ constexpr float kUvSlack = 1e-4f;  // exporters round; UVs this far outside [0,1
 
 struct Corner {
   uint32_t vertex = 0, uv = 0;
+  bool operator==(const Corner&) const = default;
 };
 
 class ObjParser {
  public:
-  ObjParser(std::string_view text, const std::string& path, bool with_uvs)
-      : text_(skipByteOrderMark(text)), path_(path), with_uvs_(with_uvs) {}
+  ObjParser(std::string_view text, const std::string& path, bool with_uvs, const MeshTopology* split_as)
+      : text_(skipByteOrderMark(text)), path_(path), with_uvs_(with_uvs), split_as_(split_as) {}
 
-  Result<ObjMesh> parse() {
+  Result<UvMesh> parse() {
     FOURDVT_TRY(forEachLine(&ObjParser::pointLine));
     if (mesh_.positions.empty()) return error(ErrorId::MeshIndex, "no vertices in it; export the mesh as OBJ again");
     if (with_uvs_ && mesh_.topology.uvs.empty()) return error(ErrorId::MeshNoUvs, kNoUvs);
@@ -104,19 +107,49 @@ class ObjParser {
     if (keyword == "v") ++vertices_so_far_;
     if (keyword == "vt") ++uvs_so_far_;
     if (keyword != "f") return {};
-    Corner first, previous, corner;
-    size_t count = 0;
-    for (std::string_view word = takeWord(rest); !word.empty(); word = takeWord(rest), ++count) {
+    corners_.clear();
+    Corner corner;
+    for (std::string_view word = takeWord(rest); !word.empty(); word = takeWord(rest)) {
       FOURDVT_TRY(parseCorner(word, corner));
-      if (count == 0) first = corner;
-      if (count >= 2) {
-        mesh_.topology.face_vertices.emplace_back(first.vertex, previous.vertex, corner.vertex);
-        if (with_uvs_) mesh_.topology.face_uvs.emplace_back(first.uv, previous.uv, corner.uv);
-      }
-      previous = corner;
+      corners_.push_back(corner);
     }
-    if (count < 3) return error(ErrorId::MeshIndex, "a face needs at least three corners; repair the mesh");
+    if (corners_.size() < 3) return error(ErrorId::MeshIndex, "a face needs at least three corners; repair the mesh");
+    return addPolygon();
+  }
+
+  Status addPolygon() {
+    triangles_.clear();
+    if (!splitAsBefore()) {
+      triangles_.clear();
+      places_.clear();
+      for (const Corner& corner : corners_) places_.push_back(mesh_.positions[corner.vertex]);
+      if (!splitPolygon(places_, triangles_)) return error(ErrorId::Unsupported, tooManyCorners(corners_.size()));
+    }
+    for (const glm::uvec3& t : triangles_) {
+      const Corner &a = corners_[t.x], &b = corners_[t.y], &c = corners_[t.z];
+      mesh_.topology.face_vertices.emplace_back(a.vertex, b.vertex, c.vertex);
+      if (with_uvs_) mesh_.topology.face_uvs.emplace_back(a.uv, b.uv, c.uv);
+    }
     return {};
+  }
+
+  // The triangles that `split_as` has here; false if they are not of this polygon's corners.
+  bool splitAsBefore() {
+    const size_t first = mesh_.topology.face_vertices.size(), count = corners_.size() - 2;
+    if (!split_as_ || count == 1 || split_as_->face_vertices.size() < first + count) return false;
+    for (size_t t = 0; t < count; ++t) {
+      glm::uvec3 triangle;
+      for (int k = 0; k < 3; ++k) {
+        const Corner corner{split_as_->face_vertices[first + t][k], split_as_->face_uvs[first + t][k]};
+        const size_t of_fan = k == 0 ? 0 : t + static_cast<size_t>(k);
+        const auto found = corners_[of_fan] == corner ? corners_.begin() + static_cast<ptrdiff_t>(of_fan)
+                                                      : std::find(corners_.begin(), corners_.end(), corner);
+        if (found == corners_.end()) return false;
+        triangle[k] = static_cast<uint32_t>(found - corners_.begin());
+      }
+      triangles_.push_back(triangle);
+    }
+    return true;
   }
 
   // "vertex/uv" or "vertex/uv/normal"; without UVs also "vertex" and "vertex//normal".
@@ -144,17 +177,23 @@ class ObjParser {
   std::string_view text_;
   const std::string& path_;
   const bool with_uvs_;
-  int line_ = 0;  // named in messages; 0: the whole file
+  const MeshTopology* split_as_;  // may be null
+  int line_ = 0;                  // named in messages; 0: the whole file
   size_t vertices_so_far_ = 0, uvs_so_far_ = 0;
-  ObjMesh mesh_;
+  UvMesh mesh_;
+  std::vector<Corner> corners_;        // of one face
+  std::vector<glm::vec3> places_;      // of its corners
+  std::vector<glm::uvec3> triangles_;  // between them
 };
 
 }  // namespace
 
-Result<ObjMesh> parseObj(std::string_view text, const std::string& path) { return ObjParser(text, path, true).parse(); }
+Result<UvMesh> parseObj(std::string_view text, const std::string& path, const MeshTopology* split_as) {
+  return ObjParser(text, path, true, split_as).parse();
+}
 
 Result<TriangleMesh> parseObjSurface(std::string_view text, const std::string& path) {
-  FOURDVT_ASSIGN(auto mesh, ObjParser(text, path, false).parse());
+  FOURDVT_ASSIGN(auto mesh, ObjParser(text, path, false, nullptr).parse());
   return TriangleMesh{std::move(mesh.positions), std::move(mesh.topology.face_vertices)};
 }
 

@@ -114,8 +114,8 @@ std::string topologyFile(const DeclaredSequence& declared) {
 Status checkTopology(const std::vector<DeclaredSequence>& declared, Capture& capture) {
   for (const DeclaredSequence& d : declared) {
     const std::string path = topologyFile(d);
-    FOURDVT_ASSIGN(auto mesh, readObj(path));
     const bool first = &d == &declared.front();
+    FOURDVT_ASSIGN(auto mesh, readObj(path, first ? nullptr : &capture.topology));
     if (first) capture.topology = std::move(mesh.topology);
     if (!first && !sameTopology(mesh.topology, capture.topology)) {
       return Error{ErrorId::MeshTopology, path + ": faces or UVs differ from sequence \"" +

@@ -49,6 +49,22 @@ TEST(MeshErrors, NoFaces) {
   expectMessage(R"({"asset": {"version": "2.0"}})", "a.gltf", ErrorId::MeshIndex, "no faces");
 }
 
+// Elements that hold no surface are stepped over; faces under another name are not lost in silence.
+TEST(MeshErrors, PlyElementsAreNamed) {
+  const std::string vertices =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string edges = "element edge 1\nproperty int vertex1\nproperty int vertex2\n";
+  expectMessage(vertices + edges + "end_header\n0 0 0\n1 0 0\n0 1 0\n0 1\n", "a.ply", ErrorId::MeshIndex,
+                "no faces in it, but vertex, edge");
+  expectMessage(
+      vertices + "element polys 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+      "a.ply", ErrorId::Unsupported, "faces in the element \"polys\"");
+  expectMessage(
+      vertices +
+          "element tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 9\n",
+      "a.ply", ErrorId::MeshIndex, "out of range");
+}
+
 TEST(MeshErrors, IndexOutOfRange) {
   TriangleMesh mesh = squareMesh();
   for (const uint32_t bad : {5u, 0x7fffffffu, 0xffffffffu}) {

@@ -43,6 +43,46 @@ TEST(MeshFormats, AsciiPlyWithMoreThanItNeeds) {
   expectSame(mesh, {{{1, 2, 3}, {2, 2, 3}, {2, 3, 3}, {1, 3, 3}}, {{0, 1, 2}, {0, 2, 3}, {3, 2, 1}}});
 }
 
+// As Stanford's scans: -1 parts strips, every second triangle of one is turned, one vertex twice only joins two parts.
+TEST(MeshFormats, PlyStrips) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+      "element tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n";
+  const auto faces = [&](const std::string& strips) {
+    const auto mesh = parseMesh(head + strips, "a.ply");
+    EXPECT_TRUE(mesh.ok()) << mesh.error().message;
+    return mesh.ok() ? mesh.value().faces : std::vector<glm::uvec3>();
+  };
+  EXPECT_EQ(faces("5 0 1 2 3 4\n"), (std::vector<glm::uvec3>{{0, 1, 2}, {2, 1, 3}, {2, 3, 4}}));
+  EXPECT_EQ(faces("8 0 1 2 -1 1 3 2 4\n"), (std::vector<glm::uvec3>{{0, 1, 2}, {1, 3, 2}, {2, 3, 4}}));
+  EXPECT_EQ(faces("11 -1 -1 3 4 -1 0 1 2 2 3 -1\n"), (std::vector<glm::uvec3>{{0, 1, 2}}));
+  EXPECT_EQ(faces("6 0 1 2 2 3 4\n"), (std::vector<glm::uvec3>{{0, 1, 2}, {3, 2, 4}}));
+}
+
+// An L whose first corner does not see all of it, in each kind of file that has polygons; in PLY before its vertices.
+TEST(MeshFormats, ConcavePolygons) {
+  const std::string obj = "v 0 2 0\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\n";
+  const std::vector<TriangleMesh> meshes{
+      parseMesh(obj + "f 6 1 2 3 4 5\n", "a.obj").take(), parseMesh(obj + "f 3 4 5 6 1 2\n", "a.obj").take(),
+      parseMesh("ply\nformat ascii 1.0\nelement face 2\nproperty list uchar int vertex_index\nelement vertex 6\n"
+                "property float x\nproperty float y\nproperty float z\nend_header\n6 3 4 5 0 1 2\n3 0 1 2\n"
+                "0 2 0\n0 0 0\n2 0 0\n2 1 0\n1 1 0\n1 2 0\n",
+                "a.ply")
+          .take()};
+  for (const TriangleMesh& mesh : meshes) {
+    ASSERT_GE(mesh.faces.size(), 4u);
+    double area = 0;
+    for (size_t t = 0; t < 4; ++t) {
+      const glm::vec3 &a = mesh.positions[mesh.faces[t].x], &b = mesh.positions[mesh.faces[t].y],
+                      &c = mesh.positions[mesh.faces[t].z];
+      EXPECT_GE(glm::cross(b - a, c - a).z, 0);
+      area += 0.5 * glm::cross(b - a, c - a).z;
+    }
+    EXPECT_NEAR(area, 3, 1e-6);
+  }
+  EXPECT_EQ(meshes[2].faces.back(), glm::uvec3(0, 1, 2));
+}
+
 TEST(MeshFormats, BigEndianPly) {
   const TriangleMesh mesh = squareMesh();
   std::string text = plyBytes(mesh);

@@ -35,6 +35,30 @@ TEST(CaptureObj, LinesMayContinueAndAMarkMayStandBefore) {
   EXPECT_TRUE(parseObj(plain + "f 1/1 2/1 3/1 \\", "a").ok()) << "at the end of the file";
 }
 
+// A polygon may be convex at one instant and concave at another: its triangles stay those of the mesh that is given.
+TEST(CaptureObj, PolygonsAreSplitAsBefore) {
+  const std::string flat = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n", dart = "v 0 0 0\nv 1 0 0\nv 0.2 0.2 0\nv 0 1 0\n",
+                    rest = "v 9 9 9\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n", quad = "f 2/2 3/3 4/4 1/1\n";
+  const auto before = parseObj(flat + rest + quad, "a"), alone = parseObj(dart + rest + quad, "a");
+  ASSERT_TRUE(before.ok() && alone.ok());
+  const MeshTopology& as = before.value().topology;
+  EXPECT_EQ(as.face_vertices, (std::vector<glm::uvec3>{{1, 2, 3}, {1, 3, 0}}));
+  EXPECT_EQ(alone.value().topology.face_vertices, (std::vector<glm::uvec3>{{0, 1, 2}, {0, 2, 3}}));
+  const auto after = parseObj(dart + rest + quad, "a", &as),
+             back = parseObj(flat + rest + quad, "a", &alone.value().topology);
+  ASSERT_TRUE(after.ok() && back.ok());
+  EXPECT_EQ(after.value().topology.face_vertices, as.face_vertices);
+  EXPECT_EQ(after.value().topology.face_uvs, as.face_uvs);
+  EXPECT_EQ(back.value().topology.face_vertices, alone.value().topology.face_vertices);
+  EXPECT_EQ(back.value().topology.face_uvs, alone.value().topology.face_uvs);
+  for (const std::string other : {"f 2/2 3/3 5/4 1/1\n", "f 2/2 3/3 4/1 1/1\n", "f 2/2 3/3 4/4\n"}) {
+    const auto differs = parseObj(flat + rest + other, "a", &as);
+    ASSERT_TRUE(differs.ok());
+    EXPECT_NE(std::tie(differs.value().topology.face_vertices, differs.value().topology.face_uvs),
+              std::tie(as.face_vertices, as.face_uvs));
+  }
+}
+
 TEST(CaptureObj, NegativeIndicesCountBack) {
   auto mesh = parseObj("v 9 9 9\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nf -3/-1 -2/-1 -1/-1\nv 5 5 5\n", "a");
   ASSERT_TRUE(mesh.ok());
