@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// PLY: the position of every element "vertex" and the polygons of every element "face", ASCII or binary of either byte
-// order. Other elements and properties are stepped over.
+// PLY: the position of every element "vertex", the polygons of every element "face" and the strips of every element
+// "tristrips", ASCII or binary of either byte order. Other elements and properties are stepped over; faces in an
+// element of another name are an error.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -10,12 +11,15 @@
 
 #include "base/bytes.h"
 #include "capture/mesh_readers.h"
+#include "capture/polygon.h"
 #include "capture/text.h"
 
 namespace fourdvt::capture {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
+
+constexpr uint32_t kNone = 0xffffffff;  // no vertex's number
 
 enum class Format { Ascii, LittleEndian, BigEndian };
 enum class Type { Int8, UInt8, Int16, UInt16, Int32, UInt32, Float, Double };
@@ -142,6 +146,9 @@ class PlyParser {
     FOURDVT_TRY(readHeader());
     Numbers numbers(rest_, header_.format);
     for (const Element& element : header_.elements) FOURDVT_TRY(readElement(element, numbers));
+    if (mesh_.faces.empty()) return noFaces();
+    if (const size_t corners = polygons_.split(mesh_.positions, mesh_.faces); corners > 0)
+      return Error{ErrorId::Unsupported, path_ + ": " + tooManyCorners(corners)};
     return std::move(mesh_);
   }
 
@@ -150,6 +157,14 @@ class PlyParser {
     return {ErrorId::FileUnreadable, path_ + ": " + what + "; export the mesh again"};
   }
   Error truncated() const { return error("the PLY ends before all that its header announces (truncated)"); }
+
+  Error noFaces() const {
+    std::string elements;
+    for (const Element& element : header_.elements)
+      elements.append(elements.empty() ? "" : ", ").append(element.name.substr(0, 40));
+    return {ErrorId::MeshIndex, path_ + ": no faces in it" + (elements.empty() ? "" : ", but " + elements) +
+                                    "; export the mesh with its faces, not as points"};
+  }
 
   Status readHeader() {
     std::string_view line;
@@ -219,6 +234,7 @@ class PlyParser {
     const Property& first = element.properties.front();
     if (!numbers.holds(element.count, first.count_type.value_or(first.type))) return truncated();
     const bool vertices = element.name == "vertex";
+    FOURDVT_TRY(checkFaceLists(element));
     if (vertices) {
       FOURDVT_TRY(checkVertexProperties(element));
       mesh_.positions.reserve(mesh_.positions.size() + element.count);
@@ -250,33 +266,64 @@ class PlyParser {
     return {};
   }
 
+  static bool isFaceList(const Property& p) {
+    return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
+  }
+
+  Status checkFaceLists(const Element& element) const {
+    const auto& properties = element.properties;
+    if (element.name == "face" || element.name == "tristrips" ||
+        std::none_of(properties.begin(), properties.end(), isFaceList))
+      return {};
+    return Error{ErrorId::Unsupported, path_ + ": has faces in the element \"" +
+                                           std::string(element.name.substr(0, 40)) +
+                                           "\", but \"face\" and \"tristrips\" are read; export as one of them"};
+  }
+
   static void keepCoordinate(std::string_view name, double value, glm::vec3& position) {
     if (name.size() == 1 && name[0] >= 'x' && name[0] <= 'z') position[name[0] - 'x'] = static_cast<float>(value);
   }
 
   Status readList(const Element& element, const Property& property, Numbers& numbers) {
-    const bool corners =
-        element.name == "face" && (property.name == "vertex_indices" || property.name == "vertex_index");
     const double count = numbers.next(*property.count_type);
     if (!numbers.ok()) return failed(numbers);
     if (!(count >= 0) || count > 0xffffffffu) return error("a list of the PLY has no valid length");
     if (!numbers.holds(static_cast<uint64_t>(count), property.type)) return truncated();
-    uint32_t first = 0, previous = 0;
+    const bool kept = isFaceList(property);
+    corners_.clear();
     for (uint64_t i = 0; i < static_cast<uint64_t>(count); ++i) {
       const double value = numbers.next(property.type);
-      if (!corners) continue;
-      const uint32_t vertex = value >= 0 && value < 0xffffffffu ? static_cast<uint32_t>(value) : 0xffffffffu;
-      if (i == 0) first = vertex;
-      if (i >= 2) mesh_.faces.emplace_back(first, previous, vertex);
-      previous = vertex;
+      if (kept) corners_.push_back(value >= 0 && value < kNone ? static_cast<uint32_t>(value) : kNone);
     }
-    return numbers.ok() ? Status() : failed(numbers);
+    if (!numbers.ok()) return failed(numbers);
+    if (kept) element.name == "face" ? addPolygon() : addStrips();
+    return {};
+  }
+
+  // A fan until the positions are known.
+  void addPolygon() {
+    polygons_.add(mesh_.faces.size(), corners_);
+    for (size_t i = 2; i < corners_.size(); ++i) mesh_.faces.emplace_back(corners_[0], corners_[i - 1], corners_[i]);
+  }
+
+  // -1 parts strips; a triangle with a vertex twice only joins two parts of one.
+  void addStrips() {
+    size_t begin = 0;
+    for (size_t i = 0; i < corners_.size(); ++i) {
+      if (corners_[i] == kNone) begin = i + 1;
+      if (i < begin + 2) continue;
+      glm::uvec3 face(corners_[i - 2], corners_[i - 1], corners_[i]);
+      if ((i - begin) % 2 == 1) std::swap(face.x, face.y);
+      if (face.x != face.y && face.y != face.z && face.z != face.x) mesh_.faces.push_back(face);
+    }
   }
 
   std::string_view rest_;
   const std::string& path_;
   Header header_;
   TriangleMesh mesh_;
+  LatePolygons polygons_;
+  std::vector<uint32_t> corners_;  // of one list
 };
 
 }  // namespace
