@@ -8,6 +8,7 @@
 #include <set>
 
 #include "capture/class_json.h"
+#include "capture/json_text.h"
 #include "capture/mesh_sequence.h"
 
 namespace fourdvt::capture {
@@ -292,15 +293,7 @@ class Parser {
 }  // namespace
 
 Result<DeclaredCapture> parseCaptureJson(std::string_view text, const std::string& folder) {
-  constexpr int kMaxDepth = 64;  // whoever writes it anew recurses
-  bool deep = false;
-  const auto shallow = [&](int depth, Json::parse_event_t, const Json&) { return !(deep |= depth > kMaxDepth); };
-  const Json root = Json::parse(text.begin(), text.end(), shallow, false);
-  if (deep || root.is_discarded()) {
-    return Error{ErrorId::CaptureJson, folder + "/capture.json: " +
-                                           (deep ? "nested deeper than 64; take such fields out"
-                                                 : "not valid JSON; check commas, quotes and brackets")};
-  }
+  FOURDVT_ASSIGN(const Json root, parseJsonText(text, folder + "/capture.json", ErrorId::CaptureJson));
   return Parser(folder).parse(root);
 }
 

@@ -16,58 +16,55 @@
 namespace fourdvt::capture {
 namespace {
 
-std::string at(const std::string& file, int line) { return file + ":" + std::to_string(line) + ": "; }
-
 Result<ColmapIntrinsics> parseModel(std::string_view line, const std::string& where) {
-  const std::string name(takeWord(line));
+  Fields fields(line);
+  const std::string name(fields.word());
   FOURDVT_ASSIGN(const ColmapModel* model, colmapModel(name, where));
-  const auto width = toNumber<int>(takeWord(line)), height = toNumber<int>(takeWord(line));
+  const int width = fields.number<int>(), height = fields.number<int>();
   std::array<double, kMaxColmapParameters> parameters{};
-  for (int i = 0; i < model->parameters; ++i) {
-    const auto value = toNumber<double>(takeWord(line));
-    if (!value) return colmapPoseError(where, name + " needs " + std::to_string(model->parameters) + " numbers");
-    parameters[i] = *value;
+  for (int i = 0; i < model->parameters; ++i) parameters[i] = fields.number<double>();
+  if (!fields.problem().empty()) {
+    return colmapPoseError(where, name + " needs " + std::to_string(model->parameters) +
+                                      " numbers behind width and height, but " + fields.problem());
   }
-  return makeIntrinsics(*model, width.value_or(0), height.value_or(0), parameters.data(), where);
+  return makeIntrinsics(*model, width, height, parameters.data(), where);
 }
 
 Result<std::map<int64_t, ColmapIntrinsics>> parseCameras(std::string_view text, const std::string& file) {
   std::map<int64_t, ColmapIntrinsics> cameras;
-  std::string_view line;
-  text = skipByteOrderMark(text);
-  for (int number = 1; takeLine(text, line); ++number) {
-    const std::string_view first = takeWord(line);
-    if (first.empty() || first.front() == '#') continue;
-    const auto id = toNumber<int64_t>(first);
-    if (!id) return colmapPoseError(at(file, number), "the line must start with a camera number");
-    FOURDVT_ASSIGN(cameras[*id], parseModel(line, at(file, number)));
+  TextLines lines(text);
+  for (std::string_view line; lines.next(line);) {
+    const auto id = toNumber<int64_t>(takeWord(line));
+    const std::string where = atLine(file, lines.number());
+    if (!id) return colmapPoseError(where, "the line must start with a camera number");
+    FOURDVT_ASSIGN(cameras[*id], parseModel(line, where));
   }
   if (cameras.empty()) return colmapPoseError(file + ": ", "no camera in it");
   return cameras;
 }
 
-// One image line behind its number: QW QX QY QZ TX TY TZ CAMERA_ID NAME.
+// One image line behind its number: QW QX QY QZ TX TY TZ CAMERA_ID NAME, where NAME may have blanks.
 Result<CaptureCamera> parseImage(std::string_view line, const std::map<int64_t, ColmapIntrinsics>& cameras,
                                  const std::string& where) {
+  Fields fields(line);
   std::array<double, 7> pose{};
-  for (double& value : pose) {
-    const auto number = toNumber<double>(takeWord(line));
-    if (!number || !std::isfinite(*number)) {
-      return colmapPoseError(where, "the pose must be seven finite numbers (QW QX QY QZ TX TY TZ)");
-    }
-    value = *number;
+  for (double& value : pose) value = fields.number<double>();
+  if (!fields.problem().empty()) {
+    return colmapPoseError(where,
+                           "the pose must be seven finite numbers (QW QX QY QZ TX TY TZ), but " + fields.problem());
   }
-  const auto id = toNumber<int64_t>(takeWord(line));
+  const auto id = toNumber<int64_t>(fields.word());
   const auto found = id ? cameras.find(*id) : cameras.end();
   if (found == cameras.end())
     return colmapPoseError(where, "the image refers to a camera that cameras.txt does not list");
-  return makeColmapCamera(found->second, pose, takeWord(line), where);
+  return makeColmapCamera(found->second, pose, fields.rest(), where);
 }
 
-// A POINTS2D line holds triples; an image line holds ten words.
+// A POINTS2D line holds triples of numbers and nothing else; an image line ends in a name.
 bool isPointsLine(std::string_view line) {
   size_t words = 0;
-  while (!takeWord(line).empty()) ++words;
+  for (std::string_view word = takeWord(line); !word.empty(); word = takeWord(line), ++words)
+    if (!toNumber<double>(word)) return false;
   return words % 3 == 0;
 }
 
@@ -89,19 +86,18 @@ Result<std::vector<CaptureCamera>> parseColmapText(std::string_view cameras_text
   std::vector<CaptureCamera> cameras;
   std::set<std::string> names;
   bool after_image = false;
-  std::string_view line;
-  images_text = skipByteOrderMark(images_text);
-  for (int number = 1; takeLine(images_text, line); ++number) {
+  TextLines lines(images_text, {.blank_lines = true});
+  for (std::string_view line; lines.next(line);) {
     const bool points = after_image && isPointsLine(line);
     after_image = false;
     const std::string_view first = takeWord(line);
-    if (points || first.empty() || first.front() == '#') continue;
-    if (!toNumber<int64_t>(first)) return colmapPoseError(at(file, number), "the line must start with an image number");
-    auto camera = parseImage(line, intrinsics, at(file, number));
+    if (points || first.empty()) continue;
+    const std::string where = atLine(file, lines.number());
+    if (!toNumber<int64_t>(first)) return colmapPoseError(where, "the line must start with an image number");
+    auto camera = parseImage(line, intrinsics, where);
     if (!camera.ok()) return camera.error();
-    if (!names.insert(camera.value().pinhole.name).second) {
-      return colmapPoseError(at(file, number), "camera \"" + camera.value().pinhole.name + "\" is listed twice");
-    }
+    if (!names.insert(camera.value().pinhole.name).second)
+      return colmapPoseError(where, "camera \"" + camera.value().pinhole.name + "\" is listed twice");
     cameras.push_back(camera.take());
     after_image = true;
   }

@@ -59,7 +59,8 @@ Status checkMesh(const TriangleMesh& mesh, const std::string& path) {
 
 }  // namespace
 
-Result<TriangleMesh> parseMesh(std::string_view bytes, const std::string& path) {
+Result<TriangleMesh> parseMesh(std::string_view given, const std::string& path) {
+  const std::string_view bytes = skipByteOrderMark(given);
   if (bytes.empty()) return Error{ErrorId::FileUnreadable, path + ": the file is empty; export the mesh again"};
   const std::string extension = lowerExtension(path);
   const auto named = std::find_if(std::begin(kKinds), std::end(kKinds),

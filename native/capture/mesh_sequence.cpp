@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include "base/hash.h"
 #include "capture/mesh_file.h"
@@ -97,18 +96,6 @@ Result<Positions> readGivenFrame(const Capture& capture, const CaptureSequence& 
 }
 
 }  // namespace
-
-std::optional<std::string> readText(const std::string& path) {
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  if (!file) return std::nullopt;
-  const std::streamoff size = file.tellg();
-  std::error_code ignored;
-  if (size < 0 || !std::filesystem::is_regular_file(path, ignored)) return std::nullopt;
-  std::string text(static_cast<size_t>(size), '\0');
-  file.seekg(0);
-  if (!file.read(text.data(), size)) return std::nullopt;
-  return text;
-}
 
 Status checkFrame(const CaptureSequence& sequence, uint32_t frame) {
   if (frame < sequence.frame_count) return {};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Wavefront OBJ: positions, wedge UVs if they are wanted, polygons. Everything else in the file is skipped.
 #include <algorithm>
-#include <cmath>
 
 #include "capture/capture.h"
 #include "capture/mesh_file.h"
@@ -21,7 +20,7 @@ struct Corner {
 class ObjParser {
  public:
   ObjParser(std::string_view text, const std::string& path, bool with_uvs, const MeshTopology* split_as)
-      : text_(skipByteOrderMark(text)), path_(path), with_uvs_(with_uvs), split_as_(split_as) {}
+      : text_(text), path_(path), with_uvs_(with_uvs), split_as_(split_as) {}
 
   Result<UvMesh> parse() {
     FOURDVT_TRY(forEachLine(&ObjParser::pointLine));
@@ -49,40 +48,26 @@ class ObjParser {
   }
 
   Status forEachLine(Status (ObjParser::*handle)(std::string_view keyword, std::string_view rest)) {
-    std::string_view rest = text_, line;
-    std::string joined;
-    for (line_ = 1; takeLine(rest, line); ++line_) {
-      const int continued = joinContinued(rest, line, joined);
+    TextLines lines(text_, {.comment_behind = true, .continued = true});
+    std::string_view line;
+    while (lines.next(line)) {
+      line_ = lines.number();
       const std::string_view keyword = takeWord(line);
       FOURDVT_TRY((this->*handle)(keyword, line));
-      line_ += continued;
     }
     line_ = 0;
     return {};
   }
 
-  // Puts a line that ends in a backslash and those that continue it into `joined`: how many lines it has taken.
-  static int joinContinued(std::string_view& rest, std::string_view& line, std::string& joined) {
-    if (!line.ends_with('\\')) return 0;
-    int taken = 0;
-    joined.clear();
-    for (bool more = true; more && line.ends_with('\\'); ++taken) {
-      joined.append(line.substr(0, line.size() - 1)) += ' ';
-      more = takeLine(rest, line);
-      if (!more) line = {};
-    }
-    line = joined.append(line);
-    return taken;
-  }
-
   Status pointLine(std::string_view keyword, std::string_view rest) {
     if (keyword == "v") {
-      const auto x = toNumber<float>(takeWord(rest)), y = toNumber<float>(takeWord(rest)),
-                 z = toNumber<float>(takeWord(rest));
-      if (!x || !y || !z || !std::isfinite(*x) || !std::isfinite(*y) || !std::isfinite(*z)) {
-        return error(ErrorId::MeshNotFinite, "a vertex needs three finite numbers; repair this frame of the mesh");
+      Fields fields(rest);
+      const auto x = fields.number<float>(), y = fields.number<float>(), z = fields.number<float>();
+      if (!fields.problem().empty()) {
+        return error(ErrorId::MeshNotFinite, "a vertex needs three finite numbers, but " + fields.problem() +
+                                                 "; repair this frame of the mesh");
       }
-      mesh_.positions.emplace_back(*x, *y, *z);
+      mesh_.positions.emplace_back(x, y, z);
     } else if (keyword == "vt" && with_uvs_) {
       return uvLine(rest);
     }
@@ -90,11 +75,13 @@ class ObjParser {
   }
 
   Status uvLine(std::string_view rest) {
-    const auto u = toNumber<float>(takeWord(rest)), v = toNumber<float>(takeWord(rest));
-    if (!u || !v || !std::isfinite(*u) || !std::isfinite(*v)) {
-      return error(ErrorId::MeshNotFinite, "a texture coordinate needs two finite numbers; export the UVs again");
+    Fields fields(rest);
+    const auto u = fields.number<float>(), v = fields.number<float>();
+    if (!fields.problem().empty()) {
+      return error(ErrorId::MeshNotFinite,
+                   "a texture coordinate needs two finite numbers, but " + fields.problem() + "; export the UVs again");
     }
-    const glm::vec2 uv(*u, *v);
+    const glm::vec2 uv(u, v);
     const glm::vec2 clamped = glm::clamp(uv, 0.0f, 1.0f);
     if (glm::any(glm::greaterThan(glm::abs(uv - clamped), glm::vec2(kUvSlack)))) {
       return error(ErrorId::MeshUvRange, "texture coordinates must lie in [0,1]; pack the UVs into one tile");

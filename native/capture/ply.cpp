@@ -71,6 +71,8 @@ class Numbers {
       : format_(format), text_(bytes), bytes_({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}) {}
   bool ok() const { return ok_; }
   bool atEnd() const { return at_end_; }
+  // ASCII: what is left, the word that failed first.
+  std::string_view left() const { return text_; }
   // No number takes less than its size, or in ASCII a digit and what parts it from the next.
   bool holds(uint64_t count, Type type) const {
     return format_ == Format::Ascii ? count <= (text_.size() + 1) / 2 : count <= bytes_.remaining() / sizeOf(type);
@@ -85,10 +87,10 @@ class Numbers {
     const size_t begin = text_.find_first_not_of(" \t\r\n");
     text_.remove_prefix(std::min(begin, text_.size()));
     const size_t end = std::min(text_.find_first_of(" \t\r\n"), text_.size());
-    const auto value = toNumber<double>(text_.substr(0, end));
-    if (!value) fail(text_.empty());
+    const auto value = ok_ ? toNumber<double>(text_.substr(0, end)) : std::nullopt;
+    if (!value) return fail(text_.empty());
     text_.remove_prefix(end);
-    return value.value_or(0);
+    return *value;
   }
 
   double binary(Type type) {
@@ -140,7 +142,7 @@ class Numbers {
 
 class PlyParser {
  public:
-  PlyParser(std::string_view bytes, const std::string& path) : rest_(bytes), path_(path) {}
+  PlyParser(std::string_view bytes, const std::string& path) : whole_(bytes), rest_(bytes), path_(path) {}
 
   Result<TriangleMesh> parse() {
     FOURDVT_TRY(readHeader());
@@ -189,7 +191,9 @@ class PlyParser {
   }
 
   // A line that is ended: where the file is cut off inside its header, the rest is no line.
-  bool takeHeaderLine(std::string_view& line) { return rest_.find('\n') != rest_.npos && takeLine(rest_, line); }
+  bool takeHeaderLine(std::string_view& line) {
+    return rest_.find_first_of("\r\n") != rest_.npos && takeLine(rest_, line);
+  }
 
   Status readFormat(std::string_view word) {
     if (word == "ascii")
@@ -254,7 +258,11 @@ class PlyParser {
   }
 
   Error failed(const Numbers& numbers) const {
-    return numbers.atEnd() ? truncated() : error("the PLY holds a word where a number is due");
+    if (numbers.atEnd()) return truncated();
+    const std::string_view left = numbers.left();
+    return {ErrorId::FileUnreadable,
+            atLine(path_, lineOfByte(whole_, whole_.size() - left.size())) + "where a number is due, " +
+                numberProblem(left.substr(0, left.find_first_of(" \t\r\n"))) + "; export the mesh again"};
   }
 
   Status checkVertexProperties(const Element& element) const {
@@ -318,7 +326,7 @@ class PlyParser {
     }
   }
 
-  std::string_view rest_;
+  std::string_view whole_, rest_;
   const std::string& path_;
   Header header_;
   TriangleMesh mesh_;

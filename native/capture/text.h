@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Line and number scanning for the capture's text files, independent of the locale.
+// Lines, words and numbers of text files, and why a word is no number: what every reader of text is made of.
+// Independent of the locale. Lines end in LF, CRLF or CR; a byte order mark before the text is skipped; words are
+// parted by spaces and tabs. Texts are borrowed.
 #pragma once
 
 #include <charconv>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 namespace fourdvt::capture {
 
@@ -20,10 +24,11 @@ inline std::string_view skipByteOrderMark(std::string_view text) {
 // Takes the next line off `text` (without its end); false at the end.
 inline bool takeLine(std::string_view& text, std::string_view& line) {
   if (text.empty()) return false;
-  const size_t end = text.find('\n');
+  size_t end = 0;
+  while (end < text.size() && text[end] != '\n' && text[end] != '\r') ++end;
   line = text.substr(0, end);
-  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  if (text.substr(end).starts_with("\r\n")) ++end;
+  text.remove_prefix(end < text.size() ? end + 1 : end);
   return true;
 }
 
@@ -37,6 +42,9 @@ inline std::string_view takeWord(std::string_view& line) {
   return word;
 }
 
+// Without the blanks at both ends.
+std::string_view trimmed(std::string_view text);
+
 // The whole word as a number ("nan" and "inf" count as numbers), else nullopt.
 template <class T>
 std::optional<T> toNumber(std::string_view word) {
@@ -46,5 +54,70 @@ std::optional<T> toNumber(std::string_view word) {
   if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
   return value;
 }
+
+// Returns true for "1,5" and the like: a number with a decimal comma.
+bool hasDecimalComma(std::string_view word);
+// What makes a word no finite number, with the remedy: "1,5" has a decimal comma (write 1.5, not 1,5).
+std::string numberProblem(std::string_view word);
+
+// Remark for a list that has too many numbers: "1,5" in it is two of them. Empty if `count` is at most `wanted`.
+std::string tooManyNumbers(size_t count, size_t wanted);
+
+// Number of the line, from 1, in which this byte of the text lies.
+int lineOfByte(std::string_view text, size_t byte);
+
+// What is wrong in line `number` of a file: "path:number: ".
+std::string atLine(const std::string& path, int number);
+
+// The words of one line, one after the other.
+class Fields {
+ public:
+  explicit Fields(std::string_view line) : rest_(line) {}
+  std::string_view word() { return takeWord(rest_); }
+  // The next word, which must be a finite number: else 0, and problem() says why.
+  template <class T>
+  T number() {
+    const std::string_view given = word();
+    const auto value = toNumber<T>(given);
+    bool fits = value.has_value();
+    if constexpr (std::is_floating_point_v<T>) fits = fits && std::isfinite(*value);
+    if (fits) return *value;
+    if (problem_.empty()) problem_ = numberProblem(given);
+    return {};
+  }
+  // What is left, blanks within it included.
+  std::string_view rest() const { return trimmed(rest_); }
+  // Why the first word that is no number is none; empty if all were.
+  const std::string& problem() const { return problem_; }
+
+ private:
+  std::string_view rest_;
+  std::string problem_;
+};
+
+// A text's lines that hold something.
+class TextLines {
+ public:
+  struct Rules {
+    char comment = '#';           // begins a line that is passed over; 0: nothing does
+    bool comment_behind = false;  // also behind a blank, where it ends the line
+    bool continued = false;       // a line that ends in a backslash goes on in the next one
+    bool blank_lines = false;     // lines of blanks are returned, too
+  };
+  TextLines(std::string_view text, Rules rules) : rest_(skipByteOrderMark(text)), rules_(rules) {}
+  explicit TextLines(std::string_view text) : TextLines(text, Rules()) {}
+  // Takes the next line; false at the end of the text. It is valid until the next call.
+  bool next(std::string_view& line);
+  // Of the line that next() returned, from 1; of a continued one that of its beginning.
+  int number() const { return number_; }
+
+ private:
+  bool takeWhole(std::string_view& line);
+
+  std::string_view rest_;
+  Rules rules_;
+  int number_ = 0, following_ = 1;
+  std::string joined_;
+};
 
 }  // namespace fourdvt::capture

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/capture.h"
+#include "capture/json_text.h"
 #include "capture/text.h"
 
 namespace fourdvt::tools {
@@ -160,8 +161,7 @@ class SceneReader {
 Result<SceneFile> readSceneFile(const std::string& path) {
   const auto text = capture::readText(path);
   if (!text) return Error{ErrorId::FileMissing, path + ": cannot be read; give the path of a scene's JSON file"};
-  const Json root = Json::parse(*text, nullptr, false);
-  if (root.is_discarded()) return Error{ErrorId::InvalidArgument, path + ": is not JSON; check commas and quotes"};
+  FOURDVT_ASSIGN(const Json root, capture::parseJsonText(*text, path, ErrorId::InvalidArgument));
   return SceneReader(path).read(root);
 }
 
@@ -169,11 +169,12 @@ Result<std::vector<render::SceneCorner>> readSceneMesh(const std::string& path) 
   const auto content = capture::readText(path);
   if (!content) return Error{ErrorId::FileMissing, path + ": cannot be read; correct its path in the scene"};
   std::vector<render::SceneCorner> points, corners;
-  std::string_view rest = *content, line;
-  const auto broken = [&](const char* what) {
-    return Error{ErrorId::MeshIndex, path + ": " + what + "; export it again"};
+  capture::TextLines lines(*content, {.comment_behind = true, .continued = true});
+  std::string_view line;
+  const auto broken = [&](const std::string& what) {
+    return Error{ErrorId::MeshIndex, capture::atLine(path, lines.number()) + what + "; export it again"};
   };
-  while (capture::takeLine(rest, line)) {
+  while (lines.next(line)) {
     const std::string_view keyword = capture::takeWord(line);
     if (keyword == "v") {
       float v[6] = {0, 0, 0, 0.5f, 0.5f, 0.5f};
@@ -182,7 +183,7 @@ Result<std::vector<render::SceneCorner>> readSceneMesh(const std::string& path) 
         const std::string_view word = capture::takeWord(line);
         if (word.empty()) break;
         const auto value = capture::toNumber<float>(word);
-        if (!value || !std::isfinite(*value)) return broken("a vertex needs finite numbers");
+        if (!value || !std::isfinite(*value)) return broken(capture::numberProblem(word));
         v[count] = *value;
       }
       if (count < 3) return broken("a vertex needs three numbers");

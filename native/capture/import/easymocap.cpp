@@ -19,17 +19,22 @@ Result<ImportedCamera> easyMocapCamera(const Storage& intri, const Storage& extr
   const std::string where = path + ": camera " + name;
   const auto coefficients = intri.numbers({"dist_" + name, "D_" + name});
   if (coefficients.empty() && intri.has({"dist_" + name, "D_" + name}))
-    return lacksNode(path, "dist_" + name + " must be a list of numbers");
+    return lacksNode(path,
+                     "dist_" + name + " must be a list of numbers" + intri.problem({"dist_" + name, "D_" + name}, 14));
   FOURDVT_ASSIGN(out.camera.distortion, distortionOf(coefficients, false, where));
-  FOURDVT_TRY(setCameraMatrix(intri.numbers({"K_" + name}), kFirstPixelAtZero, out.camera, where));
+  const auto lens = intri.numbers({"K_" + name});
+  if (lens.size() != 9) return lacksNode(where, "no K_" + name + " of nine numbers" + intri.problem({"K_" + name}, 9));
+  FOURDVT_TRY(setCameraMatrix(lens, kFirstPixelAtZero, out.camera, where));
   const auto width = intri.numbers({"W_" + name}), height = intri.numbers({"H_" + name});
   if (width.size() == 1 && height.size() == 1 && width[0] > 0 && height[0] > 0 && width[0] < 1e6 && height[0] < 1e6)
     pinhole.width = static_cast<int>(width[0]), pinhole.height = static_cast<int>(height[0]);
   const auto matrix = extri.numbers({"Rot_" + name}), vector = extri.numbers({"R_" + name});
   const auto translation = extri.numbers({"T_" + name});
   if (matrix.size() != 9 && vector.size() != 3)
-    return lacksNode(path, "no Rot_" + name + " of nine numbers and no R_" + name + " of three");
-  if (translation.size() != 3) return lacksNode(path, "no T_" + name + " of three numbers");
+    return lacksNode(path, "no Rot_" + name + " of nine numbers and no R_" + name + " of three" +
+                               extri.problem({"Rot_" + name, "R_" + name}, 9));
+  if (translation.size() != 3)
+    return lacksNode(path, "no T_" + name + " of three numbers" + extri.problem({"T_" + name}, 3));
   const glm::dmat3 rotation = matrix.size() == 9 ? rowByRow(matrix) : rotationOf({vector[0], vector[1], vector[2]});
   FOURDVT_TRY(setPose(rotation, {translation[0], translation[1], translation[2]}, out.camera, where));
   FOURDVT_TRY(checkCameraNumbers(out.camera, where));

@@ -8,12 +8,12 @@
 
 #include "capture/import/camera_numbers.h"
 #include "capture/import/readers.h"
+#include "capture/json_text.h"
 
 namespace fourdvt::capture {
 namespace {
 
 using Json = nlohmann::json;
-constexpr int kMaxJsonDepth = 64;
 
 // A frame's own value, or the one that all frames share.
 class FrameValues {
@@ -91,15 +91,18 @@ Status nerfstudioPose(const Json& frame, CaptureCamera& camera, const std::strin
   const auto matrix = frame.find("transform_matrix");
   glm::dmat4 world_from_cam(1);
   bool valid = matrix != frame.end() && matrix->is_array() && matrix->size() >= 3;
+  size_t in_a_row = 0;
   for (int row = 0; valid && row < 3; ++row) {
     const Json& numbers = (*matrix)[row];
     valid = numbers.is_array() && numbers.size() == 4;
+    if (numbers.is_array()) in_a_row = std::max(in_a_row, numbers.size());
     for (int column = 0; valid && column < 4; ++column) {
       valid = numbers[column].is_number();
       if (valid) world_from_cam[column][row] = numbers[column].get<double>();
     }
   }
-  if (!valid) return badFrame(where, "transform_matrix must be four rows of four numbers");
+  if (!valid)
+    return badFrame(where, "transform_matrix must be four rows of four numbers" + tooManyNumbers(in_a_row, 4));
   glm::dmat3 axes(world_from_cam);
   axes[1] = -axes[1];
   axes[2] = -axes[2];
@@ -138,10 +141,8 @@ void nameByPictures(std::vector<ImportedCamera>& cameras) {
 }  // namespace
 
 Result<ImportedCalibration> parseNerfstudio(const std::string& text, const std::string& path) {
-  bool deep = false;
-  const auto shallow = [&](int depth, Json::parse_event_t, const Json&) { return !(deep |= depth > kMaxJsonDepth); };
-  const Json root = Json::parse(text.begin(), text.end(), shallow, false);
-  if (deep || !root.is_object() || !root.contains("frames") || !root["frames"].is_array() || root["frames"].empty()) {
+  FOURDVT_ASSIGN(const Json root, parseJsonText(text, path, ErrorId::FileUnreadable));
+  if (!root.is_object() || !root.contains("frames") || !root["frames"].is_array() || root["frames"].empty()) {
     return Error{ErrorId::FileUnreadable,
                  path + ": not nerfstudio's JSON with a list \"frames\"; export the calibration again"};
   }

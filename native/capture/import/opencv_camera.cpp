@@ -23,6 +23,8 @@ const std::vector<std::string> kWidth{"image_width", "image_Width", "width"};
 const std::vector<std::string> kHeight{"image_height", "image_Height", "height"};
 const std::vector<std::string> kSize{"image_size", "imageSize", "size"};
 
+constexpr size_t kMaxCoefficients = 14;
+
 bool saysFisheye(const Storage& storage) {
   const std::string model = storage.text({"distortion_model", "model"});
   const auto flag = storage.numbers({"fisheye_model", "fisheye"});
@@ -42,10 +44,12 @@ void setStoredSize(const Storage& storage, PinholeCamera& camera) {
   camera.height = side(size[1]);
 }
 
-Error lacks(const std::string& where, const char* what, const std::vector<std::string>& names) {
+Error lacks(const Storage& storage, const std::string& where, const char* what, const std::vector<std::string>& names,
+            size_t wanted) {
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  return {ErrorId::CameraPose, where + ": no " + what + "; its node must be called " + list};
+  return {ErrorId::CameraPose,
+          where + ": no " + what + storage.problem(names, wanted) + "; its node must be called " + list};
 }
 
 }  // namespace
@@ -54,13 +58,13 @@ Result<ImportedCamera> parseOpenCvCamera(const std::string& text, const std::str
   FOURDVT_ASSIGN(const Storage storage, Storage::open(text, path));
   const auto matrix = storage.numbers(kMatrix), rotation = storage.numbers(kRotation);
   const auto translation = storage.numbers(kTranslation);
-  if (matrix.size() != 9) return lacks(path, "camera matrix of nine numbers", kMatrix);
+  if (matrix.size() != 9) return lacks(storage, path, "camera matrix of nine numbers", kMatrix, 9);
   if (rotation.size() != 3 && rotation.size() != 9)
-    return lacks(path, "rotation (a vector of three numbers or a matrix of nine)", kRotation);
-  if (translation.size() != 3) return lacks(path, "translation of three numbers", kTranslation);
+    return lacks(storage, path, "rotation (a vector of three numbers or a matrix of nine)", kRotation, 9);
+  if (translation.size() != 3) return lacks(storage, path, "translation of three numbers", kTranslation, 3);
   const auto coefficients = storage.numbers(kCoefficients);
   if (storage.has(kCoefficients) && coefficients.empty())
-    return lacks(path, "list of numbers as distortion", kCoefficients);
+    return lacks(storage, path, "list of numbers as distortion", kCoefficients, kMaxCoefficients);
   ImportedCamera out;
   out.camera.pinhole.name = name;
   setStoredSize(storage, out.camera.pinhole);

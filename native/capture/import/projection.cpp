@@ -16,16 +16,25 @@ Error badProjection(const std::string& path, const std::string& what) {
   return {ErrorId::CameraPose, path + ": " + what + "; export the matrix again"};
 }
 
-// Empty where a word is no number, but for a first one "CONTOUR".
-std::vector<double> numbersOf(std::string_view text) {
-  std::vector<double> out;
-  if (text.size() > kMaxProjectionText) return {};
-  std::string_view line;
-  for (bool first = true; takeLine(text, line);) {
+struct Numbers {
+  std::vector<double> values;
+  std::string problem;  // of the first word that is no number
+  int line = 0;         // its line
+};
+
+// A first word "CONTOUR" is passed over.
+Numbers numbersOf(std::string_view text) {
+  Numbers out;
+  if (text.size() > kMaxProjectionText) return {{}, "more than 4096 bytes", 1};
+  TextLines lines(text, {.comment_behind = true});
+  bool first = true;
+  for (std::string_view line; lines.next(line);) {
     for (std::string_view word = takeWord(line); !word.empty(); word = takeWord(line)) {
       const auto value = toNumber<double>(word);
-      if (!value && !(first && word == "CONTOUR")) return {};
-      if (value) out.push_back(*value);
+      if (value && std::isfinite(*value))
+        out.values.push_back(*value);
+      else if (!(first && word == "CONTOUR") && out.problem.empty())
+        out.problem = numberProblem(word), out.line = lines.number();
       first = false;
     }
   }
@@ -57,16 +66,25 @@ Status decompose(const glm::dmat3& given, glm::dvec3 last, CaptureCamera& camera
 }  // namespace
 
 bool looksLikeProjection(const std::string& text) {
-  const size_t count = numbersOf(text).size();
-  return count == kOfProjection || count == kOfParts;
+  if (text.size() > kMaxProjectionText) return false;
+  size_t words = 0, numbers = 0;
+  TextLines lines(text, {.comment_behind = true});
+  for (std::string_view line; lines.next(line);) {
+    for (std::string_view word = takeWord(line); !word.empty(); word = takeWord(line)) {
+      if (words == 0 && word == "CONTOUR") continue;
+      ++words;
+      numbers += toNumber<double>(word).has_value() || hasDecimalComma(word);
+    }
+  }
+  return words == numbers && (words == kOfProjection || words == kOfParts);
 }
 
 Result<ImportedCamera> parseProjection(const std::string& text, const std::string& name, const std::string& path) {
-  const std::vector<double> n = numbersOf(text);
+  const Numbers read = numbersOf(text);
+  if (!read.problem.empty()) return badProjection(path + ":" + std::to_string(read.line), read.problem);
+  const std::vector<double>& n = read.values;
   ImportedCamera out;
   out.camera.pinhole.name = name;
-  for (double value : n)
-    if (!std::isfinite(value)) return badProjection(path, "all numbers must be finite");
   if (n.size() == kOfProjection) {
     const glm::dmat3 left({n[0], n[4], n[8]}, {n[1], n[5], n[9]}, {n[2], n[6], n[10]});
     FOURDVT_TRY(decompose(left, {n[3], n[7], n[11]}, out.camera, path));

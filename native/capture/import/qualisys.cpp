@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Qualisys .qca.txt: r11…r33 are the camera's axes as rows, which looks along -z with y up; its position is in the
 // world.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <pugixml.hpp>
@@ -14,21 +15,25 @@ namespace {
 
 constexpr double kPerPixel = 64;
 
-// Reads attributes of one element, and remembers whether one was missing or no number.
+// Reads attributes of one element, and keeps what is wrong with the first that is missing or no number.
 class Attributes {
  public:
   explicit Attributes(const pugi::xml_node& node) : node_(node) {}
   double operator[](const char* name) {
-    const auto value = toNumber<double>(node_.attribute(name).as_string());
-    if (!value && missing_.empty()) missing_ = std::string(node_.name()) + " " + name;
-    return value.value_or(0);
+    const std::string word(trimmed(node_.attribute(name).as_string()));
+    const auto value = toNumber<double>(word);
+    const bool valid = value && std::isfinite(*value);
+    if (!valid && problem_.empty())
+      problem_ = "the attribute " + std::string(node_.name()) + " " + name +
+                 (node_.attribute(name) ? ": " + numberProblem(word) : " is missing");
+    return valid ? *value : 0;
   }
   double orZero(const char* name) { return node_.attribute(name) ? (*this)[name] : 0; }
-  const std::string& missing() const { return missing_; }
+  const std::string& problem() const { return problem_; }
 
  private:
   pugi::xml_node node_;
-  std::string missing_;
+  std::string problem_;
 };
 
 // The picture's size is its field of view's; pixels are counted from the field's left top.
@@ -55,18 +60,18 @@ Status setQualisysPose(Attributes& pose, CaptureCamera& camera, const std::strin
   return setPose(rotation, -(rotation * glm::dvec3(pose["x"], pose["y"], pose["z"])), camera, where);
 }
 
-Result<ImportedCamera> qualisysCamera(const pugi::xml_node& node, const std::string& path) {
+Result<ImportedCamera> qualisysCamera(const pugi::xml_node& node, const std::string& text, const std::string& path) {
   ImportedCamera out;
   out.camera.pinhole.name = node.attribute("serial").as_string();
-  const std::string where = path + ": camera " + out.camera.pinhole.name;
+  const int line = lineOfByte(text, static_cast<size_t>(std::max<ptrdiff_t>(node.offset_debug(), 0)));
+  const std::string where = atLine(path, line) + "camera " + out.camera.pinhole.name;
   Attributes field(node.child("fov_video") ? node.child("fov_video") : node.child("fov_marker"));
   Attributes lens(node.child("intrinsic")), pose(node.child("transform"));
   setQualisysLens(field, lens, out.camera);
   const Status posed = setQualisysPose(pose, out.camera, where);
   for (const Attributes* attributes : {&field, &lens, &pose}) {
-    if (attributes->missing().empty()) continue;
-    return Error{ErrorId::CameraPose, where + ": the attribute " + attributes->missing() +
-                                          " is missing or no number; export the calibration again"};
+    if (attributes->problem().empty()) continue;
+    return Error{ErrorId::CameraPose, where + ": " + attributes->problem() + "; export the calibration again"};
   }
   FOURDVT_TRY(posed);
   FOURDVT_TRY(checkCameraNumbers(out.camera, where));
@@ -79,12 +84,13 @@ Result<ImportedCalibration> parseQualisys(const std::string& text, const std::st
   pugi::xml_document document;
   const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size());
   if (!parsed) {
+    const int line = lineOfByte(text, static_cast<size_t>(std::max<ptrdiff_t>(parsed.offset, 0)));
     return Error{ErrorId::FileUnreadable,
-                 path + ": not valid XML (" + parsed.description() + "); export the calibration again"};
+                 atLine(path, line) + "not valid XML (" + parsed.description() + "); export the calibration again"};
   }
   ImportedCalibration out{"Qualisys", path, {}, 0.001, WorldAxis::Z};
   for (const pugi::xml_node& node : document.child("calibration").child("cameras").children("camera")) {
-    FOURDVT_ASSIGN(out.cameras.emplace_back(), qualisysCamera(node, path));
+    FOURDVT_ASSIGN(out.cameras.emplace_back(), qualisysCamera(node, text, path));
   }
   if (!out.cameras.empty()) return out;
   return Error{ErrorId::FileUnreadable, path +

@@ -65,6 +65,11 @@ std::string unquoted(std::string text) {
   return text;
 }
 
+Error notStorage(const std::string& where) {
+  return {ErrorId::FileUnreadable,
+          where + "not a file of OpenCV's FileStorage (XML, YAML, JSON); export the calibration again"};
+}
+
 }  // namespace
 
 struct Storage::Tree {
@@ -93,14 +98,17 @@ struct Storage::YamlTree : Storage::Tree {
 };
 
 Result<Storage> Storage::open(const std::string& text, const std::string& path) {
-  const Error bad{ErrorId::FileUnreadable,
-                  path + ": not a file of OpenCV's FileStorage (XML, YAML, JSON); export the calibration again"};
+  const Error bad = notStorage(path + ": ");
   const size_t begin = text.find_first_not_of(" \t\r\n");
   if (begin == std::string::npos || text.size() > kMaxStorageBytes || text.find('\0') != std::string::npos) return bad;
   Storage out;
   if (text[begin] == '<') {
     auto tree = std::make_shared<XmlTree>();
-    if (!tree->document.load_buffer(text.data() + begin, text.size() - begin)) return bad;
+    const auto parsed = tree->document.load_buffer(text.data() + begin, text.size() - begin);
+    if (!parsed) {
+      const int line = lineOfByte(text, begin + static_cast<size_t>(std::max<ptrdiff_t>(parsed.offset, 0)));
+      return notStorage(atLine(path, line));
+    }
     out.tree_ = std::move(tree);
     return out;
   }
@@ -110,6 +118,9 @@ Result<Storage> Storage::open(const std::string& text, const std::string& path) 
     const YAML::Node root = YAML::Load(yaml);
     if (!root.IsMap()) return bad;
     out.tree_ = std::make_shared<YamlTree>(root);
+  } catch (const YAML::ParserException& error) {
+    const int before = text.starts_with("%YAML:") ? 2 : 1;  // the directive's line is left out
+    return notStorage(atLine(path, lineOfByte(text, begin) - 1 + std::max(error.mark.line, 0) + before));
   } catch (const std::exception&) {
     return bad;
   }
@@ -140,6 +151,13 @@ std::vector<double> Storage::numbers(const Names& names) const {
     out.push_back(number.value_or(NAN));
   }
   return out.size() > kMaxNumbers ? std::vector<double>() : out;
+}
+
+std::string Storage::problem(const Names& names, size_t wanted) const {
+  const auto words = texts(names);
+  for (const std::string& word : words)
+    if (!toNumber<double>(word)) return ": " + numberProblem(word);
+  return tooManyNumbers(words.size(), wanted);
 }
 
 std::string Storage::text(const Names& names) const {

@@ -2,10 +2,10 @@
 #include <toml++/toml.h>
 
 #include <cmath>
-#include <exception>
 
 #include "capture/import/camera_numbers.h"
 #include "capture/import/readers.h"
+#include "capture/text.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -45,7 +45,11 @@ Result<ImportedCamera> tomlCamera(const std::string& key, const toml::table& tab
   }
   const bool fisheye = table["fisheye"].value_or(false);
   FOURDVT_ASSIGN(out.camera.distortion, distortionOf(coefficients, fisheye, where));
-  FOURDVT_TRY(setCameraMatrix(tomlNumbers(table, "matrix"), kFirstPixelAtZero, out.camera, where));
+  const auto matrix = tomlNumbers(table, "matrix");
+  if (matrix.size() != 9)
+    return Error{ErrorId::CameraPose, where + ": matrix must have nine numbers" + tooManyNumbers(matrix.size(), 9) +
+                                          "; export the calibration again"};
+  FOURDVT_TRY(setCameraMatrix(matrix, kFirstPixelAtZero, out.camera, where));
   const glm::dmat3 turned =
       rotation.size() == 9 ? rowByRow(rotation) : rotationOf({rotation[0], rotation[1], rotation[2]});
   FOURDVT_TRY(setPose(turned, {translation[0], translation[1], translation[2]}, out.camera, where));
@@ -59,8 +63,10 @@ Result<ImportedCalibration> parseToml(const std::string& text, const std::string
   toml::table root;
   try {
     root = toml::parse(text);
-  } catch (const std::exception& error) {
-    return Error{ErrorId::FileUnreadable, path + ": not valid TOML; export the calibration again"};
+  } catch (const toml::parse_error& error) {
+    const int line = static_cast<int>(error.source().begin.line);
+    return Error{ErrorId::FileUnreadable, atLine(path, line) + "not valid TOML (" + std::string(error.description()) +
+                                              "); export the calibration again"};
   }
   ImportedCalibration out{"Pose2Sim or Caliscope", path, {}, 1, WorldAxis::Z};
   for (const auto& [key, node] : root) {

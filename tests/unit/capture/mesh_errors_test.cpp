@@ -9,7 +9,7 @@ namespace {
 
 void expectMessage(const std::string& bytes, const std::string& path, ErrorId id, const std::string& words) {
   const auto mesh = parseMesh(bytes, path);
-  expectError(mesh, id, path + ": ");
+  expectError(mesh, id, path + ":");
   if (!mesh.ok()) {
     EXPECT_NE(mesh.error().message.find(words), std::string::npos) << mesh.error().message;
     EXPECT_NE(mesh.error().message.find(";"), std::string::npos) << "no remedy: " << mesh.error().message;
