@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <numeric>
 #include <set>
 
+#include "capture/import/picture_names.h"
 #include "capture/pictures.h"
 
 namespace fourdvt::capture {
@@ -32,37 +34,35 @@ bool isFolder(const fs::path& path) {
   return fs::is_directory(path, ignored);
 }
 
-// The last number in a name without extension; -1: none.
-long long lastNumber(const std::string& stem) {
-  const size_t end = stem.find_last_of("0123456789");
-  if (end == std::string::npos) return -1;
-  const size_t before = stem.find_last_not_of("0123456789", end);
-  const size_t begin = before == std::string::npos ? 0 : before + 1;
-  long long number = 0;
-  for (size_t i = begin; i <= end && number < 1'000'000'000'000; ++i) number = 10 * number + (stem[i] - '0');
-  return number;
+// Pictures in the order of the numbers in their names.
+View numberedView(const std::vector<std::string>& pictures) {
+  std::vector<std::string> names;
+  for (const std::string& path : pictures) names.push_back(fs::path(path).stem().string());
+  const std::vector<int64_t> numbers = pictureNumbers(names);
+  std::vector<size_t> order(pictures.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return numbers[a] < numbers[b]; });
+  View view;
+  for (const size_t i : order) view.pictures.push_back(pictures[i]), view.numbers.push_back(numbers[i]);
+  return view;
 }
 
 // The pictures or video of a camera's folder; plates and mattes beside its pictures are left out unless `all`.
 std::optional<View> viewInFolder(const fs::path& folder, bool all) {
-  View view;
-  std::vector<std::pair<long long, std::string>> numbered;
-  std::vector<std::string> videos, others;
+  std::vector<std::string> numbered, videos, others;
   for (const fs::path& path : sortedEntries(folder)) {
     if ((!all && isAside(stemOf(path))) || isFolder(path)) continue;
-    const long long number = lastNumber(path.stem().string());
+    const bool has_number = path.stem().string().find_first_of("0123456789") != std::string::npos;
     if (isVideo(path))
       videos.push_back(path.string());
-    else if (isPicture(path) && number >= 0)
-      numbered.emplace_back(number, path.string());
+    else if (isPicture(path) && has_number)
+      numbered.push_back(path.string());
     else if (isPicture(path))
       others.push_back(path.string());
   }
-  std::stable_sort(numbered.begin(), numbered.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (auto& [number, path] : numbered) view.pictures.push_back(path);
-  if (!view.pictures.empty()) return view;
-  if (videos.size() == 1) return View{videos[0], {}};
-  if (others.size() == 1) return View{{}, others};
+  if (!numbered.empty()) return numberedView(numbered);
+  if (videos.size() == 1) return View{videos[0], {}, {}};
+  if (others.size() == 1) return View{{}, others, {}};
   return std::nullopt;
 }
 
@@ -70,8 +70,8 @@ std::optional<View> viewNamed(const fs::path& folder, const std::string& name, b
   std::optional<View> picture;
   for (const fs::path& path : sortedEntries(folder)) {
     if (isFolder(path) || path.stem().string() != name) continue;
-    if (isVideo(path)) return View{path.string(), {}};
-    if (isPicture(path) && !picture) picture = View{{}, {path.string()}};
+    if (isVideo(path)) return View{path.string(), {}, {}};
+    if (isPicture(path) && !picture) picture = View{{}, {path.string()}, {}};
   }
   if (isFolder(folder / name))
     if (auto inside = viewInFolder(folder / name, all)) return inside;
@@ -120,8 +120,8 @@ std::optional<View> viewAt(const std::string& path) {
   std::error_code ignored;
   if (isFolder(path)) return viewInFolder(path, true);
   if (!fs::is_regular_file(path, ignored)) return std::nullopt;
-  if (isVideo(path)) return View{path, {}};
-  if (isPicture(path)) return View{{}, {path}};
+  if (isVideo(path)) return View{path, {}, {}};
+  if (isPicture(path)) return View{{}, {path}, {}};
   return std::nullopt;
 }
 
@@ -130,7 +130,7 @@ std::optional<View> findView(const std::string& folder, const std::string& name)
     if (auto view = viewNamed(fs::path(folder) / inner, name, false)) return view;
   for (const char* inner : kViewFolders) {
     const auto videos = videosWith(fs::path(folder) / inner, name);
-    if (videos.size() == 1) return View{videos[0].string(), {}};
+    if (videos.size() == 1) return View{videos[0].string(), {}, {}};
   }
   return std::nullopt;
 }

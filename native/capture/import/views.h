@@ -2,6 +2,7 @@
 // Finds a camera's videos, pictures, mattes and plates by its name. Does NOT open them.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@ namespace fourdvt::capture {
 struct View {
   std::string video;
   std::vector<std::string> pictures;
+  std::vector<int64_t> numbers;  // of the pictures (pictureNumbers); empty: their names have none
   const std::string& first() const { return video.empty() ? pictures.front() : video; }
 };
 
