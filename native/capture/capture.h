@@ -97,6 +97,9 @@ struct CaptureSequence {
   uint32_t pictureOf(const std::string& camera, uint32_t frame) const;
 };
 
+// The parameter that a bake measures from the feet where members give no value: metres a second.
+inline constexpr const char* kMeasuredParameter = "speed_mps";
+
 // Captured motions that are one motion with a parameter, e.g. walk and run by speed ("classes" in capture.json).
 struct CaptureClass {
   struct MemberOf {

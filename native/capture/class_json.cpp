@@ -9,7 +9,7 @@ namespace fourdvt::capture {
 namespace {
 
 using Json = nlohmann::json;
-constexpr size_t kMinMembers = 2, kMaxMembers = 4, kMaxParameters = 2;
+constexpr size_t kMaxParameters = 2;
 constexpr double kMaxValue = 1e6;
 
 // The value of the key; null if there is none or if the node is no object.
@@ -129,6 +129,23 @@ class ClassParser {
 Result<std::vector<CaptureClass>> parseClasses(const Json& list, const std::vector<DeclaredSequence>& sequences,
                                                const std::string& file) {
   return ClassParser(sequences, file).parse(list);
+}
+
+nlohmann::ordered_json classesJson(const std::vector<CaptureClass>& classes) {
+  const auto oneOrList = [](const auto& list) {
+    return list.size() == 1 ? nlohmann::ordered_json(list[0]) : nlohmann::ordered_json(list);
+  };
+  auto out = nlohmann::ordered_json::array();
+  for (const CaptureClass& c : classes) {
+    out.push_back(
+        {{"name", c.name}, {"parameter", oneOrList(c.parameters)}, {"members", nlohmann::ordered_json::array()}});
+    for (const CaptureClass::MemberOf& m : c.members) {
+      nlohmann::ordered_json member = m.sequence;
+      if (!m.parameter.empty()) member = {{"sequence", m.sequence}, {"value", oneOrList(m.parameter)}};
+      out.back()["members"].push_back(std::move(member));
+    }
+  }
+  return out;
 }
 
 }  // namespace fourdvt::capture

@@ -67,6 +67,11 @@ uint32_t firstNumber(const Numbered& files, uint32_t frame_count) {
 
 }  // namespace
 
+bool holdsMeshes(const std::string& folder) {
+  const std::set<std::string> names = fileNames(folder);
+  return std::any_of(names.begin(), names.end(), isMeshName);
+}
+
 Status findMeshFiles(const std::string& folder, CaptureSequence& sequence) {
   NumberedFiles numbered;
   std::set<std::string> meshes = fileNames(folder);
@@ -89,9 +94,9 @@ Status findMeshFiles(const std::string& folder, CaptureSequence& sequence) {
     best = it;
   }
   if (best == numbered.end() || several) {
-    return Error{ErrorId::InvalidArgument, folder + ": " + *meshes.begin() +
-                                               " and others could each be the sequence's meshes; " +
-                                               "say which as \"mesh\" in capture.json, with %06d for the number"};
+    return Error{ErrorId::InvalidArgument,
+                 folder + ": " + *meshes.begin() + " and others could each be the sequence's meshes; " +
+                     "leave one series there, or say which as \"mesh\" in capture.json, " + "with %06d for the number"};
   }
   const auto& [around, files] = *best;
   sequence.mesh_pattern = folder + "/" + around.first + "%0" + std::to_string(files.digits) + "d" + around.second;
@@ -121,9 +126,10 @@ Status checkMeshFiles(const CaptureSequence& sequence) {
     if (missing++ == 0) first = path;
   }
   if (missing == 0) return {};
-  return Error{ErrorId::FileMissing, first + ": no such file; " + std::to_string(missing) + " of the " +
-                                         std::to_string(sequence.frame_count) + " frames of \"" + sequence.name +
-                                         "\" have no mesh: export them, or correct \"frames\" in capture.json"};
+  return Error{ErrorId::FileMissing,
+               first + ": no such file; " + std::to_string(missing) + " of the " +
+                   std::to_string(sequence.frame_count) + " frames of \"" + sequence.name +
+                   "\" have no mesh: export them, or make the sequence shorter (\"frames\" in capture.json)"};
 }
 
 }  // namespace fourdvt::capture

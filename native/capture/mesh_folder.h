@@ -8,6 +8,9 @@
 
 namespace fourdvt::capture {
 
+// True if a file of the folder is a mesh: .obj, .ply, .glb or .gltf.
+bool holdsMeshes(const std::string& folder);
+
 // Sets the sequence's mesh_pattern and first_mesh from the files of `folder` that end in .obj, .ply, .glb or .gltf:
 // numbered files, whatever stands before and after the number, or the only file of a sequence of one frame. Errors:
 // FileMissing (no such folder, no meshes in it), InvalidArgument (several candidates).

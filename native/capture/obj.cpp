@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Wavefront OBJ: positions, wedge UVs if they are wanted, polygons. Everything else in the file is skipped.
-#include <algorithm>
 
 #include "capture/capture.h"
 #include "capture/mesh_file.h"

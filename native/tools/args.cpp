@@ -108,7 +108,8 @@ Args::Args(const CommandHelp& help, int argc, char** argv) {
       value = argv[++i];
     }
     if (option->value && value.empty()) complain(name + " needs a value: " + option->value);
-    if (!values_.emplace(name, value).second) complain(name + " is given twice");
+    values_[name].push_back(value);
+    if (values_[name].size() > 1 && !option->repeats) complain(name + " is given twice");
   }
   const bool replaced = help.instead && has(help.instead);
   if (replaced && !positional_.empty()) complain("unexpected argument \"" + positional_ + "\" beside " + help.instead);
@@ -123,16 +124,22 @@ void Args::complain(const std::string& problem) {
 
 std::string Args::text(const char* name, const std::string& otherwise) const {
   const auto it = values_.find(name);
-  return resolved_[name] = it == values_.end() ? otherwise : it->second;
+  return resolved_[name] = it == values_.end() ? otherwise : it->second.front();
+}
+
+std::vector<std::string> Args::texts(const char* name) const {
+  const auto it = values_.find(name);
+  return it == values_.end() ? std::vector<std::string>() : it->second;
 }
 
 std::string Args::resolved() const {
-  std::map<std::string, std::string> all = values_;
+  std::map<std::string, std::vector<std::string>> all = values_;
   for (const auto& [name, value] : resolved_)
-    if (!value.empty()) all[name] = value;
+    if (!value.empty()) all[name] = {value};
   std::string out = positional_ + (second_.empty() ? "" : " " + second_);
-  for (const auto& [name, value] : all)
-    out += " " + name + (name == "--token" ? " …" : value.empty() ? "" : " " + value);  // a secret
+  for (const auto& [name, values] : all)
+    for (const std::string& value : values)
+      out += " " + name + (name == "--token" ? " …" : value.empty() ? "" : " " + value);  // a secret
   return out;
 }
 

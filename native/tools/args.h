@@ -19,9 +19,10 @@ void setProgramName(const char* name);
 constexpr int kOk = 0, kFailed = 1, kUsage = 2, kInterrupted = 130;
 
 struct Option {
-  const char* name;     // "--layers", or a short one such as "-o"
-  const char* value;    // how the help calls the value; nullptr: the option is a flag
-  const char* meaning;  // with default and unit; the help breaks it into lines
+  const char* name;      // "--layers", or a short one such as "-o"
+  const char* value;     // how the help calls the value; nullptr: the option is a flag
+  const char* meaning;   // with default and unit; the help breaks it into lines
+  bool repeats = false;  // may be given several times
 };
 
 struct CommandHelp {
@@ -43,6 +44,7 @@ class Args {
   const std::string& second() const { return second_; }
   bool has(const char* name) const { return values_.count(name) > 0; }
   std::string text(const char* name, const std::string& otherwise = {}) const;
+  std::vector<std::string> texts(const char* name) const;  // of an option that repeats
   std::string required(const char* name);
   int integer(const char* name, int otherwise, int low, int high);
   double number(const char* name, double otherwise, double low, double high);
@@ -55,8 +57,8 @@ class Args {
   std::string resolved() const;
 
  private:
-  std::map<std::string, std::string> values_;            // that were given
-  mutable std::map<std::string, std::string> resolved_;  // that were read
+  std::map<std::string, std::vector<std::string>> values_;  // that were given
+  mutable std::map<std::string, std::string> resolved_;     // that were read
   std::string positional_, second_, problem_;
   bool help_asked_ = false;
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/import/calibration_files.h"
+#include "capture/import/class_option.h"
 #include "capture/import/import_capture.h"
 #include "tools/args.h"
 #include "tools/choice.h"
@@ -15,7 +16,7 @@ const CommandHelp& help() {
       "Makes a capture folder from a calibration of another program and the videos or pictures beside it, which are "
       "linked. SOURCE is a folder, or the calibration file. Videos are found by the cameras' names: CAMERA.mp4 (.mkv, "
       ".mov, .avi, .webm), CAMERA/ with numbered pictures or one picture; plates as CAMERA/background.png or .avi, "
-      "background/CAMERA.png and the like; mattes in masks/. Calibrations: " +
+      "background/CAMERA.png and the like; mattes in masks/, meshes in mesh/. Calibrations: " +
       capture::knownCalibrations() + ". What is not found is printed.";
   static const CommandHelp text{
       "import SOURCE -o CAPTURE [options]",
@@ -34,7 +35,13 @@ const CommandHelp& help() {
        {"--fps", "X", "frames a second (default: that of the videos, else 25)"},
        {"--sequences", "A=DIR,...",
         "names of the sequences, and the folders in SOURCE that hold their videos (default: one, called take, of "
-        "SOURCE itself)"}}};
+        "SOURCE itself)"},
+       {"--loop", "A,B", "sequences whose frame after the last one is the first (default: none)"},
+       {"--class", "C:P=A:V,B:W",
+        "sequences A and B become one motion C with the parameter P, which has the value V in A and W in B, like "
+        "locomotion:speed_mps=walk:1.2,run:2.7; without values the bake measures speed_mps. Two parameters: "
+        "C:P,Q=A:V/X,B:W/Y. May be given several times",
+        true}}};
   return text;
 }
 
@@ -55,6 +62,14 @@ capture::ImportOptions readOptions(Args& args) {
   for (const std::string& entry : args.list("--sequences")) {
     const size_t equals = entry.find('=');
     o.sequences.emplace_back(entry.substr(0, equals), equals == std::string::npos ? "" : entry.substr(equals + 1));
+  }
+  o.loops = args.list("--loop");
+  for (const std::string& text : args.texts("--class")) {
+    auto given = capture::parseClassOption(text);
+    if (given.ok())
+      o.classes.push_back(given.take());
+    else
+      args.complain(given.error().message);
   }
   return o;
 }

@@ -15,7 +15,6 @@ namespace {
 constexpr size_t kFeatures = 300;      // vertices that the time warp compares
 constexpr uint32_t kCheckPhases = 64;  // the largest number of phases at which the blend's bound is checked
 constexpr int kTriangleChecks = 12, kTriangleSegments = 4;
-constexpr const char* kMeasured = "speed_mps";
 
 struct Source {
   const capture::CaptureSequence* sequence = nullptr;
@@ -42,9 +41,9 @@ Status checkClass(const capture::Capture& capture, const capture::CaptureClass& 
                                     "' are not both loops; leave one out");
     if (!member.parameter.empty() && member.parameter.size() != parameters)
       return impossible(source, "'" + member.sequence + "' needs one value per parameter");
-    if (member.parameter.empty() && (parameters != 1 || source.parameters[0] != kMeasured))
-      return impossible(source, "only " + std::string(kMeasured) + " is measured: give '" + member.sequence +
-                                    "' its value of every parameter");
+    if (member.parameter.empty() && (parameters != 1 || source.parameters[0] != capture::kMeasuredParameter))
+      return impossible(source, "only " + std::string(capture::kMeasuredParameter) + " is measured: give '" +
+                                    member.sequence + "' its value of every parameter");
   }
   return {};
 }

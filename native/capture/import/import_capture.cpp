@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/import/import_capture.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <set>
 
 #include "capture/import/calibration_files.h"
+#include "capture/import/class_option.h"
 #include "capture/import/layout.h"
+#include "capture/import/meshes.h"
 #include "capture/import/takes.h"
 #include "platform/folders.h"
 
@@ -16,7 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kAssumedFps = 25;
-constexpr double kLargeRig = 50;  // metres between cameras: the unit is hardly a metre
+constexpr const char* kOnlyTake = "take";  // where no sequences are named
+constexpr double kLargeRig = 50;           // metres between cameras: the unit is hardly a metre
 
 std::string shortNumber(double value) {
   char text[40];
@@ -44,7 +48,8 @@ double widestDistance(const ImportedCalibration& calibration) {
   return widest;
 }
 
-void toMetresYUp(const ImportOptions& options, ImportedCalibration& calibration, ImportSummary& summary) {
+void toMetresYUp(const ImportOptions& options, ImportedCalibration& calibration, ImportedMeshes meshes,
+                 ImportSummary& summary) {
   const WorldAxis up = options.up.value_or(calibration.up.value_or(WorldAxis::Y));
   const double scale = options.metres_per_unit.value_or(calibration.metres_per_unit.value_or(1));
   turnAndScale(turnToY(up), scale, calibration);
@@ -61,6 +66,10 @@ void toMetresYUp(const ImportOptions& options, ImportedCalibration& calibration,
   summary.done.push_back(apart);
   if (!options.metres_per_unit && widest > kLargeRig)
     summary.warnings.push_back(apart + "; if the unit is a millimetre, give --scale 0.001");
+  if (meshes != ImportedMeshes::None && (up != WorldAxis::Y || scale != 1))
+    summary.warnings.push_back(
+        "meshes are neither turned nor scaled, as the cameras were; export them in metres with "
+        "Y up");
 }
 
 Status checkFolder(const ImportOptions& options) {
@@ -80,8 +89,11 @@ std::vector<Take> takesOf(const ImportOptions& options, const ImportedCalibratio
   const fs::path base = fs::is_directory(source, ignored) ? source : source.parent_path();
   std::vector<Take> takes;
   for (const auto& [name, folder] : options.sequences) takes.push_back({name, (base / folder).string()});
-  if (takes.empty()) takes.push_back({"take", base.empty() ? "." : base.string()});
-  for (Take& take : takes) findViews(calibration, take);
+  if (takes.empty()) takes.push_back({kOnlyTake, base.empty() ? "." : base.string()});
+  for (Take& take : takes) {
+    findViews(calibration, take);
+    take.loop = std::find(options.loops.begin(), options.loops.end(), take.name) != options.loops.end();
+  }
   return takes;
 }
 
@@ -106,20 +118,37 @@ Status importPlates(const ImportedCalibration& calibration, const std::vector<Ta
   return {};
 }
 
+// A line for each sequence and class, and one for what the meshes are.
+void describeTakes(const ImportOptions& options, const std::vector<Take>& takes, ImportedMeshes meshes,
+                   ImportSummary& summary) {
+  for (const Take& take : takes) {
+    const std::string with_meshes = take.meshes.empty() ? "" : ", " + std::to_string(take.meshes.size()) + " meshes";
+    summary.done.push_back("sequence " + take.name + ": " + std::to_string(take.frames) + " frames" +
+                           (take.loop ? ", a loop" : "") + ", " + std::to_string(take.mattes.size()) +
+                           " cameras with mattes" + with_meshes);
+  }
+  if (meshes == ImportedMeshes::ConstantTopology) summary.done.push_back("meshes: one that moves, with UVs");
+  if (meshes == ImportedMeshes::PerFrame)
+    summary.done.push_back(
+        "meshes: another topology in every frame, or no UVs; the character will be made from cameras");
+  for (const CaptureClass& c : options.classes) {
+    std::string members;
+    for (const auto& member : c.members) members += (members.empty() ? "" : ", ") + member.sequence;
+    summary.done.push_back("class " + c.name + " of " + members);
+  }
+}
+
 Status writeAll(const ImportOptions& options, const ImportedCalibration& calibration, const std::vector<Take>& takes,
-                double fps, const OpenVideo& open_video, ImportSummary& summary) {
+                ImportedMeshes meshes, double fps, const OpenVideo& open_video, ImportSummary& summary) {
   const std::string part = options.folder + ".part";
   FOURDVT_TRY(platform::makeFolder(part));
-  for (const Take& take : takes) {
-    FOURDVT_TRY(linkTake(calibration, take, part));
-    summary.done.push_back("sequence " + take.name + ": " + std::to_string(take.frames) + " frames, " +
-                           std::to_string(take.mattes.size()) + " cameras with mattes");
-  }
+  for (const Take& take : takes) FOURDVT_TRY(linkTake(calibration, take, part));
+  describeTakes(options, takes, meshes, summary);
   std::error_code failed;
   const fs::path source = options.source;
   const std::string base = (fs::is_directory(source, failed) ? source : source.parent_path()).string();
   FOURDVT_TRY(importPlates(calibration, takes, base.empty() ? "." : base, open_video, part, summary));
-  FOURDVT_TRY(writeDescription(calibration, takes, fps, part));
+  FOURDVT_TRY(writeDescription(calibration, takes, meshes, options.classes, fps, part));
   fs::remove(options.folder, failed);  // an empty one
   fs::rename(part, options.folder, failed);
   if (!failed) return {};
@@ -136,7 +165,15 @@ std::string ImportOptions::check() const {
     if (name == "cameras" || name == "background") return "--sequences: \"" + name + "\" is a folder of every capture";
     if (!names.insert(name).second) return "--sequences names \"" + name + "\" twice";
   }
-  return {};
+  std::vector<std::string> known;
+  for (const auto& [name, path] : sequences) known.push_back(name);
+  if (known.empty()) known.push_back(kOnlyTake);
+  for (const std::string& name : loops)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      return "--loop: no sequence \"" + name + "\"; --sequences names them";
+  if (!classes.empty() && known.size() < 2)
+    return "--class joins sequences, and there is one; name them with --sequences NAME=FOLDER,NAME=FOLDER";
+  return classProblem(classes, known, loops);
 }
 
 Result<ImportSummary> importCapture(const ImportOptions& given, const OpenVideo& open_video) {
@@ -164,8 +201,9 @@ Result<ImportSummary> importCapture(const ImportOptions& given, const OpenVideo&
                                " frames a second are assumed: else "
                                "give --fps");
   }
-  toMetresYUp(options, calibration, summary);
-  const Status written = writeAll(options, calibration, takes, fps, open_video, summary);
+  FOURDVT_ASSIGN(const ImportedMeshes meshes, findMeshes(takes, summary.warnings));
+  toMetresYUp(options, calibration, meshes, summary);
+  const Status written = writeAll(options, calibration, takes, meshes, fps, open_video, summary);
   if (!written.ok()) platform::removeFolder(options.folder + ".part");
   FOURDVT_TRY(written);
   return summary;

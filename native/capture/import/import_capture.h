@@ -23,7 +23,9 @@ struct ImportOptions {
   double fps = 0;  // 0: that of the videos, else 25
   // Name of each sequence, and its folder in `source`; none: one called "take", of `source` itself.
   std::vector<std::pair<std::string, std::string>> sequences;
-  std::string check() const;  // what is wrong, or empty
+  std::vector<std::string> loops;     // names of sequences that are loops
+  std::vector<CaptureClass> classes;  // of these sequences
+  std::string check() const;          // what is wrong, or empty
 };
 
 struct ImportSummary {
@@ -33,7 +35,7 @@ struct ImportSummary {
 
 // The folder appears when it is complete. Errors: those of readCalibration; CameraMissingVideo (no camera has
 // pictures), FrameSize (both sizes are named), WriteFailed, InvalidArgument (the folder is not empty), and those of
-// `open_video`.
+// findMeshes and of `open_video`.
 Result<ImportSummary> importCapture(const ImportOptions& options, const OpenVideo& open_video);
 
 }  // namespace fourdvt::capture

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "capture/class_json.h"
 #include "capture/mesh_sequence.h"
 #include "capture/pictures.h"
 #include "platform/files.h"
@@ -66,6 +67,10 @@ Status linkTake(const ImportedCalibration& calibration, const Take& take, const 
     if (const auto mattes = take.mattes.find(name); mattes != take.mattes.end())
       FOURDVT_TRY(linkView(mattes->second, own + "/" + matteStem(name)));
   }
+  if (!take.meshes.empty()) FOURDVT_TRY(platform::makeFolder(own + "/mesh"));
+  for (size_t f = 0; f < take.meshes.size(); ++f)
+    FOURDVT_TRY(linkFile(take.meshes[f],
+                         framePath(own + "/mesh/%06d", static_cast<uint32_t>(f)) + lowerEnding(take.meshes[f])));
   return {};
 }
 
@@ -93,8 +98,8 @@ Status writePlates(const View& plates, const CaptureCamera& camera, const OpenVi
   return Error{ErrorId::FileUnreadable, plates.video + ": no picture in it; export the clip again"};
 }
 
-Status writeDescription(const ImportedCalibration& calibration, const std::vector<Take>& takes, double fps,
-                        const std::string& folder) {
+Status writeDescription(const ImportedCalibration& calibration, const std::vector<Take>& takes, ImportedMeshes meshes,
+                        const std::vector<CaptureClass>& classes, double fps, const std::string& folder) {
   std::vector<CaptureCamera> cameras;
   nlohmann::ordered_json json{{"fps", fps}, {"units", "metre"}, {"up_axis", "Y"}, {"ground_y", 0}};
   json["calibration"]["ring"] = "cameras";
@@ -105,7 +110,12 @@ Status writeDescription(const ImportedCalibration& calibration, const std::vecto
   }
   if (const auto orientation = calibration.cameras.front().camera.orientation; orientation != Orientation::BySize)
     json["calibration"]["orientation"] = orientation == Orientation::Marked ? "marked" : "stored";
-  for (const Take& take : takes) json["sequences"].push_back({{"name", take.name}, {"frames", take.frames}});
+  if (meshes == ImportedMeshes::PerFrame) json["topology"] = "per-frame";
+  for (const Take& take : takes) {
+    json["sequences"].push_back({{"name", take.name}, {"frames", take.frames}});
+    if (take.loop) json["sequences"].back()["loop"] = true;
+  }
+  if (!classes.empty()) json["classes"] = classesJson(classes);
   const ColmapText text = colmapText(cameras, 1);
   FOURDVT_TRY(platform::makeFolder(folder + "/cameras"));
   FOURDVT_TRY(platform::writeFileAtomic(folder + "/cameras/cameras.txt", text.cameras));

@@ -19,6 +19,8 @@ struct Take {
   std::map<std::string, View> views;   // by camera's name
   std::map<std::string, View> mattes;  // of those that have some
   uint32_t frames = 0;                 // of the shortest view
+  std::vector<std::string> meshes;     // one file a frame, or none
+  bool loop = false;                   // the frame after the last one is the first
 };
 
 // Sets take.views and mattes by the cameras' names, or by the pictures that the calibration names.

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/import/meshes.h"
+
+#include <filesystem>
+#include <optional>
+
+#include "capture/mesh_folder.h"
+#include "capture/mesh_sequence.h"
+
+namespace fourdvt::capture {
+namespace {
+
+// Errors: those of findMeshFiles and checkMeshFiles.
+Status findMeshesOf(Take& take, std::vector<std::string>& warnings) {
+  const std::string folder = take.folder + "/mesh";
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(folder, ignored)) return {};
+  if (!holdsMeshes(folder)) {
+    warnings.push_back(folder + ": no .obj, .ply, .glb or .gltf in it; export one a frame; it is left out");
+    return {};
+  }
+  CaptureSequence sequence;
+  sequence.name = take.name;
+  sequence.frame_count = take.frames;
+  FOURDVT_TRY(findMeshFiles(folder, sequence));
+  FOURDVT_TRY(checkMeshFiles(sequence));
+  for (uint32_t frame = 0; frame < take.frames; ++frame) take.meshes.push_back(meshPath(sequence, frame));
+  return {};
+}
+
+// The topology of an OBJ with UVs.
+std::optional<MeshTopology> topologyOf(const std::string& path) {
+  if (!path.ends_with(".obj")) return std::nullopt;
+  auto mesh = readObj(path);
+  return mesh.ok() ? std::optional(std::move(mesh.value().topology)) : std::nullopt;
+}
+
+}  // namespace
+
+Result<ImportedMeshes> findMeshes(std::vector<Take>& takes, std::vector<std::string>& warnings) {
+  for (Take& take : takes) FOURDVT_TRY(findMeshesOf(take, warnings));
+  std::optional<MeshTopology> first;
+  bool any = false, constant = true;
+  for (const Take& take : takes) {
+    if (take.meshes.empty()) continue;
+    for (const std::string& path : {take.meshes.front(), take.meshes.back()}) {
+      auto topology = topologyOf(path);
+      if (!any) first = topology;
+      any = true;
+      constant = constant && topology && sameTopology(*topology, *first);
+    }
+  }
+  return !any ? ImportedMeshes::None : constant ? ImportedMeshes::ConstantTopology : ImportedMeshes::PerFrame;
+}
+
+}  // namespace fourdvt::capture
