@@ -25,8 +25,8 @@ enum class ErrorId : int {
                 // images.txt
   CameraMissingVideo,  // a camera has no video and no pictures in a sequence; add them, or remove the camera from
                        // images.txt
-  VideoTooShort,  // a video has fewer frames than its sequence declares; lower "frames" in capture.json or export the
-                  // video again
+  VideoTooShort,  // a video or an animated mesh has fewer frames than its sequence declares; lower "frames" in
+                  // capture.json or export it again
   FrameSize,  // a picture's size differs from the calibration's; use the pictures that were calibrated, neither cropped
               // nor scaled
   MeshTopology,     // faces or UVs differ from those of the first frame; export one mesh that moves, or set "topology":

@@ -80,9 +80,10 @@ struct CaptureSequence {
   bool loop = false;
   glm::dvec3 root_velocity_mps{0};
   std::string folder;  // absolute
-  // Its meshes are either one file a frame or one packed int16 file with a declared scale; neither if it has none.
-  std::string mesh_pattern;  // absolute, one %d or %0Nd for the number; none where one frame is all; empty if packed
-  uint32_t first_mesh = 0;   // added to first_frame + f: number in the name of a frame's file; 0 for constant topology
+  // Its meshes are one file a frame, one animated glTF file, or one packed int16 file with a declared scale; neither if
+  // it has none.
+  std::string mesh_pattern;      // absolute, one %d or %0Nd for the number; none where one file is all; empty if packed
+  uint32_t first_mesh = 0;       // added to first_frame + f: number in the name of a frame's file
   std::string packed_positions;  // absolute path or empty
   double packed_units_per_metre = 0;
   std::vector<uint32_t> test_frames;  // held-out frames, may be empty

@@ -268,9 +268,13 @@ class Parser {
     if (!node.is_object()) {
       const std::string pattern = text(node);
       FOURDVT_ASSIGN(sequence.mesh_pattern, inside(where, pattern));
-      const bool one_file = sequence.frame_count == 1 && !pattern.empty() && pattern.find('%') == std::string::npos;
+      const std::string other = otherMeshKind(pattern);
+      if (!other.empty())
+        return error(where + " (" + pattern + ") is " + other + ", which is not read; " + kExportReadable);
+      const bool may_be_all = sequence.frame_count == 1 || isGltfName(pattern);
+      const bool one_file = may_be_all && !pattern.empty() && pattern.find('%') == std::string::npos;
       if (one_file || !framePath(sequence.mesh_pattern, 0).empty()) return {};
-      return error(where + " must be a path with one %06d for the frame number");
+      return error(where + " must be a path with one %06d for the frame number, or of one animated .glb or .gltf");
     }
     if (out_.per_frame) return error(where + " must be a path: packed positions belong to constant topology");
     const std::string topology = text(member(node, "topology")), positions = text(member(node, "positions"));

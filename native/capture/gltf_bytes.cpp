@@ -2,6 +2,7 @@
 #include "capture/gltf_bytes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -55,22 +56,37 @@ std::string percentDecoded(std::string_view text) {
   return out;
 }
 
+// By character; 64: no digit.
+constexpr std::array<uint8_t, 256> base64Digits() {
+  std::array<uint8_t, 256> digits{};
+  digits.fill(64);
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  for (size_t i = 0; i < kDigits.size(); ++i) digits[static_cast<uint8_t>(kDigits[i])] = static_cast<uint8_t>(i);
+  return digits;
+}
+
 // False if the text is no base64.
 bool base64Decoded(std::string_view text, std::string& out) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  constexpr auto kDigits = base64Digits();
   while (text.ends_with('=')) text.remove_suffix(1);
+  out.reserve(text.size() / 4 * 3 + 3);
   uint32_t bits = 0;
   int held = 0;
   for (const char c : text) {
-    const size_t digit = kDigits.find(c);
-    if (digit == std::string_view::npos) return false;
-    bits = (bits << 6 | static_cast<uint32_t>(digit)) & 0xffff;
+    const uint32_t digit = kDigits[static_cast<uint8_t>(c)];
+    if (digit == 64) return false;
+    bits = (bits << 6 | digit) & 0xffff;
     held += 6;
     if (held < 8) continue;
     held -= 8;
     out.push_back(static_cast<char>(bits >> held & 0xff));
   }
   return true;
+}
+
+uint64_t componentsOf(std::string_view type) {
+  if (type == "MAT4") return 16;
+  return type.starts_with("VEC") ? static_cast<uint64_t>(type.back() - '0') : 1;
 }
 
 }  // namespace
@@ -105,22 +121,36 @@ bool gltfNumbers(const Json& node, size_t count, double* out) {
   return true;
 }
 
-double GltfNumbers::at(uint64_t i, int c) const {
-  const uint8_t* bytes = data_ + i * stride_ + static_cast<uint64_t>(c) * componentBytes(type_);
-  switch (type_) {
+double GltfNumbers::Elements::at(uint64_t i, int c, bool normalized) const {
+  const uint8_t* bytes = data + i * stride + static_cast<uint64_t>(c) * componentBytes(type);
+  switch (type) {
     case kInt8:
-      return numberAt<int8_t>(bytes, normalized_);
+      return numberAt<int8_t>(bytes, normalized);
     case kUInt8:
-      return numberAt<uint8_t>(bytes, normalized_);
+      return numberAt<uint8_t>(bytes, normalized);
     case kInt16:
-      return numberAt<int16_t>(bytes, normalized_);
+      return numberAt<int16_t>(bytes, normalized);
     case kUInt16:
-      return numberAt<uint16_t>(bytes, normalized_);
+      return numberAt<uint16_t>(bytes, normalized);
     case kUInt32:
       return numberAt<uint32_t>(bytes, false);
     default:
       return numberAt<float>(bytes, false);
   }
+}
+
+double GltfNumbers::at(uint64_t i, int c) const {
+  uint64_t low = 0, high = sparse_count_;
+  while (low < high) {  // the first index that is not below i
+    const uint64_t middle = (low + high) / 2;
+    if (sparse_indices_.at(middle, 0, false) < static_cast<double>(i))
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  if (low < sparse_count_ && sparse_indices_.at(low, 0, false) == static_cast<double>(i))
+    return sparse_values_.at(low, c, normalized_);
+  return elements_.data ? elements_.at(i, c, normalized_) : 0;
 }
 
 Error GltfBytes::error(const std::string& what) const {
@@ -160,29 +190,61 @@ Status GltfBytes::checkExtensions(const Json& node) const {
 
 Result<GltfNumbers> GltfBytes::accessor(std::optional<uint64_t> index, const char* type, const char* what) {
   const Json& a = gltfEntry(root_, "accessors", index);
-  const Json& view = gltfEntry(root_, "bufferViews", gltfNumber(a, "bufferView"));
-  if (!gltfMember(a, "sparse").is_null())
-    return unsupported(std::string(what) + " are stored sparsely; export without sparse accessors");
   const Error broken = error(std::string(what) + " cannot be read (damaged or truncated)");
-  if (!view.is_object()) return broken;
-  FOURDVT_TRY(checkExtensions(view));
-  FOURDVT_ASSIGN(const std::string_view data, buffer(gltfNumber(view, "buffer")));
   GltfNumbers out;
-  out.type_ = gltfNumber(a, "componentType").value_or(0);
+  const uint64_t components = componentsOf(type), component = gltfNumber(a, "componentType").value_or(0);
   out.count_ = gltfNumber(a, "count").value_or(0);
   const Json& normalized = gltfMember(a, "normalized");
   out.normalized_ = normalized.is_boolean() && normalized.get<bool>();
-  const uint64_t element = componentBytes(out.type_) * (std::string_view(type) == "VEC3" ? 3 : 1);
-  const uint64_t stride = gltfNumber(view, "byteStride").value_or(0);
-  out.stride_ = stride > 0 ? stride : element;
-  const uint64_t view_at = gltfNumber(view, "byteOffset").value_or(0), at = gltfNumber(a, "byteOffset").value_or(0);
-  const uint64_t view_bytes = gltfNumber(view, "byteLength").value_or(0);
-  if (gltfMember(a, "type") != type || element == 0 || out.stride_ < element || out.stride_ > 252 || out.count_ == 0 ||
-      view_at > data.size() || view_bytes > data.size() - view_at || at > view_bytes ||
-      (out.count_ - 1) * out.stride_ + element > view_bytes - at)
+  out.elements_.type = component;
+  const Json& overlay = gltfMember(a, "sparse");
+  if (gltfMember(a, "type") != type || out.count_ == 0 || (overlay.is_null() && gltfMember(a, "bufferView").is_null()))
     return broken;
-  out.data_ = reinterpret_cast<const uint8_t*>(data.data()) + view_at + at;
+  if (!gltfMember(a, "bufferView").is_null()) {
+    FOURDVT_ASSIGN(const bool fits, elements(a, out.count_, components, component, out.elements_));
+    if (!fits) return broken;
+  }
+  if (overlay.is_null()) return out;
+  FOURDVT_ASSIGN(const bool fits, sparse(overlay, components, out));
+  if (!fits || out.count_ > size_) return broken;  // zeros that are not stored are as many as vertices that are
   return out;
+}
+
+Result<bool> GltfBytes::elements(const Json& source, uint64_t count, uint64_t components, uint64_t type,
+                                 GltfNumbers::Elements& out) {
+  const Json& view = gltfEntry(root_, "bufferViews", gltfNumber(source, "bufferView"));
+  if (!view.is_object()) return false;
+  FOURDVT_TRY(checkExtensions(view));
+  FOURDVT_ASSIGN(const std::string_view data, buffer(gltfNumber(view, "buffer")));
+  const uint64_t element = componentBytes(type) * components;
+  const uint64_t stride = gltfNumber(view, "byteStride").value_or(0);
+  out.type = type;
+  out.stride = stride > 0 ? stride : element;
+  const uint64_t view_at = gltfNumber(view, "byteOffset").value_or(0),
+                 at = gltfNumber(source, "byteOffset").value_or(0);
+  const uint64_t view_bytes = gltfNumber(view, "byteLength").value_or(0);
+  if (element == 0 || out.stride < element || out.stride > 252 || count == 0 || view_at > data.size() ||
+      view_bytes > data.size() - view_at || at > view_bytes || (count - 1) * out.stride + element > view_bytes - at)
+    return false;
+  out.data = reinterpret_cast<const uint8_t*>(data.data()) + view_at + at;
+  return true;
+}
+
+Result<bool> GltfBytes::sparse(const Json& node, uint64_t components, GltfNumbers& out) {
+  const Json &indices = gltfMember(node, "indices"), &values = gltfMember(node, "values");
+  const uint64_t count = gltfNumber(node, "count").value_or(0);
+  FOURDVT_ASSIGN(const bool has_indices,
+                 elements(indices, count, 1, gltfNumber(indices, "componentType").value_or(0), out.sparse_indices_));
+  FOURDVT_ASSIGN(const bool has_values, elements(values, count, components, out.elements_.type, out.sparse_values_));
+  if (!has_indices || !has_values) return false;
+  out.sparse_count_ = count;
+  double before = -1;
+  for (uint64_t i = 0; i < count; ++i) {
+    const double index = out.sparse_indices_.at(i, 0, false);
+    if (!(index > before) || index >= static_cast<double>(out.count_)) return false;
+    before = index;
+  }
+  return true;
 }
 
 Result<std::string_view> GltfBytes::buffer(std::optional<uint64_t> index) {

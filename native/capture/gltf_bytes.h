@@ -34,9 +34,14 @@ class GltfNumbers {
 
  private:
   friend class GltfBytes;
-  const uint8_t* data_ = nullptr;
-  uint64_t count_ = 0, stride_ = 0;
-  uint64_t type_ = 0;  // component type by its number in glTF
+  struct Elements {
+    const uint8_t* data = nullptr;
+    uint64_t stride = 0, type = 0;  // the component type by its number in glTF
+    double at(uint64_t i, int c, bool normalized) const;
+  };
+  Elements elements_;  // no data: zeros
+  uint64_t count_ = 0, sparse_count_ = 0;
+  Elements sparse_indices_, sparse_values_;  // elements, in ascending order, that are other than elements_ has them
   bool normalized_ = false;
 };
 
@@ -46,14 +51,20 @@ class GltfBytes {
   static Result<GltfBytes> open(std::string_view json, std::string_view glb_buffer, const std::string& path);
 
   const Json& root() const { return root_; }
+  const std::string& path() const { return path_; }
   // Bytes of the file and of the buffers that were used so far.
   uint64_t size() const { return size_; }
   Error error(const std::string& what) const;        // FileUnreadable
   Error unsupported(const std::string& what) const;  // Unsupported
   Status checkExtensions(const Json& node) const;    // Unsupported: compressed data, instances
+  // `type`: SCALAR, VEC2, VEC3, VEC4 or MAT4. `what` is for messages.
   Result<GltfNumbers> accessor(std::optional<uint64_t> index, const char* type, const char* what);
 
  private:
+  // `count` elements of a buffer view, at byteOffset of `source`. False if they do not fit.
+  Result<bool> elements(const Json& source, uint64_t count, uint64_t components, uint64_t type,
+                        GltfNumbers::Elements& out);
+  Result<bool> sparse(const Json& node, uint64_t components, GltfNumbers& out);
   explicit GltfBytes(const std::string& path) : path_(path) {}
   Result<std::string_view> buffer(std::optional<uint64_t> index);
   Status load(const std::string& uri, std::string& out);

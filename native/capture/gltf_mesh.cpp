@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// glTF 2.0 and GLB: the triangles of the default scene, moved by its nodes. Skins and morphs are refused, because the
-// mesh without them is another one.
+// glTF 2.0 and GLB: the triangles of the default scene, moved by its nodes, its skins and its morph targets, as they
+// are at one instant of its animation.
 #include <algorithm>
-#include <cstring>
+#include <deque>
 #include <glm/glm.hpp>
-#include <glm/gtc/matrix_transform.hpp>
-#include <glm/gtc/quaternion.hpp>
 #include <map>
+#include <unordered_map>
 
 #include "base/bytes.h"
+#include "base/hash.h"
+#include "capture/gltf_animation.h"
 #include "capture/gltf_bytes.h"
+#include "capture/gltf_shape.h"
 #include "capture/mesh_readers.h"
 
 namespace fourdvt::capture {
@@ -17,27 +19,57 @@ namespace {
 
 constexpr uint32_t kGlbVersion = 2, kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4942;
 constexpr uint64_t kTriangles = 4, kStrip = 5, kFan = 6;
+constexpr uint32_t kNoVertex = 0xffffffff;
 
-class GltfParser {
+// Numbers of equal vertices of one node. glTF parts a vertex at seams of UVs and normals, but it moves as one.
+class Welder {
  public:
-  explicit GltfParser(GltfBytes bytes) : bytes_(std::move(bytes)), root_(bytes_.root()) {}
-
-  Result<TriangleMesh> parse() {
-    const Json& nodes = gltfMember(root_, "nodes");
-    seen_.assign(nodes.is_array() ? nodes.size() : 0, false);
-    FOURDVT_TRY(pushRoots());
-    while (!todo_.empty()) {
-      const Placed placed = todo_.back();
-      todo_.pop_back();
-      FOURDVT_TRY(visit(placed));
-    }
-    return std::move(mesh_);
+  // The number of a vertex that is the same at every instant, else `number`, which is kept. The shape is borrowed.
+  uint32_t add(const GltfShape& shape, uint64_t vertex, uint32_t number) {
+    const glm::dvec3 rest = shape.rest(vertex);
+    const uint64_t hash = fnv1a(std::span(reinterpret_cast<const uint8_t*>(&rest), sizeof rest));
+    const auto [begin, end] = places_.equal_range(hash);
+    for (auto it = begin; it != end; ++it)
+      if (it->second.shape->isSame(it->second.vertex, shape, vertex)) return it->second.number;
+    places_.emplace(hash, Place{&shape, vertex, number});
+    return number;
   }
 
  private:
-  struct Placed {
-    uint64_t node;
-    glm::dmat4 world_from_parent;
+  struct Place {
+    const GltfShape* shape;
+    uint64_t vertex;
+    uint32_t number;
+  };
+  std::unordered_multimap<uint64_t, Place> places_;
+};
+
+class GltfParser {
+ public:
+  GltfParser(GltfBytes bytes, bool with_uvs) : bytes_(std::move(bytes)), root_(bytes_.root()), with_uvs_(with_uvs) {}
+
+  Result<GltfSurface> parse(const MeshInstant& instant) {
+    FOURDVT_ASSIGN(poses_, gltfPoses(bytes_, instant));
+    world_from_node_.resize(poses_.size());
+    seen_.assign(poses_.size(), false);
+    FOURDVT_TRY(pushRoots());
+    std::vector<uint64_t> with_meshes;
+    while (!todo_.empty()) {
+      const uint64_t node = todo_.back();
+      todo_.pop_back();
+      const glm::dmat4 world = world_from_node_[node] * poses_[node].parentFromNode();
+      world_from_node_[node] = world;
+      FOURDVT_TRY(push(root_["nodes"][node], "children", world));
+      if (gltfNumber(root_["nodes"][node], "mesh")) with_meshes.push_back(node);
+    }
+    for (const uint64_t node : with_meshes) FOURDVT_TRY(addMesh(node));
+    return std::move(out_);
+  }
+
+ private:
+  struct Group {  // vertices that primitives share
+    uint32_t first = 0;
+    uint64_t count = 0;
   };
 
   // The nodes of the default scene; without scenes, those that are nobody's child.
@@ -70,69 +102,75 @@ class GltfParser {
     return {};
   }
 
+  // Until the node is visited, its transform is its parent's.
   Status pushNode(uint64_t node, const glm::dmat4& world_from_parent) {
     if (seen_[node]) return bytes_.error("its nodes do not form a tree");
     seen_[node] = true;
-    todo_.push_back({node, world_from_parent});
+    world_from_node_[node] = world_from_parent;
+    todo_.push_back(node);
     return {};
   }
 
-  Status visit(const Placed& placed) {
-    const Json& node = root_["nodes"][placed.node];
-    FOURDVT_ASSIGN(const auto parent_from_node, transformOf(node));
-    const glm::dmat4 world_from_node = placed.world_from_parent * parent_from_node;
-    FOURDVT_TRY(push(node, "children", world_from_node));
-    const auto mesh = gltfNumber(node, "mesh");
-    if (!mesh) return {};
+  Status addMesh(uint64_t index) {
+    const Json& node = root_["nodes"][index];
     FOURDVT_TRY(bytes_.checkExtensions(node));
-    if (!gltfMember(node, "skin").is_null())
-      return bytes_.unsupported("is posed by a skeleton; export every frame with its pose applied");
-    return addMesh(gltfEntry(root_, "meshes", mesh), gltfMember(node, "weights"), world_from_node);
-  }
-
-  Result<glm::dmat4> transformOf(const Json& node) const {
-    glm::dmat4 matrix(1);
-    const Json& given = gltfMember(node, "matrix");
-    if (!given.is_null()) {
-      if (!gltfNumbers(given, 16, &matrix[0][0])) return bytes_.error("a node's matrix cannot be read");
-      return matrix;
-    }
-    glm::dvec3 translation(0), scale(1);
-    glm::dvec4 rotation(0, 0, 0, 1);  // x, y, z, w
-    const auto read = [&](const char* key, size_t count, double* out) {
-      const Json& list = gltfMember(node, key);
-      return list.is_null() || gltfNumbers(list, count, out);
-    };
-    if (!read("translation", 3, &translation[0]) || !read("rotation", 4, &rotation[0]) || !read("scale", 3, &scale[0]))
-      return bytes_.error("a node's transform cannot be read");
-    const glm::dquat turn(rotation.w, rotation.x, rotation.y, rotation.z);
-    return glm::scale(glm::translate(matrix, translation) * glm::mat4_cast(turn), scale);
-  }
-
-  Status addMesh(const Json& mesh, const Json& node_weights, const glm::dmat4& world_from_node) {
+    const Json& mesh = gltfEntry(root_, "meshes", gltfNumber(node, "mesh"));
     if (!mesh.is_object()) return bytes_.error("a mesh is missing (damaged)");
-    for (const Json* weights : {&node_weights, &gltfMember(mesh, "weights")}) {
-      for (const Json& weight : *weights) {
-        if (!weight.is_number() || weight.get<double>() != 0)
-          return bytes_.unsupported("is shaped by morph targets; export every frame with them applied");
-      }
-    }
-    std::map<uint64_t, uint32_t> first_vertex;  // of a position accessor: primitives may share one
+    FOURDVT_ASSIGN(const auto weights, weightsOf(mesh, poses_[index]));
+    FOURDVT_ASSIGN(const auto joints, jointsOf(node));  // none: moved by the node
+    std::map<std::string, Group> groups;
+    std::deque<GltfShape> shapes;
+    Welder welder;
     for (const Json& primitive : gltfMember(mesh, "primitives")) {
       FOURDVT_TRY(bytes_.checkExtensions(primitive));
       const Json& mode_given = gltfMember(primitive, "mode");
       const uint64_t mode = mode_given.is_null() ? kTriangles : gltfNumber(primitive, "mode").value_or(0);
       if (mode < kTriangles || mode > kFan) continue;  // points and lines
-      const auto accessor = gltfNumber(gltfMember(primitive, "attributes"), "POSITION");
-      FOURDVT_ASSIGN(const auto positions, bytes_.accessor(accessor, "VEC3", "its positions"));
-      auto found = first_vertex.find(*accessor);
-      if (found == first_vertex.end()) {
-        found = first_vertex.emplace(*accessor, static_cast<uint32_t>(mesh_.positions.size())).first;
-        FOURDVT_TRY(addPositions(positions, world_from_node));
+      const auto [group, is_new] =
+          groups.try_emplace(gltfMember(primitive, "attributes").dump() + gltfMember(primitive, "targets").dump());
+      if (is_new) {
+        FOURDVT_ASSIGN(auto shape, GltfShape::open(bytes_, primitive, weights, !joints.empty()));
+        shapes.push_back(std::move(shape));
+        FOURDVT_ASSIGN(group->second, addVertices(shapes.back(), joints, world_from_node_[index], welder));
+        if (with_uvs_) FOURDVT_TRY(addUvs(primitive, shapes.back().count()));
       }
-      FOURDVT_TRY(addFaces(primitive, mode, found->second, positions.count(), world_from_node));
+      const glm::dmat4& moved_by = joints.empty() ? world_from_node_[index] : joints[0];
+      FOURDVT_TRY(addFaces(primitive, mode, group->second, glm::determinant(glm::dmat3(moved_by)) < 0));
     }
     return {};
+  }
+
+  Result<std::vector<double>> weightsOf(const Json& mesh, const GltfPose& pose) const {
+    if (pose.weights) return *pose.weights;
+    const Json& given = gltfMember(mesh, "weights");
+    std::vector<double> weights(given.size());
+    if (!weights.empty() && !gltfNumbers(given, weights.size(), weights.data()))
+      return bytes_.error("a mesh's morph weights cannot be read");
+    return weights;
+  }
+
+  // Moves a skin's joints make, from the pose that it is bound in to the world.
+  Result<std::vector<glm::dmat4>> jointsOf(const Json& node) {
+    std::vector<glm::dmat4> out;
+    if (gltfMember(node, "skin").is_null()) return out;
+    const Json& skin = gltfEntry(root_, "skins", gltfNumber(node, "skin"));
+    const Json& joints = gltfMember(skin, "joints");
+    if (!joints.is_array() || joints.empty()) return bytes_.error("a skin is missing, or has no joints (damaged)");
+    const bool bound = !gltfMember(skin, "inverseBindMatrices").is_null();
+    GltfNumbers binds;
+    if (bound) {
+      FOURDVT_ASSIGN(binds,
+                     bytes_.accessor(gltfNumber(skin, "inverseBindMatrices"), "MAT4", "its inverse bind matrices"));
+      if (binds.count() < joints.size()) return bytes_.error("a skin has fewer bind matrices than joints");
+    }
+    for (const Json& joint : joints) {
+      const uint64_t j = joint.is_number_unsigned() ? joint.get<uint64_t>() : seen_.size();
+      if (j >= seen_.size() || !seen_[j]) return bytes_.error("a skin's joint is not in the scene");
+      glm::dmat4 joint_from_rest(1);
+      for (int c = 0; bound && c < 16; ++c) joint_from_rest[c / 4][c % 4] = binds.at(out.size(), c);
+      out.push_back(world_from_node_[j] * joint_from_rest);
+    }
+    return out;
   }
 
   // No single mesh has more vertices or faces than its file has bytes; a mesh that many nodes show might.
@@ -141,58 +179,83 @@ class GltfParser {
     return bytes_.unsupported("repeats its meshes too many times; export them as one mesh");
   }
 
-  Status addPositions(const GltfNumbers& numbers, const glm::dmat4& world_from_node) {
-    FOURDVT_TRY(checkSize(mesh_.positions.size() + numbers.count(), 0));
-    mesh_.positions.reserve(mesh_.positions.size() + numbers.count());
-    for (uint64_t i = 0; i < numbers.count(); ++i) {
-      const glm::dvec4 point(numbers.at(i, 0), numbers.at(i, 1), numbers.at(i, 2), 1);
-      mesh_.positions.emplace_back(world_from_node * point);
+  Result<Group> addVertices(const GltfShape& shape, const std::vector<glm::dmat4>& joints,
+                            const glm::dmat4& world_from_node, Welder& welder) {
+    const Group group{static_cast<uint32_t>(vertex_of_.size()), shape.count()};
+    FOURDVT_TRY(checkSize(vertex_of_.size() + shape.count(), 0));
+    Positions& positions = out_.mesh.positions;
+    for (uint64_t i = 0; i < shape.count(); ++i) {
+      const auto number = static_cast<uint32_t>(positions.size());
+      vertex_of_.push_back(with_uvs_ ? welder.add(shape, i, number) : number);
+      if (vertex_of_.back() != number) continue;
+      glm::dvec3 point = world_from_node * glm::dvec4(joints.empty() ? shape.morphed(i) : glm::dvec3(0), 1);
+      if (!joints.empty() && !shape.skinned(i, joints, point))
+        return Error{ErrorId::MeshIndex, bytes_.path() + ": a vertex's joint is out of range; export the mesh again"};
+      positions.emplace_back(point);
+    }
+    return group;
+  }
+
+  Status addUvs(const Json& primitive, uint64_t vertices) {
+    const auto accessor = gltfNumber(gltfMember(primitive, "attributes"), "TEXCOORD_0");
+    if (!accessor) return Error{ErrorId::MeshNoUvs, bytes_.path() + ": " + kNoUvs};
+    FOURDVT_ASSIGN(const auto uvs, bytes_.accessor(accessor, "VEC2", "its texture coordinates"));
+    if (uvs.count() != vertices) return bytes_.error("its texture coordinates are not as many as its vertices");
+    for (uint64_t i = 0; i < vertices; ++i) {
+      const auto uv = inTile({uvs.at(i, 0), uvs.at(i, 1)});
+      if (!uv) return Error{ErrorId::MeshUvRange, bytes_.path() + ": " + kUvsOutside};
+      out_.uvs.push_back(*uv);
     }
     return {};
   }
 
-  Status addFaces(const Json& primitive, uint64_t mode, uint32_t first, uint64_t vertices,
-                  const glm::dmat4& world_from_node) {
+  Status addFaces(const Json& primitive, uint64_t mode, const Group& group, bool mirrored) {
     const bool indexed = !gltfMember(primitive, "indices").is_null();
     GltfNumbers indices;
     if (indexed) {
       FOURDVT_ASSIGN(indices, bytes_.accessor(gltfNumber(primitive, "indices"), "SCALAR", "its indices"));
     }
-    const uint64_t corners = indexed ? indices.count() : vertices, step = mode == kTriangles ? 3 : 1;
+    const uint64_t corners = indexed ? indices.count() : group.count, step = mode == kTriangles ? 3 : 1;
     if (corners < 3) return {};
     const uint64_t faces = (corners - 3) / step + 1;
-    FOURDVT_TRY(checkSize(0, mesh_.faces.size() + faces));
-    const bool mirrored = glm::determinant(glm::dmat3(world_from_node)) < 0;
+    FOURDVT_TRY(checkSize(0, out_.mesh.faces.size() + faces));
     const auto vertex = [&](uint64_t corner) -> uint32_t {
       const double index = indexed ? indices.at(corner, 0) : static_cast<double>(corner);
-      return index >= 0 && index < static_cast<double>(vertices) ? first + static_cast<uint32_t>(index) : 0xffffffffu;
+      const bool inside = index >= 0 && index < static_cast<double>(group.count);
+      return inside ? group.first + static_cast<uint32_t>(index) : kNoVertex;
     };
     for (uint64_t f = 0; f < faces; ++f) {
       const uint64_t a = f * step;
       glm::uvec3 face(vertex(mode == kFan ? 0 : a), vertex(a + 1), vertex(a + 2));
       if ((mode == kStrip && f % 2 == 1) != mirrored) std::swap(face.y, face.z);
-      mesh_.faces.push_back(face);
+      if (with_uvs_) out_.face_uvs.push_back(face);
+      for (int k = 0; k < 3; ++k) face[k] = face[k] == kNoVertex ? kNoVertex : vertex_of_[face[k]];
+      out_.mesh.faces.push_back(face);
     }
     return {};
   }
 
   GltfBytes bytes_;
   const Json& root_;
+  const bool with_uvs_;
+  std::vector<GltfPose> poses_;
   std::vector<bool> seen_;
-  std::vector<Placed> todo_;
-  TriangleMesh mesh_;
+  std::vector<uint64_t> todo_;
+  std::vector<glm::dmat4> world_from_node_;  // of the scene's nodes
+  std::vector<uint32_t> vertex_of_;          // of what the file counts as vertices
+  GltfSurface out_;
 };
-
-Result<TriangleMesh> parseParts(std::string_view json, std::string_view buffer, const std::string& path) {
-  FOURDVT_ASSIGN(auto bytes, GltfBytes::open(json, buffer, path));
-  return GltfParser(std::move(bytes)).parse();
-}
 
 }  // namespace
 
-Result<TriangleMesh> parseGltf(std::string_view json, const std::string& path) { return parseParts(json, {}, path); }
+Result<GltfSurface> parseGltf(std::string_view json, const std::string& path, const MeshInstant& instant,
+                              bool with_uvs) {
+  FOURDVT_ASSIGN(auto bytes, GltfBytes::open(json, {}, path));
+  return GltfParser(std::move(bytes), with_uvs).parse(instant);
+}
 
-Result<TriangleMesh> parseGlb(std::string_view bytes, const std::string& path) {
+Result<GltfSurface> parseGlb(std::string_view bytes, const std::string& path, const MeshInstant& instant,
+                             bool with_uvs) {
   const Error truncated{ErrorId::FileUnreadable,
                         path + ": the GLB ends before all that it announces (truncated); export the mesh again"};
   ByteReader reader({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
@@ -212,7 +275,8 @@ Result<TriangleMesh> parseGlb(std::string_view bytes, const std::string& path) {
     if (chunk == 1 && kind == kBinChunk) buffer = body;
   }
   if (json.empty()) return truncated;
-  return parseParts(json, buffer, path);
+  FOURDVT_ASSIGN(auto parts, GltfBytes::open(json, buffer, path));
+  return GltfParser(std::move(parts), with_uvs).parse(instant);
 }
 
 }  // namespace fourdvt::capture

@@ -18,16 +18,32 @@ constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;  // 1 GiB; a frame of 10 m
 struct Kind {
   const char* name;
   std::string_view extension;
-  Result<TriangleMesh> (*parse)(std::string_view bytes, const std::string& path);
+  Result<TriangleMesh> (*parse)(std::string_view bytes, const std::string& path, const MeshInstant& instant);
 };
 
-constexpr Kind kObj{"OBJ", ".obj", parseObjSurface};
-constexpr Kind kPly{"PLY", ".ply", parsePly};
-constexpr Kind kGlb{"GLB", ".glb", parseGlb};
-constexpr Kind kGltf{"glTF", ".gltf", parseGltf};
+template <auto parse>
+Result<TriangleMesh> still(std::string_view bytes, const std::string& path, const MeshInstant&) {
+  return parse(bytes, path);
+}
+
+template <auto parse>
+Result<TriangleMesh> moving(std::string_view bytes, const std::string& path, const MeshInstant& instant) {
+  FOURDVT_ASSIGN(auto surface, parse(bytes, path, instant, false));
+  return std::move(surface.mesh);
+}
+
+constexpr Kind kObj{"OBJ", ".obj", still<parseObjSurface>};
+constexpr Kind kPly{"PLY", ".ply", still<parsePly>};
+constexpr Kind kGlb{"GLB", ".glb", moving<parseGlb>};
+constexpr Kind kGltf{"glTF", ".gltf", moving<parseGltf>};
 constexpr const Kind* kKinds[] = {&kObj, &kPly, &kGlb, &kGltf};
 
-std::string lowerExtension(const std::string& path) {
+constexpr std::pair<std::string_view, const char*> kOtherKinds[] = {
+    {".abc", "Alembic"}, {".usd", "USD"},       {".usda", "USD"}, {".usdc", "USD"}, {".usdz", "USD"},   {".fbx", "FBX"},
+    {".stl", "STL"},     {".blend", "Blender"}, {".ma", "Maya"},  {".mb", "Maya"},  {".dae", "COLLADA"}};
+
+// In lower case, with its dot.
+std::string extensionOf(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return extension;
@@ -57,16 +73,18 @@ Status checkMesh(const TriangleMesh& mesh, const std::string& path) {
   return {};
 }
 
-}  // namespace
-
-Result<TriangleMesh> parseMesh(std::string_view given, const std::string& path) {
-  const std::string_view bytes = skipByteOrderMark(given);
+// The kind that the path names, if the bytes do not contradict it.
+Result<const Kind*> kindOf(std::string_view bytes, const std::string& path) {
   if (bytes.empty()) return Error{ErrorId::FileUnreadable, path + ": the file is empty; export the mesh again"};
-  const std::string extension = lowerExtension(path);
+  const std::string extension = extensionOf(path);
   const auto named = std::find_if(std::begin(kKinds), std::end(kKinds),
                                   [&](const Kind* kind) { return kind->extension == extension; });
   if (named == std::end(kKinds)) {
-    return Error{ErrorId::Unsupported, path + ": meshes are read from .obj, .ply, .glb and .gltf; export one of these"};
+    const std::string other = otherMeshKind(path);
+    return Error{ErrorId::Unsupported,
+                 path + ": " +
+                     (other.empty() ? "meshes are read from .obj, .ply, .glb and .gltf" : other + " is not read") +
+                     "; " + kExportReadable};
   }
   const Kind* held = kindOfBytes(bytes);
   if (held && held != *named) {
@@ -77,19 +95,72 @@ Result<TriangleMesh> parseMesh(std::string_view given, const std::string& path) 
     return Error{ErrorId::FileUnreadable,
                  path + ": does not begin as " + (*named)->name + " does; export the mesh again, or correct its name"};
   }
-  FOURDVT_ASSIGN(auto mesh, (*named)->parse(bytes, path));
-  FOURDVT_TRY(checkMesh(mesh, path));
-  return mesh;
+  return *named;
 }
 
-Result<TriangleMesh> readMeshFile(const std::string& path) {
+Result<std::string> readBytes(const std::string& path) {
   std::error_code failed;
   const uint64_t size = std::filesystem::file_size(path, failed);
   if (!failed && size > kMaxFileBytes)
     return Error{ErrorId::Unsupported, path + ": larger than 1 GiB; reduce the mesh's triangles"};
-  const auto bytes = failed ? std::nullopt : readText(path);
+  auto bytes = failed ? std::nullopt : readText(path);
   if (!bytes) return Error{ErrorId::FileMissing, path + ": mesh file cannot be read; check that it is there"};
-  return parseMesh(*bytes, path);
+  return std::move(*bytes);
+}
+
+}  // namespace
+
+bool isMeshName(const std::string& name) {
+  const std::string extension = extensionOf(name);
+  return std::any_of(std::begin(kKinds), std::end(kKinds),
+                     [&](const Kind* kind) { return kind->extension == extension; });
+}
+
+bool isGltfName(const std::string& name) {
+  const std::string extension = extensionOf(name);
+  return extension == kGlb.extension || extension == kGltf.extension;
+}
+
+std::string otherMeshKind(const std::string& name) {
+  const std::string extension = extensionOf(name);
+  for (const auto& [other, kind] : kOtherKinds)
+    if (extension == other) return kind;
+  return {};
+}
+
+std::optional<glm::vec2> inTile(const glm::dvec2& given) {
+  constexpr float kSlack = 1e-4f;  // exporters round; UVs this far outside are clamped
+  const glm::vec2 uv(given), clamped = glm::clamp(uv, 0.0f, 1.0f);
+  if (!glm::all(glm::lessThanEqual(glm::abs(uv - clamped), glm::vec2(kSlack)))) return std::nullopt;
+  return clamped;
+}
+
+Result<TriangleMesh> parseMesh(std::string_view given, const std::string& path, const MeshInstant& instant) {
+  const std::string_view bytes = skipByteOrderMark(given);
+  FOURDVT_ASSIGN(const Kind* kind, kindOf(bytes, path));
+  FOURDVT_ASSIGN(auto mesh, kind->parse(bytes, path, instant));
+  FOURDVT_TRY(checkMesh(mesh, path));
+  return mesh;
+}
+
+Result<TriangleMesh> readMeshFile(const std::string& path, const MeshInstant& instant) {
+  FOURDVT_ASSIGN(const std::string bytes, readBytes(path));
+  return parseMesh(bytes, path, instant);
+}
+
+Result<UvMesh> parseUvGltf(std::string_view bytes, const std::string& path, const MeshInstant& instant) {
+  FOURDVT_ASSIGN(const Kind* kind, kindOf(bytes, path));
+  FOURDVT_ASSIGN(auto surface,
+                 kind == &kGlb ? parseGlb(bytes, path, instant, true) : parseGltf(bytes, path, instant, true));
+  FOURDVT_TRY(checkMesh(surface.mesh, path));
+  const auto vertices = static_cast<uint32_t>(surface.mesh.positions.size());
+  return UvMesh{{vertices, std::move(surface.uvs), std::move(surface.mesh.faces), std::move(surface.face_uvs)},
+                std::move(surface.mesh.positions)};
+}
+
+Result<UvMesh> readUvGltf(const std::string& path, const MeshInstant& instant) {
+  FOURDVT_ASSIGN(const std::string bytes, readBytes(path));
+  return parseUvGltf(bytes, path, instant);
 }
 
 std::string plyBytes(const TriangleMesh& mesh) {

@@ -2,11 +2,12 @@
 #include "capture/mesh_folder.h"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <map>
 #include <set>
+#include <vector>
 
+#include "capture/mesh_file.h"
 #include "capture/mesh_sequence.h"
 #include "capture/pictures.h"
 #include "capture/text.h"
@@ -17,12 +18,6 @@ namespace {
 constexpr size_t kMaxDigits = 9;  // a longer number is no frame's
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
-
-bool isMeshName(const std::string& name) {
-  std::string extension = std::filesystem::path(name).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension == ".obj" || extension == ".ply" || extension == ".glb" || extension == ".gltf";
-}
 
 std::set<std::string> fileNames(const std::string& folder) {
   std::set<std::string> names;
@@ -65,6 +60,50 @@ uint32_t firstNumber(const Numbered& files, uint32_t frame_count) {
   return files.files == 0 || files.largest < frame_count ? 0 : files.smallest;
 }
 
+std::string patternOf(const NumberedFiles::value_type& series) {
+  const auto& [around, files] = series;
+  return around.first + (files.digits == 1 ? "%" : "%0" + std::to_string(files.digits)) + "d" + around.second;
+}
+
+Error noMeshes(const std::string& folder, const std::set<std::string>& names) {
+  for (const std::string& name : names) {
+    if (const std::string kind = otherMeshKind(name); !kind.empty())
+      return {ErrorId::Unsupported, folder + "/" + name + ": " + kind + " is not read; " + kExportReadable};
+  }
+  return {ErrorId::FileMissing, folder +
+                                    ": no meshes in it (.obj, .ply, .glb or .gltf); add them, or write \"mesh\": " +
+                                    "null into the sequence in capture.json"};
+}
+
+// Series that could each be the sequence's meshes: those of enough files, which one file is never, else of the most.
+std::vector<const NumberedFiles::value_type*> candidates(const NumberedFiles& numbered, size_t frames) {
+  size_t most = 0;
+  for (const auto& series : numbered) most = std::max(most, series.second.files);
+  std::vector<const NumberedFiles::value_type*> out;
+  for (const auto& series : numbered)
+    if (series.second.files >= std::min(most, std::max<size_t>(2, frames))) out.push_back(&series);
+  return out;
+}
+
+Error notOneSeries(const std::string& folder, const std::set<std::string>& meshes,
+                   const std::vector<const NumberedFiles::value_type*>& series, const CaptureSequence& sequence) {
+  if (meshes.size() == 1) {
+    return {ErrorId::InvalidArgument, folder + "/" + *meshes.begin() + ": is one mesh, but \"" + sequence.name +
+                                          "\" has " + std::to_string(sequence.frame_count) + " frames; " +
+                                          kExportReadable};
+  }
+  std::string names;
+  const auto add = [&](const std::string& name) { names += (names.empty() ? "" : ", ") + name; };
+  if (series.empty())
+    for (const std::string& name : meshes) add(name);
+  for (const auto* one : series) add(patternOf(*one));
+  if (names.size() > 300) names = names.substr(0, 297) + "...";
+  const std::string example = series.empty() ? *meshes.begin() : patternOf(*series.front());
+  return {ErrorId::InvalidArgument, folder + ": holds several meshes a frame (" + names +
+                                        "); name the right ones in capture.json, as \"mesh\": \"" + sequence.name +
+                                        "/mesh/" + example + "\" in \"" + sequence.name + "\""};
+}
+
 }  // namespace
 
 bool holdsMeshes(const std::string& folder) {
@@ -73,34 +112,21 @@ bool holdsMeshes(const std::string& folder) {
 }
 
 Status findMeshFiles(const std::string& folder, CaptureSequence& sequence) {
-  NumberedFiles numbered;
-  std::set<std::string> meshes = fileNames(folder);
+  const std::set<std::string> names = fileNames(folder);
+  std::set<std::string> meshes = names;
   std::erase_if(meshes, [](const std::string& name) { return !isMeshName(name); });
-  for (const std::string& name : meshes) addName(name, numbered);
-  if (meshes.empty()) {
-    return Error{ErrorId::FileMissing, folder + ": no meshes (.obj, .ply, .glb or .gltf), but capture.json says " +
-                                           "\"topology\": \"per-frame\"; add them, or remove that line"};
-  }
-  if (sequence.frame_count == 1 && meshes.size() == 1) {
+  if (meshes.empty()) return noMeshes(folder, names);
+  if (meshes.size() == 1 && (sequence.frame_count == 1 || isGltfName(*meshes.begin()))) {
     sequence.mesh_pattern = folder + "/" + *meshes.begin();
     if (sequence.mesh_pattern.find('%') == std::string::npos) return {};
   }
-  auto best = numbered.end();
-  bool several = false;
-  for (auto it = numbered.begin(); it != numbered.end(); ++it) {
-    const size_t most = best == numbered.end() ? 0 : best->second.files;
-    if (it->second.files < most) continue;
-    several = it->second.files == most && meshes.size() > 1;
-    best = it;
-  }
-  if (best == numbered.end() || several) {
-    return Error{ErrorId::InvalidArgument,
-                 folder + ": " + *meshes.begin() + " and others could each be the sequence's meshes; " +
-                     "leave one series there, or say which as \"mesh\" in capture.json, " + "with %06d for the number"};
-  }
-  const auto& [around, files] = *best;
-  sequence.mesh_pattern = folder + "/" + around.first + "%0" + std::to_string(files.digits) + "d" + around.second;
-  sequence.first_mesh = firstNumber(files, sequence.first_frame + sequence.frame_count);
+  NumberedFiles numbered;
+  for (const std::string& name : meshes) addName(name, numbered);
+  const auto series = candidates(numbered, sequence.frame_count);
+  if (series.size() != 1 && (series.empty() || meshes.size() > 1))
+    return notOneSeries(folder, meshes, series, sequence);
+  sequence.mesh_pattern = folder + "/" + patternOf(*series.back());
+  sequence.first_mesh = firstNumber(series.back()->second, sequence.first_frame + sequence.frame_count);
   return {};
 }
 

@@ -12,8 +12,9 @@ namespace fourdvt::capture {
 bool holdsMeshes(const std::string& folder);
 
 // Sets the sequence's mesh_pattern and first_mesh from the files of `folder` that end in .obj, .ply, .glb or .gltf:
-// numbered files, whatever stands before and after the number, or the only file of a sequence of one frame. Errors:
-// FileMissing (no such folder, no meshes in it), InvalidArgument (several candidates).
+// numbered files, whatever stands before and after the number, or the only file, of a sequence of one frame or of
+// glTF. Errors: FileMissing (no such folder, no meshes in it), InvalidArgument (several candidates, one still mesh for
+// several frames), Unsupported (meshes of another kind alone).
 Status findMeshFiles(const std::string& folder, CaptureSequence& sequence);
 
 // Sets first_mesh for the mesh_pattern that the sequence has: 0 if the numbers are the frames', else the first number

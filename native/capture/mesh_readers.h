@@ -3,17 +3,37 @@
 // and positions not finite. `path` is for messages.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/mesh.h"
 #include "base/result.h"
+#include "capture/mesh_file.h"
 
 namespace fourdvt::capture {
 
+inline constexpr const char* kNoUvs =
+    "the mesh has no texture coordinates; unwrap it and export with UVs, or give capture.json "
+    "\"topology\": \"per-frame\" and bake with --appearance cameras";
+inline constexpr const char* kUvsOutside = "texture coordinates must lie in [0,1]; pack the UVs into one tile";
+
+// A texture coordinate that lies in [0,1], but for what exporters round; else nullopt.
+std::optional<glm::vec2> inTile(const glm::dvec2& uv);
+
 Result<TriangleMesh> parsePly(std::string_view bytes, const std::string& path);
-Result<TriangleMesh> parseGlb(std::string_view bytes, const std::string& path);
+
+// A glTF file's surface at an instant. With UVs, vertices that are parted at seams of UVs alone are one.
+struct GltfSurface {
+  TriangleMesh mesh;
+  std::vector<glm::vec2> uvs;        // empty without UVs, and so is what follows
+  std::vector<glm::uvec3> face_uvs;  // one a face; indices into uvs where the face's own are in range
+};
+Result<GltfSurface> parseGlb(std::string_view bytes, const std::string& path, const MeshInstant& instant,
+                             bool with_uvs);
 // Reads the buffers that the JSON names from the folder of `path`, and from nowhere else.
-Result<TriangleMesh> parseGltf(std::string_view json, const std::string& path);
+Result<GltfSurface> parseGltf(std::string_view json, const std::string& path, const MeshInstant& instant,
+                              bool with_uvs);
 
 }  // namespace fourdvt::capture

@@ -13,22 +13,28 @@
 namespace fourdvt::capture {
 namespace {
 
-// What two OBJ texts of one topology have in common.
+// What two OBJ texts of one topology have in common, and the positions of one.
 struct ObjOutline {
-  size_t vertices = 0, faces = 0;
+  size_t faces = 0;
   uint64_t connectivity = kFnv1aStart;  // hash of the vt and f lines
-  bool plain_numbers = true;            // the v lines hold nothing but decimal numbers, and no line is continued
-  bool operator==(const ObjOutline&) const = default;
+  bool plain = true;                    // the v lines begin with finite numbers, and no line is continued
+  Positions positions;
+  bool hasFacesOf(const ObjOutline& other) const {
+    return plain && faces == other.faces && connectivity == other.connectivity &&
+           positions.size() == other.positions.size();
+  }
 };
 
 ObjOutline outlineOf(std::string_view text) {
   ObjOutline outline;
   std::string_view line;
   while (takeLine(text, line)) {
-    outline.plain_numbers &= !line.ends_with('\\');
+    outline.plain &= !line.ends_with('\\');
     if (line.starts_with("v ")) {
-      ++outline.vertices;
-      outline.plain_numbers &= line.find_first_not_of("0123456789+-.eE \t", 1) == std::string_view::npos;
+      line.remove_prefix(2);
+      glm::vec3& p = outline.positions.emplace_back();
+      for (int k = 0; k < 3; ++k) p[k] = toNumber<float>(takeWord(line)).value_or(NAN);
+      outline.plain &= std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
     } else if (line.starts_with("f ") || line.starts_with("vt ")) {
       outline.faces += line.front() == 'f';
       outline.connectivity = fnv1a("\n", fnv1a(line, outline.connectivity));
@@ -44,6 +50,14 @@ Error missing(const std::string& path) {
 
 Error otherTopology(const std::string& path, const std::string& what) {
   return {ErrorId::MeshTopology, path + ": " + what + "; every frame needs the same faces and UVs (one aligned mesh)"};
+}
+
+Error otherMesh(const std::string& path, const CaptureSequence& sequence, uint32_t frame, const std::string& what) {
+  return {
+      ErrorId::MeshTopology,
+      path + ": frame " + std::to_string(frame) + " of \"" + sequence.name + "\" " + what +
+          "; export all frames from one mesh, with its vertex order kept, or write \"topology\": \"per-frame\" into "
+          "capture.json and bake with --appearance cameras"};
 }
 
 Status checkPacked(const Capture& capture, const CaptureSequence& sequence) {
@@ -81,15 +95,17 @@ void scaleBy(double factor, Positions& positions) {
 Result<Positions> readGivenFrame(const Capture& capture, const CaptureSequence& sequence, uint32_t frame) {
   FOURDVT_TRY(checkFrame(sequence, frame));
   if (!sequence.packed_positions.empty()) return readPacked(capture, sequence, frame);
-  const std::string path = meshPath(sequence, frame);
-  FOURDVT_ASSIGN(auto mesh, readObj(path, &capture.topology));
-  const MeshTopology& topology = mesh.topology;
-  if (!sameTopology(topology, capture.topology)) {
-    return otherTopology(path, std::to_string(topology.vertex_count) + " vertices and " +
-                                   std::to_string(topology.faceCount()) + " triangles differ from the first frame's " +
-                                   std::to_string(capture.topology.vertex_count) + " and " +
-                                   std::to_string(capture.topology.faceCount()) + " in number, order or UVs");
+  FOURDVT_ASSIGN(auto mesh, readUvMesh(capture, sequence, frame));
+  const MeshTopology &own = mesh.topology, &first = capture.topology;
+  if (own.vertex_count != first.vertex_count || own.faceCount() != first.faceCount()) {
+    return otherMesh(meshPath(sequence, frame), sequence, frame,
+                     "has " + std::to_string(own.vertex_count) + " vertices and " + std::to_string(own.faceCount()) +
+                         " triangles, not " + std::to_string(first.vertex_count) + " and " +
+                         std::to_string(first.faceCount()) + " as the first one");
   }
+  if (!sameTopology(own, first))
+    return otherMesh(meshPath(sequence, frame), sequence, frame,
+                     "has other faces or UVs than the first one, or in another order");
   Positions positions = std::move(mesh.positions);
   scaleBy(capture.metres_per_unit, positions);
   return positions;
@@ -132,18 +148,41 @@ bool sameTopology(const MeshTopology& a, const MeshTopology& b) {
          a.uvs == b.uvs;
 }
 
+MeshInstant meshInstant(const Capture& capture, const CaptureSequence& sequence, uint32_t frame) {
+  const bool whole_take = sequence.frame_count > 1 && framePath(sequence.mesh_pattern, 0).empty();
+  const double picture = whole_take ? double(sequence.first_frame) + frame : 0;
+  return {sequence.name, picture / capture.fps, 1 / capture.fps, whole_take};
+}
+
+Result<UvMesh> readUvMesh(const Capture& capture, const CaptureSequence& sequence, uint32_t frame) {
+  const std::string path = meshPath(sequence, frame), other = otherMeshKind(path);
+  if (isGltfName(path)) return readUvGltf(path, meshInstant(capture, sequence, frame));
+  if (path.ends_with(".ply") || path.ends_with(".PLY")) {
+    return Error{ErrorId::Unsupported, path + ": UVs of PLY are not read; write \"topology\": \"per-frame\" into " +
+                                           "capture.json for meshes that differ, or export one mesh that moves as OBJ"};
+  }
+  if (!other.empty()) return Error{ErrorId::Unsupported, path + ": " + other + " is not read; " + kExportReadable};
+  return readObj(path, &capture.topology);
+}
+
 Status checkMeshSequence(const Capture& capture, const CaptureSequence& sequence) {
   if (!sequence.packed_positions.empty()) return checkPacked(capture, sequence);
+  const bool obj = !isGltfName(sequence.mesh_pattern);
   ObjOutline first;
   for (uint32_t frame = 0; frame < sequence.frame_count; ++frame) {
+    const bool whole_take = meshInstant(capture, sequence, frame).whole_take;
+    if (whole_take && frame > 0) frame = sequence.frame_count - 1;
     const std::string path = meshPath(sequence, frame);
-    const auto text = readText(path);
-    if (!text) return missing(path);
-    const ObjOutline outline = outlineOf(*text);
-    if (frame > 0 && outline == first && outline.plain_numbers) continue;
-    if (frame == 0) first = outline;
-    auto positions = readMeshFrame(capture, sequence, frame);
-    if (!positions.ok()) return positions.error();
+    ObjOutline outline;
+    if (obj) {
+      const auto text = readText(path);
+      if (!text) return missing(path);
+      outline = outlineOf(*text);
+    }
+    if (!obj || frame == 0 || !outline.hasFacesOf(first)) {
+      FOURDVT_ASSIGN(outline.positions, readMeshFrame(capture, sequence, frame));
+    }
+    if (frame == 0) first = std::move(outline);
   }
   return {};
 }
@@ -167,7 +206,7 @@ Result<TriangleMesh> readSurfaceFrame(const Capture& capture, const CaptureSeque
       return TriangleMesh{std::move(positions), capture.topology.face_vertices};
     }
     case CaptureMeshes::PerFrame: {
-      FOURDVT_ASSIGN(auto mesh, readMeshFile(meshPath(sequence, frame)));
+      FOURDVT_ASSIGN(auto mesh, readMeshFile(meshPath(sequence, frame), meshInstant(capture, sequence, frame)));
       scaleBy(capture.metres_per_unit, mesh.positions);
       return mesh;
     }

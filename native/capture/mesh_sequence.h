@@ -5,6 +5,7 @@
 #include <string>
 
 #include "capture/capture.h"
+#include "capture/mesh_file.h"
 
 namespace fourdvt::capture {
 
@@ -17,16 +18,24 @@ Status checkFrame(const CaptureSequence& sequence, uint32_t frame);
 // Path of one frame, from a pattern with exactly one %d or %0Nd; empty if `pattern` is no such pattern.
 std::string framePath(const std::string& pattern, uint32_t frame);
 
-// Path of a frame's mesh file; the sequence has one file a frame.
+// Path of a frame's mesh file; the sequence is not packed.
 std::string meshPath(const CaptureSequence& sequence, uint32_t frame);
+
+// The instant of a frame in its mesh file. One file of several frames begins with picture 0, not with frame 0.
+MeshInstant meshInstant(const Capture& capture, const CaptureSequence& sequence, uint32_t frame);
 
 // Reads the whole OBJ at `path`. Errors: FileMissing and those of parseObj, which has `split_as`, too.
 Result<UvMesh> readObj(const std::string& path, const MeshTopology* split_as = nullptr);
 
+// Reads a frame's mesh with its UVs, in the file's units; polygons are split as in the capture's topology. Errors:
+// those of readObj and readUvGltf; Unsupported (files of another kind).
+Result<UvMesh> readUvMesh(const Capture& capture, const CaptureSequence& sequence, uint32_t frame);
+
 bool sameTopology(const MeshTopology& a, const MeshTopology& b);
 
-// Checks that every mesh frame exists and has the capture's topology. Reads all files, but parses only those whose
-// topology lines differ from the first one's. Errors: FileMissing, MeshTopology and those of parseObj.
+// Checks that every mesh frame exists, has the capture's topology and its vertices in the order of `reference`, which
+// is made of the first frame where it is empty. Reads all files, but parses faces only of those whose topology lines
+// differ from the first one's. Errors: FileMissing, MeshTopology and those of readUvMesh.
 Status checkMeshSequence(const Capture& capture, const CaptureSequence& sequence);
 
 }  // namespace fourdvt::capture

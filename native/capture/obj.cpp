@@ -2,14 +2,12 @@
 // Wavefront OBJ: positions, wedge UVs if they are wanted, polygons. Everything else in the file is skipped.
 
 #include "capture/capture.h"
-#include "capture/mesh_file.h"
+#include "capture/mesh_readers.h"
 #include "capture/polygon.h"
 #include "capture/text.h"
 
 namespace fourdvt::capture {
 namespace {
-
-constexpr float kUvSlack = 1e-4f;  // exporters round; UVs this far outside [0,1] are clamped
 
 struct Corner {
   uint32_t vertex = 0, uv = 0;
@@ -36,10 +34,6 @@ class ObjParser {
   }
 
  private:
-  static constexpr const char* kNoUvs =
-      "the mesh has no texture coordinates; unwrap it and export with UVs, or give capture.json "
-      "\"topology\": \"per-frame\" and bake with --appearance cameras";
-
   Error error(ErrorId id, const std::string& what) const {
     std::string message = path_;
     if (line_ > 0) message.append(":").append(std::to_string(line_));
@@ -80,12 +74,9 @@ class ObjParser {
       return error(ErrorId::MeshNotFinite,
                    "a texture coordinate needs two finite numbers, but " + fields.problem() + "; export the UVs again");
     }
-    const glm::vec2 uv(u, v);
-    const glm::vec2 clamped = glm::clamp(uv, 0.0f, 1.0f);
-    if (glm::any(glm::greaterThan(glm::abs(uv - clamped), glm::vec2(kUvSlack)))) {
-      return error(ErrorId::MeshUvRange, "texture coordinates must lie in [0,1]; pack the UVs into one tile");
-    }
-    mesh_.topology.uvs.emplace_back(clamped.x, 1.0f - clamped.y);
+    const auto uv = inTile({u, v});
+    if (!uv) return error(ErrorId::MeshUvRange, kUvsOutside);
+    mesh_.topology.uvs.emplace_back(uv->x, 1.0f - uv->y);
     return {};
   }
 

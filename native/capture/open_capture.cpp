@@ -60,18 +60,16 @@ Result<CaptureMeshes> resolveMeshes(bool per_frame, MeshNeed need, DeclaredSeque
   CaptureSequence& sequence = declared.sequence;
   const std::string folder = sequence.folder + "/mesh";
   if (per_frame && need == MeshNeed::ConstantTopology) return CaptureMeshes::PerFrame;
-  if (per_frame) {
-    if (!sequence.mesh_pattern.empty())
-      findFirstMesh(sequence);
-    else
-      FOURDVT_TRY(findMeshFiles(folder, sequence));
-    return CaptureMeshes::PerFrame;
+  const CaptureMeshes meshes = per_frame ? CaptureMeshes::PerFrame : CaptureMeshes::ConstantTopology;
+  if (!declared.packed_topology.empty()) return meshes;
+  if (!sequence.mesh_pattern.empty()) {
+    findFirstMesh(sequence);
+    return meshes;
   }
-  if (!sequence.mesh_pattern.empty() || !declared.packed_topology.empty()) return CaptureMeshes::ConstantTopology;
   std::error_code ignored;
-  if (!std::filesystem::is_directory(folder, ignored)) return CaptureMeshes::None;
-  sequence.mesh_pattern = folder + "/%06d.obj";
-  return CaptureMeshes::ConstantTopology;
+  if (!per_frame && !std::filesystem::is_directory(folder, ignored)) return CaptureMeshes::None;
+  FOURDVT_TRY(findMeshFiles(folder, sequence));
+  return meshes;
 }
 
 Status refuse(const std::string& folder, CaptureMeshes meshes, MeshNeed need) {
@@ -106,32 +104,35 @@ Status resolveAllMeshes(MeshNeed need, DeclaredCapture& declared) {
   return refuse(capture.folder, capture.meshes, need);
 }
 
-std::string topologyFile(const DeclaredSequence& declared) {
-  return declared.packed_topology.empty() ? meshPath(declared.sequence, 0) : declared.packed_topology;
-}
-
 // Sets capture.topology from the first sequence and checks that all others have the same.
 Status checkTopology(const std::vector<DeclaredSequence>& declared, Capture& capture) {
   for (const DeclaredSequence& d : declared) {
-    const std::string path = topologyFile(d);
+    const bool packed = !d.packed_topology.empty();
+    FOURDVT_ASSIGN(auto mesh,
+                   packed ? readObj(d.packed_topology, &capture.topology) : readUvMesh(capture, d.sequence, 0));
     const bool first = &d == &declared.front();
-    FOURDVT_ASSIGN(auto mesh, readObj(path, first ? nullptr : &capture.topology));
     if (first) capture.topology = std::move(mesh.topology);
     if (!first && !sameTopology(mesh.topology, capture.topology)) {
-      return Error{ErrorId::MeshTopology, path + ": faces or UVs differ from sequence \"" +
-                                              declared.front().sequence.name +
-                                              "\"; all sequences need one aligned mesh"};
+      return Error{ErrorId::MeshTopology,
+                   (packed ? d.packed_topology : meshPath(d.sequence, 0)) + ": faces or UVs differ from sequence \"" +
+                       declared.front().sequence.name + "\"; all sequences need one aligned mesh"};
     }
     FOURDVT_TRY(checkMeshSequence(capture, d.sequence));
   }
   return {};
 }
 
-// Checks of meshes of per-frame topology that the files are there: reading the first frame parses the first one.
+// Checks of meshes of per-frame topology that the files are there, and that one file of all frames is long enough:
+// reading the first frame parses the first one.
 Status checkMeshes(const std::vector<DeclaredSequence>& declared, Capture& capture) {
   if (capture.meshes == CaptureMeshes::ConstantTopology) return checkTopology(declared, capture);
   if (capture.meshes == CaptureMeshes::PerFrame) {
-    for (const DeclaredSequence& d : declared) FOURDVT_TRY(checkMeshFiles(d.sequence));
+    for (const DeclaredSequence& d : declared) {
+      FOURDVT_TRY(checkMeshFiles(d.sequence));
+      if (!meshInstant(capture, d.sequence, 0).whole_take) continue;
+      const auto last = readSurfaceFrame(capture, d.sequence, d.sequence.frame_count - 1);
+      if (!last.ok()) return last.error();
+    }
   }
   return {};
 }

@@ -19,7 +19,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr uint32_t kNone = 0xffffffff;  // no vertex's number
+constexpr uint32_t kNoCorner = 0xffffffff;  // no vertex's number
 
 enum class Format { Ascii, LittleEndian, BigEndian };
 enum class Type { Int8, UInt8, Int16, UInt16, Int32, UInt32, Float, Double };
@@ -301,7 +301,7 @@ class PlyParser {
     corners_.clear();
     for (uint64_t i = 0; i < static_cast<uint64_t>(count); ++i) {
       const double value = numbers.next(property.type);
-      if (kept) corners_.push_back(value >= 0 && value < kNone ? static_cast<uint32_t>(value) : kNone);
+      if (kept) corners_.push_back(value >= 0 && value < kNoCorner ? static_cast<uint32_t>(value) : kNoCorner);
     }
     if (!numbers.ok()) return failed(numbers);
     if (kept) element.name == "face" ? addPolygon() : addStrips();
@@ -318,7 +318,7 @@ class PlyParser {
   void addStrips() {
     size_t begin = 0;
     for (size_t i = 0; i < corners_.size(); ++i) {
-      if (corners_[i] == kNone) begin = i + 1;
+      if (corners_[i] == kNoCorner) begin = i + 1;
       if (i < begin + 2) continue;
       glm::uvec3 face(corners_[i - 2], corners_[i - 1], corners_[i]);
       if ((i - begin) % 2 == 1) std::swap(face.x, face.y);

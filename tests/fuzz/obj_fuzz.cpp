@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// OBJ text: whatever is accepted is consistent.
+// OBJ text: whatever is accepted is consistent, and has the same faces where its polygons are split as before.
 #include <cstdlib>
 
 #include "capture/capture.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  const auto mesh = fourdvt::capture::parseObj(std::string_view(reinterpret_cast<const char*>(data), size), "fuzz.obj");
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const auto mesh = fourdvt::capture::parseObj(text, "fuzz.obj");
   if (!mesh.ok()) {
     if (mesh.error().message.rfind("fuzz.obj", 0) != 0) std::abort();
     return 0;
@@ -17,5 +18,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       if (t.face_vertices[f][k] >= t.vertex_count || t.face_uvs[f][k] >= t.uvs.size()) std::abort();
     }
   }
+  const auto again = fourdvt::capture::parseObj(text, "fuzz.obj", &t);
+  if (!again.ok() || again.value().topology.face_vertices != t.face_vertices ||
+      again.value().topology.face_uvs != t.face_uvs)
+    std::abort();
   return 0;
 }

@@ -148,13 +148,13 @@ TEST(MeshErrors, CompressionThatIsNotRead) {
   expectMessage(glb(json, gltfBuffer(squareMesh())), "a.glb", ErrorId::Unsupported, "compressed with meshopt");
   expectMessage(
       glb(replaced(gltfJson(squareMesh()), R"("count": 5)", R"("sparse": {}, "count": 5)"), gltfBuffer(squareMesh())),
-      "a.glb", ErrorId::Unsupported, "sparse");
+      "a.glb", ErrorId::FileUnreadable, "positions cannot be read");
 }
 
-TEST(MeshErrors, GltfThatIsNoStillMesh) {
+TEST(MeshErrors, BrokenGltf) {
   const std::string plain = R"([{"attributes": {"POSITION": 0}, "indices": 1}])";
-  expectMessage(glbWith(plain, R"([{"mesh": 0, "skin": 0}])"), "a.glb", ErrorId::Unsupported, "skeleton");
-  expectMessage(glbWith(plain, R"([{"mesh": 0, "weights": [0, 0.5]}])"), "a.glb", ErrorId::Unsupported, "morph");
+  expectMessage(glbWith(plain, R"([{"mesh": 0, "skin": 0}])"), "a.glb", ErrorId::FileUnreadable, "a skin is missing");
+  expectMessage(glbWith(plain, R"([{"mesh": 0, "weights": [0, "x"]}])"), "a.glb", ErrorId::FileUnreadable, "weights");
   expectMessage(glbWith(plain, R"([{"children": [1]}, {"children": [0], "mesh": 0}])"), "a.glb",
                 ErrorId::FileUnreadable, "do not form a tree");
   expectMessage(glbWith(plain, R"([{"children": [0, 0]}])"), "a.glb", ErrorId::FileUnreadable, "do not form a tree");
@@ -189,7 +189,12 @@ TEST(MeshErrors, EmptyFilesAndWrongNames) {
   expectMessage(gltfJson(mesh), "a.glb", ErrorId::FileUnreadable, "holds glTF, not GLB; rename it to end in .gltf");
   expectMessage(objText(mesh), "a.ply", ErrorId::FileUnreadable, "does not begin as PLY does");
   expectMessage(objText(mesh), "a.glb", ErrorId::FileUnreadable, "does not begin as GLB does");
-  expectMessage("Kaydara FBX Binary", "a.fbx", ErrorId::Unsupported, ".obj, .ply, .glb and .gltf");
+  expectMessage("a mesh", "a.xyz", ErrorId::Unsupported, ".obj, .ply, .glb and .gltf");
+  expectMessage("Kaydara FBX Binary", "a.fbx", ErrorId::Unsupported,
+                "FBX is not read; export one OBJ, PLY or glTF file");
+  expectMessage("Ogawa", "a.ABC", ErrorId::Unsupported, "Alembic is not read");
+  expectMessage("PXR-USDC", "a.usdc", ErrorId::Unsupported, "USD is not read");
+  expectMessage("BLENDER", "a.blend", ErrorId::Unsupported, "Blender is not read");
   expectMessage("Kaydara FBX Binary", "a.obj", ErrorId::MeshIndex, "no vertices");
   TempFolder folder;
   expectError(readMeshFile(folder / "gone.ply"), ErrorId::FileMissing, folder / "gone.ply");

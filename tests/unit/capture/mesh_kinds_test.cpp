@@ -92,15 +92,51 @@ TEST(CaptureMeshKinds, AGivenPatternMayBeginAtAnyNumber) {
   EXPECT_EQ(readSurfaceFrame(capture.value(), capture.value().sequences[0], 2).value().faces.size(), 3u);
 }
 
-// Two candidates are not guessed between, whatever comes after them.
-TEST(CaptureMeshKinds, AsksWhichFilesAreMeant) {
+void expectWords(const BareCapture& files, ErrorId id, const std::string& file, const std::string& words) {
+  const auto capture = files.openAs(MeshNeed::AnySurface);
+  expectError(capture, id, files / file);
+  if (!capture.ok()) EXPECT_NE(capture.error().message.find(words), std::string::npos) << capture.error().message;
+}
+
+// Two candidates are not guessed between, whatever comes after them, and whichever has more files; one that is too
+// short is none.
+TEST(CaptureMeshKinds, SeveralSeriesAreNamed) {
   BareCapture files;
   for (int k = 0; k < 3; ++k) {
     files.write("walk/mesh/a" + std::to_string(k) + ".obj", fanObj(1, 0));
-    files.write("walk/mesh/b" + std::to_string(k) + ".obj", fanObj(1, 0));
+    files.write("walk/mesh/b_00" + std::to_string(k) + ".ply", fanObj(1, 0));
   }
   files.write("walk/mesh/c0.obj", fanObj(1, 0));
-  expectError(files.openAs(MeshNeed::AnySurface), ErrorId::InvalidArgument, files / "walk/mesh");
+  expectWords(files, ErrorId::InvalidArgument, "walk/mesh", "(a%d.obj, b_%03d.ply)");
+  expectWords(files, ErrorId::InvalidArgument, "walk/mesh", "\"mesh\": \"walk/mesh/a%d.obj\"");
+  files.write("walk/mesh/b_003.ply", fanObj(1, 0));
+  expectWords(files, ErrorId::InvalidArgument, "walk/mesh", "(a%d.obj, b_%03d.ply)");
+  files.remove("walk/mesh/b_001.ply");
+  files.remove("walk/mesh/b_002.ply");
+  EXPECT_TRUE(files.openAs(MeshNeed::AnySurface).ok());
+}
+
+// A hole is named by the number that the missing file would have.
+TEST(CaptureMeshKinds, AHoleHasItsNumber) {
+  BareCapture files;
+  for (const int number : {9, 11, 12}) files.write("walk/mesh/scan_" + std::to_string(number) + ".obj", fanObj(1, 0));
+  expectWords(files, ErrorId::FileMissing, "walk/mesh/scan_10.obj", "1 of the 3 frames");
+}
+
+TEST(CaptureMeshKinds, OtherKindsAreNamed) {
+  BareCapture files;
+  files.write("walk/mesh/performance.abc", std::string("Ogawa"));
+  expectWords(files, ErrorId::Unsupported, "walk/mesh/performance.abc", "Alembic is not read; export one OBJ");
+  files.declare("constant");
+  expectWords(files, ErrorId::Unsupported, "walk/mesh/performance.abc", "Alembic is not read; export one OBJ");
+  for (const std::string pattern : {"walk/mesh/performance.abc", "walk/mesh/%04d.usdc"}) {
+    files.declare("per-frame", R"(, "mesh": ")" + pattern + "\"");
+    expectWords(files, ErrorId::CaptureJson, "capture.json", "which is not read; export one OBJ");
+  }
+  files.declare("per-frame");
+  files.remove("walk/mesh/performance.abc");
+  files.write("walk/mesh/statue.obj", fanObj(1, 0));
+  expectWords(files, ErrorId::InvalidArgument, "walk/mesh/statue.obj", "is one mesh, but \"walk\" has 3 frames");
 }
 
 TEST(CaptureMeshKinds, OneFrameIsASequence) {

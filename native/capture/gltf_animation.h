@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Nodes of a glTF file at an instant of its animation. Does NOT know meshes or skins.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <optional>
+#include <vector>
+
+#include "capture/gltf_bytes.h"
+#include "capture/mesh_file.h"
+
+namespace fourdvt::capture {
+
+struct GltfPose {
+  glm::dvec3 translation{0}, scale{1};
+  glm::dquat rotation{1, 0, 0, 0};
+  std::optional<glm::dmat4> matrix;            // in place of the three
+  std::optional<std::vector<double>> weights;  // of morph targets; nullopt: the mesh's own
+  glm::dmat4 parentFromNode() const;
+};
+
+// Poses of all nodes: as the file has them, then moved by the animation that `instant` names, by the rules of glTF 2.0
+// (appendix C: step, linear, cubic spline; held before the first and after the last key). Errors: FileUnreadable;
+// Unsupported (several animations, a file of one frame that moves on); VideoTooShort (the animation ends before).
+Result<std::vector<GltfPose>> gltfPoses(GltfBytes& bytes, const MeshInstant& instant);
+
+}  // namespace fourdvt::capture
