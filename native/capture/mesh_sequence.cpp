@@ -165,7 +165,8 @@ Result<UvMesh> readUvMesh(const Capture& capture, const CaptureSequence& sequenc
   return readObj(path, &capture.topology);
 }
 
-Status checkMeshSequence(const Capture& capture, const CaptureSequence& sequence) {
+Status checkMeshSequence(const Capture& capture, const CaptureSequence& sequence,
+                         std::optional<EdgeLengths>& reference) {
   if (!sequence.packed_positions.empty()) return checkPacked(capture, sequence);
   const bool obj = !isGltfName(sequence.mesh_pattern);
   ObjOutline first;
@@ -181,6 +182,13 @@ Status checkMeshSequence(const Capture& capture, const CaptureSequence& sequence
     }
     if (!obj || frame == 0 || !outline.hasFacesOf(first)) {
       FOURDVT_ASSIGN(outline.positions, readMeshFrame(capture, sequence, frame));
+    }
+    if (!reference) reference.emplace(capture.topology.face_vertices, outline.positions);
+    const double grown = reference->grown(outline.positions);
+    if (grown > kMostGrown && !whole_take) {
+      return otherMesh(path, sequence, frame,
+                       "has its vertices in another order than the first one (" +
+                           std::to_string(std::lround(100 * grown)) + " % of its edges are over five times as long)");
     }
     if (frame == 0) first = std::move(outline);
   }

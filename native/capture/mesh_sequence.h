@@ -6,6 +6,7 @@
 
 #include "capture/capture.h"
 #include "capture/mesh_file.h"
+#include "capture/mesh_order.h"
 
 namespace fourdvt::capture {
 
@@ -36,6 +37,7 @@ bool sameTopology(const MeshTopology& a, const MeshTopology& b);
 // Checks that every mesh frame exists, has the capture's topology and its vertices in the order of `reference`, which
 // is made of the first frame where it is empty. Reads all files, but parses faces only of those whose topology lines
 // differ from the first one's. Errors: FileMissing, MeshTopology and those of readUvMesh.
-Status checkMeshSequence(const Capture& capture, const CaptureSequence& sequence);
+Status checkMeshSequence(const Capture& capture, const CaptureSequence& sequence,
+                         std::optional<EdgeLengths>& reference);
 
 }  // namespace fourdvt::capture

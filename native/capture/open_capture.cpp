@@ -106,6 +106,7 @@ Status resolveAllMeshes(MeshNeed need, DeclaredCapture& declared) {
 
 // Sets capture.topology from the first sequence and checks that all others have the same.
 Status checkTopology(const std::vector<DeclaredSequence>& declared, Capture& capture) {
+  std::optional<EdgeLengths> reference;
   for (const DeclaredSequence& d : declared) {
     const bool packed = !d.packed_topology.empty();
     FOURDVT_ASSIGN(auto mesh,
@@ -117,7 +118,7 @@ Status checkTopology(const std::vector<DeclaredSequence>& declared, Capture& cap
                    (packed ? d.packed_topology : meshPath(d.sequence, 0)) + ": faces or UVs differ from sequence \"" +
                        declared.front().sequence.name + "\"; all sequences need one aligned mesh"};
     }
-    FOURDVT_TRY(checkMeshSequence(capture, d.sequence));
+    FOURDVT_TRY(checkMeshSequence(capture, d.sequence, reference));
   }
   return {};
 }
