@@ -15,6 +15,20 @@
 
 namespace fourdvt {
 
+// Contents of a video by its container's index or packets: no picture is decoded.
+struct VideoListing {
+  uint64_t pictures = 0;                  // that are stored whole and shown; the header may count others
+  uint64_t announced = 0;                 // by the header's count, hidden ones included; 0: it has none
+  bool cut_off = false;                   // the file ends before or inside of a picture
+  std::vector<double> times_s;            // [picture] since the first one, ascending; empty: none to rely on
+  double tick_s = 0;                      // unit of the times
+  std::string timecode;                   // of the first picture, "10:00:00:12"; empty: none
+  std::optional<double> timecode_s;       // the same since midnight
+  std::string created;                    // "creation_time"; empty: none
+  std::string track;                      // the video track that is read, for people
+  std::vector<std::string> other_tracks;  // further video tracks, which are not read
+};
+
 // Sequential reader of one video. Holds a bounded number of pictures whatever the video's length.
 class VideoSource {
  public:
@@ -31,6 +45,9 @@ class VideoSource {
     }
     return {};
   }
+  // Lists the whole file, which may be read for it, and goes back to the first picture. Errors: those of opening it;
+  // Unsupported by default.
+  virtual Result<VideoListing> list() { return Error{ErrorId::Unsupported, "this video cannot be listed"}; }
   // Upper bound on the number of pictures in the whole file where the container tells it without decoding.
   virtual std::optional<uint64_t> frameCountHint() const { return std::nullopt; }
   // How pictures are to be shown; next() gives them as they are stored.

@@ -4,20 +4,16 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <vector>
 
-#include "base/bytes.h"
-#include "base/hash.h"
 #include "platform/ffmpeg_handles.h"
 #include "platform/file_only.h"
-#include "platform/files.h"
 #include "platform/frame_colour.h"
 #include "platform/frame_filter.h"
 #include "platform/video_marks.h"
+#include "platform/video_stamps.h"
 
 namespace fourdvt::platform {
 namespace {
@@ -54,19 +50,6 @@ Image grayFromRgb(const Image& rgb) {  // BT.709 luma
   return gray;
 }
 
-// Path of a video's list of time stamps, from its name, size and time; empty where none is kept.
-std::string indexPath(const std::string& path, const std::string& folder) {
-  namespace fs = std::filesystem;
-  std::error_code failed;
-  if (folder.empty() || !fs::is_directory(folder, failed)) return {};
-  const auto time = std::chrono::floor<std::chrono::seconds>(fs::last_write_time(path, failed).time_since_epoch());
-  const std::string key = fs::absolute(path, failed).lexically_normal().string() + " " +
-                          std::to_string(fs::file_size(path, failed)) + " " + std::to_string(time.count());
-  char digits[17];
-  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(fnv1a(key)));
-  return folder + "/" + digits + ".stamps";
-}
-
 class FileSource final : public VideoSource {
  public:
   Status open(const std::string& path, int channels, const std::string& index_folder) {
@@ -75,9 +58,9 @@ class FileSource final : public VideoSource {
     index_folder_ = index_folder;
     FOURDVT_TRY(openFormat());
     AVFormatContext* raw = file_.format.get();
-    const AVCodec* codec = nullptr;
-    stream_ = av_find_best_stream(raw, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
-    if (stream_ < 0 || !codec) return unreadable(path, "no video stream that this build decodes");
+    stream_ = pictureTrack(*raw);
+    const AVCodec* codec = stream_ < 0 ? nullptr : avcodec_find_decoder(raw->streams[stream_]->codecpar->codec_id);
+    if (!codec) return unreadable(path, "no video stream that this build decodes");
     for (unsigned i = 0; i < raw->nb_streams; ++i) {
       if (static_cast<int>(i) != stream_) raw->streams[i]->discard = AVDISCARD_ALL;
     }
@@ -96,6 +79,14 @@ class FileSource final : public VideoSource {
     deinterlacer_.close();
     to_bt709_.close();
     return {};
+  }
+
+  Result<VideoListing> list() override {
+    if (number_ > 0) FOURDVT_TRY(rewind());
+    const VideoStamps stamps = listStamps(*file_.format, stream_, stampsPath(path_, index_folder_));
+    VideoListing out = listVideo(*file_.format, stream_, stamps);
+    FOURDVT_TRY(rewind());
+    return out;
   }
 
   std::optional<uint64_t> frameCountHint() const override {
@@ -129,13 +120,6 @@ class FileSource final : public VideoSource {
       FOURDVT_ASSIGN(const bool more, advance());
       if (!more) return {};
     }
-    return {};
-  }
-
-  // Lists the time stamps now, and keeps them.
-  Status index() {
-    FOURDVT_ASSIGN(const bool decoded, decode());  // sets first_stamp_
-    if (decoded && first_stamp_ != AV_NOPTS_VALUE) listStamps();
     return {};
   }
 
@@ -194,55 +178,13 @@ class FileSource final : public VideoSource {
     }
   }
 
-  // Lists the pictures' time stamps in the order of presentation, which numbers them: from the file's index where that
-  // has all of them at equal intervals, else from its packets, which are read and not decoded. Moves the file's
-  // position. Empty where there are none to rely on.
-  void listStamps() {
-    AVStream* stream = file_.format->streams[stream_];
-    const int entries = avformat_index_get_entries_count(stream);
-    bool equal = entries >= 2 && stream->nb_frames == entries;
-    const auto stamp = [&](int i) { return avformat_index_get_entry(stream, i)->timestamp; };
-    for (int i = 2; equal && i < entries; ++i) equal = stamp(i) - stamp(i - 1) == stamp(1) - stamp(0);
-    if (equal) {
-      for (int i = 0; i < entries; ++i) stamps_.push_back(first_stamp_ + i * (stamp(1) - stamp(0)));
-      return;
-    }
-    const std::string kept = indexPath(path_, index_folder_);
-    if (!kept.empty() && loadStamps(kept)) return;
-    readStamps();
-    if (!kept.empty()) keepStamps(kept);
-  }
-
-  void readStamps() {
-    if (av_seek_frame(file_.format.get(), stream_, 0, AVSEEK_FLAG_BACKWARD) < 0) return;
-    while (av_read_frame(file_.format.get(), packet_.get()) >= 0) {
-      if (packet_->stream_index == stream_ && !(packet_->flags & AV_PKT_FLAG_DISCARD)) stamps_.push_back(packet_->pts);
-      av_packet_unref(packet_.get());
-    }
-    std::sort(stamps_.begin(), stamps_.end());
-    const bool unique = std::adjacent_find(stamps_.begin(), stamps_.end()) == stamps_.end();
-    if (stamps_.empty() || !unique || stamps_.front() != first_stamp_) stamps_.clear();
-  }
-
-  // The file has the time stamps of all pictures, then their hash.
-  bool loadStamps(const std::string& path) {
-    const auto bytes = readFile(path);
-    if (!bytes || bytes.value().size() % sizeof(int64_t) != 0 || bytes.value().empty()) return false;
-    const std::span<const uint8_t> all(bytes.value()), stamps = all.first(all.size() - sizeof(uint64_t));
-    if (ByteReader(all.last(sizeof(uint64_t))).u64() != fnv1a(stamps)) return false;
-    ByteReader in(stamps);
-    while (in.remaining() > 0) stamps_.push_back(static_cast<int64_t>(in.u64()));
-    if (stamps_.empty() || stamps_.front() == first_stamp_) return true;
-    stamps_.clear();
-    return false;
-  }
-
-  // Where that fails, the next one reads the video again.
-  void keepStamps(const std::string& path) const {
-    ByteWriter out;
-    for (const int64_t stamp : stamps_) out.u64(static_cast<uint64_t>(stamp));
-    out.u64(fnv1a(out.data()));
-    static_cast<void>(writeFileAtomic(path, out.data()));
+  // Lists the presentation times that number the pictures, if there are such times; may move the file's position.
+  void listTimes() {
+    VideoStamps stamps = listStamps(*file_.format, stream_, stampsPath(path_, index_folder_));
+    if (!stamps.presentation || stamps.times.empty()) return;
+    const int64_t later = stamps.from_index ? first_stamp_ - stamps.times.front() : 0;
+    for (int64_t& time : stamps.times) time += later;
+    if (stamps.times.front() == first_stamp_) stamps_ = std::move(stamps.times);
   }
 
   // Goes to a picture that is not after `wanted` where stamps number the pictures and one is nearer than this; else
@@ -256,7 +198,7 @@ class FileSource final : public VideoSource {
     bool moved = false;
     if (!listed_ && first_stamp_ != AV_NOPTS_VALUE) {
       listed_ = moved = true;
-      listStamps();
+      listTimes();
     }
     const uint32_t target = wanted - kReordered;
     if (target < stamps_.size() && target > number_) {
@@ -284,6 +226,11 @@ class FileSource final : public VideoSource {
   Status openFormat() {
     file_ = openFileOnly(path_);
     if (!file_.io) return unreadable(path_, "cannot be opened");
+    if (!file_.format && lacksIndex(path_))
+      return Error{
+          ErrorId::FileUnreadable,
+          path_ + ": is cut off before its index (\"moov\"), as when a battery dies: no picture can be read; let " +
+              "the camera repair it, or leave this camera out"};
     if (!file_.format) return unreadable(path_, "not a video file, or one that names other files");
     if (!findStreams(*file_.format)) return unreadable(path_, "no readable stream");
     return {};
@@ -292,12 +239,12 @@ class FileSource final : public VideoSource {
   Status feed() {
     while (true) {
       const int read = av_read_frame(file_.format.get(), packet_.get());
-      if (read == AVERROR_EOF) {
+      if (read == AVERROR_EOF || (read < 0 && avio_feof(file_.format->pb))) {  // the latter of a file that is cut off
         avcodec_send_packet(codec_.get(), nullptr);
         return {};
       }
       if (read < 0) return unreadable(path_, "reading stops inside the file");
-      const bool ours = packet_->stream_index == stream_;
+      const bool ours = packet_->stream_index == stream_ && !isCutOff(*file_.format, *packet_);
       const int sent = ours ? avcodec_send_packet(codec_.get(), packet_.get()) : 0;
       av_packet_unref(packet_.get());
       if (sent < 0) return unreadable(path_, "a picture does not decode");
@@ -372,10 +319,11 @@ Result<std::unique_ptr<VideoSource>> openIndexedVideo(const std::string& path, i
 
 Status indexVideo(const std::string& path, const std::string& index_folder) {
   std::error_code failed;
-  if (const std::string kept = indexPath(path, index_folder); !kept.empty() && std::filesystem::exists(kept, failed))
+  if (const std::string kept = stampsPath(path, index_folder); !kept.empty() && std::filesystem::exists(kept, failed))
     return {};
   FOURDVT_ASSIGN(const auto source, openSource(path, 1, index_folder));
-  return source->index();
+  const auto listed = source->list();
+  return listed.ok() ? Status() : Status(listed.error());
 }
 
 }  // namespace fourdvt::platform

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "platform/file_only.h"
 
+#include <array>
+#include <fstream>
 #include <vector>
 
 #include "platform/ffmpeg_video.h"
+
+extern "C" {
+#include <libavutil/intreadwrite.h>
+}
 
 namespace fourdvt::platform {
 namespace {
@@ -21,6 +27,25 @@ AvIo openBytes(const std::string& path) {
 }
 
 }  // namespace
+
+bool lacksIndex(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  uint64_t at = 0;
+  for (int box = 0; box < 1000; ++box) {
+    std::array<unsigned char, 16> head{};
+    file.seekg(static_cast<std::streamoff>(at));
+    file.read(reinterpret_cast<char*>(head.data()), 8);
+    if (!file) return box > 0;
+    const std::string type(head.begin() + 4, head.begin() + 8);
+    if (type == "moov" || (box == 0 && type != "ftyp" && type != "wide" && type != "mdat")) return false;
+    uint64_t bytes = AV_RB32(head.data());
+    if (bytes == 1 && !file.read(reinterpret_cast<char*>(head.data()) + 8, 8)) return true;
+    if (bytes == 1) bytes = AV_RB64(head.data() + 8);
+    if (bytes < 8 || bytes > INT64_MAX - at) return bytes == 0;  // 0: to the end of the file
+    at += bytes;
+  }
+  return false;
+}
 
 FileOnly openFileOnly(const std::string& path) {
   FileOnly out;

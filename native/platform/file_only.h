@@ -14,6 +14,9 @@ struct FileOnly {
   AvFormat format;  // null: its format is not known, or names other files
 };
 
+// True for an MP4 or MOV that ends before its index ("moov"), as a recording does that was cut off.
+bool lacksIndex(const std::string& path);
+
 // Streams are not looked for yet.
 FileOnly openFileOnly(const std::string& path);
 // Probes the streams. Probing decodes pictures, with decoders of its own: none larger than a video may have.
