@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "capture/capture_json.h"
+#include "capture/clip_checks.h"
 #include "capture/mesh_folder.h"
 #include "capture/mesh_sequence.h"
 #include "capture/text.h"
@@ -183,9 +184,10 @@ Status checkOffsets(const Capture& capture, const CaptureSequence& sequence) {
                                          " at least, and take as much off \"frames\""};
 }
 
-// Opening the reader checks that files are there and long enough; reading the first frame checks decoding and sizes.
+// Opening the reader checks that files are there, reading the first frame checks decoding and sizes.
 Status checkPictures(const Capture& capture, const CaptureSequence& sequence, const OpenVideo& open_video,
                      MatteNeed mattes) {
+  FOURDVT_TRY(checkClips(capture, sequence, open_video, mattes));
   FOURDVT_ASSIGN(auto reader, FrameReader::open(capture, sequence, open_video, 0, mattes));
   auto frame = reader->next();
   return frame.ok() ? Status() : Status(frame.error());

@@ -108,16 +108,24 @@ Result<Image> readCalibrated(const std::string& path, int channels, const Captur
   return asCalibrated(std::move(picture), marks, camera, path);
 }
 
+NeededPictures::NeededPictures(const CaptureSequence& sequence, const std::string& camera) {
+  for (uint32_t frame = 0; frame < sequence.frame_count; ++frame) numbers.push_back(sequence.pictureOf(camera, frame));
+  count = 1 + *std::max_element(numbers.begin(), numbers.end());
+  as_declared = count == sequence.frame_count;
+}
+
+Error NeededPictures::tooFew(const std::string& path, const std::string& has) const {
+  const std::string why = as_declared
+                              ? " but capture.json says "
+                              : " but \"frames\" with \"first_frame\" and \"offset_frames\" in capture.json asks for ";
+  return {ErrorId::VideoTooShort,
+          path + ": has " + has + why + std::to_string(count) + "; correct \"frames\" or export the video again"};
+}
+
 Result<PictureStream> PictureStream::open(const PicturePlace& place, const CaptureSequence& sequence,
                                           const CaptureCamera& camera, int channels, const OpenVideo& open_video,
                                           bool check_files) {
-  PictureStream stream;
-  stream.place_ = place;
-  stream.camera_ = camera;
-  for (uint32_t frame = 0; frame < sequence.frame_count; ++frame)
-    stream.numbers_.push_back(sequence.pictureOf(camera.pinhole.name, frame));
-  stream.pictures_ = 1 + *std::max_element(stream.numbers_.begin(), stream.numbers_.end());
-  stream.as_declared_ = stream.pictures_ == sequence.frame_count;
+  PictureStream stream(place, camera, NeededPictures(sequence, camera.pinhole.name));
   stream.open_video_ = open_video;
   stream.channels_ = channels;
   if (place.numbered) {
@@ -125,31 +133,22 @@ Result<PictureStream> PictureStream::open(const PicturePlace& place, const Captu
     return stream;
   }
   FOURDVT_ASSIGN(stream.video_, open_video(place.path, channels));
-  const auto hint = stream.video_->frameCountHint();
-  if (hint && *hint < stream.pictures_) return stream.tooShort(std::to_string(*hint) + " frames");
   return stream;
 }
 
-Error PictureStream::tooShort(const std::string& has) const {
-  const std::string why = as_declared_
-                              ? " but capture.json says "
-                              : " but \"frames\" with \"first_frame\" and \"offset_frames\" in capture.json asks for ";
-  return {ErrorId::VideoTooShort, place_.path + ": has " + has + why + std::to_string(pictures_) +
-                                      "; correct \"frames\" or export the video again"};
-}
-
 Status PictureStream::checkFiles() const {
-  for (const uint32_t number : numbers_) {
+  for (const uint32_t number : needed_.numbers) {
     const std::string file = framePath(place_.path, number);
     if (isFile(file)) continue;
-    return Error{ErrorId::VideoTooShort, file + ": missing; the sequence has " + std::to_string(numbers_.size()) +
+    return Error{ErrorId::VideoTooShort, file + ": missing; the sequence has " +
+                                             std::to_string(needed_.numbers.size()) +
                                              " frames by capture.json: correct \"frames\" or export the picture"};
   }
   return {};
 }
 
 Result<Image> PictureStream::read(uint32_t frame) {
-  const uint32_t number = frame < numbers_.size() ? numbers_[frame] : frame;
+  const uint32_t number = frame < needed_.numbers.size() ? needed_.numbers[frame] : frame;
   if (place_.numbered) return readCalibrated(framePath(place_.path, number), channels_, camera_);
   if (number < next_) {
     FOURDVT_ASSIGN(video_, open_video_(place_.path, channels_));
@@ -157,7 +156,8 @@ Result<Image> PictureStream::read(uint32_t frame) {
   }
   FOURDVT_TRY(video_->skip(number - next_));
   FOURDVT_ASSIGN(auto picture, video_->next());
-  if (!picture) return tooShort((number == next_ ? "" : "at most ") + std::to_string(number) + " frames");
+  if (!picture)
+    return needed_.tooFew(place_.path, (number == next_ ? "" : "at most ") + std::to_string(number) + " frames");
   next_ = number + 1;
   return asCalibrated(std::move(*picture), video_->marks(), camera_, place_.path);
 }

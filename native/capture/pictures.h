@@ -45,9 +45,19 @@ Result<Image> readPicture(const std::string& path, int channels, PictureMarks* m
 // The same, as the camera is calibrated for it. Errors: those of readPicture; FrameSize.
 Result<Image> readCalibrated(const std::string& path, int channels, const CaptureCamera& camera);
 
+// How many pictures a camera must have for a sequence, those before its first frame included.
+struct NeededPictures {
+  NeededPictures(const CaptureSequence& sequence, const std::string& camera);
+  Error tooFew(const std::string& path, const std::string& has) const;  // VideoTooShort
+
+  std::vector<uint32_t> numbers;  // [frame] of the picture
+  uint32_t count = 0;
+  bool as_declared = true;  // nothing but "frames" decides on it
+};
+
 class PictureStream {
  public:
-  // Checks what is cheap to check: that the files are there, and that the video does not announce too few frames.
+  // Checks that numbered files are there; of videos see clip_checks.h.
   // `check_files`: numbered files are looked for, all of the sequence.
   // Errors: VideoTooShort, and those of `open_video`.
   static Result<PictureStream> open(const PicturePlace& place, const CaptureSequence& sequence,
@@ -60,14 +70,14 @@ class PictureStream {
   const std::string& path() const { return place_.path; }
 
  private:
-  Error tooShort(const std::string& has) const;
+  PictureStream(const PicturePlace& place, const CaptureCamera& camera, NeededPictures needed)
+      : place_(place), camera_(camera), needed_(std::move(needed)) {}
   Status checkFiles() const;
 
   PicturePlace place_;
   CaptureCamera camera_;
-  std::vector<uint32_t> numbers_;     // [frame] of the picture
-  uint32_t pictures_ = 0, next_ = 0;  // how many there must be; number of the video's next one
-  bool as_declared_ = true;           // nothing but "frames" decides on it
+  NeededPictures needed_;
+  uint32_t next_ = 0;  // number of the video's next picture
   OpenVideo open_video_;
   int channels_ = 3;
   std::unique_ptr<VideoSource> video_;
