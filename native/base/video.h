@@ -34,7 +34,8 @@ class VideoSource {
  public:
   virtual ~VideoSource() = default;
   // Next picture in presentation order, or nullopt at the end. 3 channels (sRGB via the stream's matrix and range,
-  // limited where unspecified, and then BT.601 up to 576 lines, else BT.709) or 1 channel (as opened).
+  // limited where unspecified, and then BT.601 up to 576 lines, else BT.709), 4 (the same and alpha, which is 255 where
+  // the video has none) or 1 (as opened): grey, or the alpha of a picture that is not opaque throughout.
   virtual Result<std::optional<Image>> next() = 0;
   // Leaves out so many pictures, or all that are left. A file goes to the key picture before the wanted one where its
   // time stamps number the pictures; else those between are decoded.
@@ -54,11 +55,14 @@ class VideoSource {
   virtual PictureMarks marks() const { return {}; }
   // Conversions that next() makes by other marks of the file, for reports; known once a picture has been read.
   virtual std::vector<std::string> conversions() const { return {}; }
+  // Returns true if the video has an alpha channel by its headers, though it may be opaque throughout. What cannot be
+  // decoded of it is an error where it is opened with 1 or 4 channels.
+  virtual bool hasAlpha() const { return false; }
   // Mean frame rate by the container's header; nothing if it has none.
   virtual std::optional<double> framesPerSecond() const { return std::nullopt; }
 };
 
-// Opens `path`; channels is 3 or 1.
+// Opens `path`; channels is 1, 3 or 4.
 using OpenVideo = std::function<Result<std::unique_ptr<VideoSource>>(const std::string& path, int channels)>;
 
 }  // namespace fourdvt

@@ -12,6 +12,7 @@
 #include "platform/file_only.h"
 #include "platform/frame_colour.h"
 #include "platform/frame_filter.h"
+#include "platform/video_alpha.h"
 #include "platform/video_marks.h"
 #include "platform/video_stamps.h"
 
@@ -64,6 +65,10 @@ class FileSource final : public VideoSource {
     for (unsigned i = 0; i < raw->nb_streams; ++i) {
       if (static_cast<int>(i) != stream_) raw->streams[i]->discard = AVDISCARD_ALL;
     }
+    alpha_ = alphaKindOf(*raw->streams[stream_]);
+    if (channels != 3) {
+      FOURDVT_ASSIGN(codec, decoderWithAlpha(*raw->streams[stream_], codec, path));
+    }
     const AVCodecParameters& picture = *raw->streams[stream_]->codecpar;
     if (int64_t{picture.width} * picture.height > kMaxVideoPixels)
       return unreadable(path, "pictures of more than 16384x8192 pixels");
@@ -106,6 +111,7 @@ class FileSource final : public VideoSource {
 
   PictureMarks marks() const override { return marks_; }
   std::vector<std::string> conversions() const override { return conversions_; }
+  bool hasAlpha() const override { return alpha_ != AlphaKind::None; }
 
   Result<std::optional<Image>> next() override {
     FOURDVT_ASSIGN(const bool more, advance());
@@ -115,7 +121,9 @@ class FileSource final : public VideoSource {
 
   Status skip(uint32_t pictures) override {
     const uint32_t wanted = number_ + pictures;
-    if (pictures > kSeekBeyond) FOURDVT_TRY(seekBefore(wanted));
+    // Alpha in blocks of its own has key pictures of its own, which seeking does not look for.
+    const bool seeks = channels_ == 3 || alpha_ != AlphaKind::InBlocks;
+    if (pictures > kSeekBeyond && seeks) FOURDVT_TRY(seekBefore(wanted));
     while (number_ < wanted) {
       FOURDVT_ASSIGN(const bool more, advance());
       if (!more) return {};
@@ -253,6 +261,9 @@ class FileSource final : public VideoSource {
   }
 
   Result<std::optional<Image>> picture() {
+    Image alpha;
+    if (channels_ != 3) alpha = alphaOf(*frame_);
+    if (channels_ == 1 && !isOpaque(alpha)) return std::optional<Image>(std::move(alpha));
     if (to_bt709_.isOpen()) {
       const bool pushed = to_bt709_.push(frame_.get());
       if (!pushed || to_bt709_.pull(*frame_) != 0) return unreadable(path_, "the picture does not convert to BT.709");
@@ -264,6 +275,7 @@ class FileSource final : public VideoSource {
     if (channels_ == 1 && luma_first) return std::optional<Image>(lumaPlane(*frame_, isFullRange(*frame_, *format)));
     Image rgb;
     if (!converter_.convert(*frame_, rgb)) return unreadable(path_, "the picture does not convert to RGB");
+    if (channels_ == 4) return std::optional<Image>(withAlpha(rgb, alpha));
     return std::optional<Image>(channels_ == 1 ? grayFromRgb(rgb) : std::move(rgb));
   }
 
@@ -276,6 +288,7 @@ class FileSource final : public VideoSource {
   int64_t first_stamp_ = AV_NOPTS_VALUE;  // of picture 0
   std::vector<int64_t> stamps_;           // [picture], once a seek needs them
   bool listed_ = false;
+  AlphaKind alpha_ = AlphaKind::None;
   FileOnly file_;
   AvCodec codec_;
   AvFrame frame_{av_frame_alloc()};
@@ -293,8 +306,8 @@ namespace {
 
 Result<std::unique_ptr<FileSource>> openSource(const std::string& path, int channels, const std::string& index_folder) {
   quietFfmpeg();
-  if (channels != 1 && channels != 3) {
-    return Error{ErrorId::InvalidArgument, path + ": a video opens with 1 or 3 channels"};
+  if (channels != 1 && channels != 3 && channels != 4) {
+    return Error{ErrorId::InvalidArgument, path + ": a video opens with 1, 3 or 4 channels"};
   }
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) {
