@@ -4,28 +4,23 @@
 #include <opencv2/core/utility.hpp>
 #include <utility>
 
+#include "capture/matte_flaw.h"
+#include "capture/matted_pictures.h"
 #include "capture/mesh_sequence.h"
-#include "capture/pictures.h"
 #include "capture/plate_key.h"
 #include "capture/undistort.h"
 
 namespace fourdvt::capture {
 namespace {
 
-// One camera: its colour pictures, and either its mattes or plates to key against.
+// One camera: its pictures, and plates to key against where it has no mattes.
 class CameraReader {
  public:
   static Result<CameraReader> open(const Capture& capture, const CaptureSequence& sequence, const CaptureCamera& camera,
                                    const OpenVideo& open_video, MatteNeed mattes, bool check_files) {
-    FOURDVT_ASSIGN(const PicturePlace place, colourPlace(sequence, camera));
-    CameraReader reader(camera);
-    const std::string& name = camera.pinhole.name;
-    FOURDVT_TRY(openStream(place, sequence, camera, 3, open_video, check_files, reader.colour_));
-    if (mattes == MatteNeed::None) return reader;
-    const auto matte_place = findPictures(sequence.folder, matteStem(name));
-    if (matte_place) {
-      FOURDVT_TRY(openStream(*matte_place, sequence, camera, 1, open_video, check_files, reader.matte_));
-    } else {
+    FOURDVT_ASSIGN(auto pictures, MattedPictures::open(sequence, camera, open_video, mattes, check_files));
+    CameraReader reader(camera, std::move(pictures));
+    if (mattes == MatteNeed::Required && !reader.pictures_.hasMattes()) {
       FOURDVT_ASSIGN(reader.key_, PlateKey::open(capture, camera));
     }
     return reader;
@@ -33,38 +28,28 @@ class CameraReader {
 
   // RGBA, undistorted.
   Status read(uint32_t frame, Image& out) {
-    FOURDVT_ASSIGN(auto colour, colour_->read(frame));
-    Image alpha;
-    float residual = 0;
-    if (matte_) {
-      FOURDVT_ASSIGN(auto matte, matte_->read(frame));
-      alpha = std::move(matte);
-    } else if (key_) {
+    FOURDVT_ASSIGN(auto read, pictures_.read(frame));
+    auto& [colour, alpha] = read;
+    if (key_) {
+      float residual = 0;
       alpha = key_->matte(colour, &residual);
-    } else {
+      FOURDVT_TRY(checkFirst(alpha, residual));
+    } else if (!pictures_.hasMattes()) {
       alpha = Image(colour.width, colour.height, 1, 255);
     }
-    FOURDVT_TRY(checkFirst(alpha, residual));
     out = joined(undistorter_.apply(std::move(colour)), undistorter_.apply(std::move(alpha)));
     return {};
   }
 
  private:
-  explicit CameraReader(const CaptureCamera& camera) : camera_(camera), undistorter_(camera) {}
+  CameraReader(const CaptureCamera& camera, MattedPictures pictures)
+      : camera_(camera), undistorter_(camera), pictures_(std::move(pictures)) {}
 
-  static Status openStream(const PicturePlace& place, const CaptureSequence& sequence, const CaptureCamera& camera,
-                           int channels, const OpenVideo& open_video, bool check_files,
-                           std::optional<PictureStream>& out) {
-    FOURDVT_ASSIGN(out, PictureStream::open(place, sequence, camera, channels, open_video, check_files));
-    return {};
-  }
-
-  // The first matte tells whether mattes are the wrong way round or plates do not fit. An empty one is fine.
+  // The first matte shows whether plates do not fit. An empty one is fine.
   Status checkFirst(const Image& alpha, float residual_levels) {
     if (std::exchange(checked_, true)) return {};
-    if (matte_ && looksInverted(alpha)) return mattesAreSwapped(matte_->path());
-    if (key_ && (keepsTheBorder(alpha) || residual_levels > kMostResidual))
-      return plateDoesNotFit(key_->path(), colour_->path(), camera_.pinhole.name);
+    if (keepsTheBorder(alpha) || residual_levels > kMostResidual)
+      return plateDoesNotFit(key_->path(), pictures_.path(), camera_.pinhole.name);
     return {};
   }
 
@@ -83,7 +68,7 @@ class CameraReader {
 
   CaptureCamera camera_;
   Undistorter undistorter_;
-  std::optional<PictureStream> colour_, matte_;
+  MattedPictures pictures_;
   std::optional<PlateKey> key_;  // if there are no mattes, and they are needed
   bool checked_ = false;
 };

@@ -65,6 +65,12 @@ cv::Mat decodeMatte(const cv::Mat& encoded) {
       return alpha;
     }
   }
+  double most = 0;
+  if (decoded.channels() == 1) cv::minMaxLoc(decoded, nullptr, &most);
+  if (decoded.depth() == CV_16U && most > 0 && most < 256) {  // 8-bit values in 16 bits
+    decoded.convertTo(decoded, CV_8U);
+    return decoded;
+  }
   return cv::imdecode(encoded, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
 }
 
@@ -83,6 +89,7 @@ Result<Image> readPicture(const std::string& path, int channels, PictureMarks* m
     cv::Mat decoded = channels == 1 ? decodeMatte(encoded) : cv::imdecode(encoded, mode);
     if (decoded.empty()) return bad;
     if (channels == 4) {
+      if (decoded.depth() == CV_16U) decoded.convertTo(decoded, CV_8U, 255.0 / 65535);
       if (decoded.depth() != CV_8U) return bad;
       if (decoded.channels() != 4)
         cv::cvtColor(decoded, decoded, decoded.channels() == 1 ? cv::COLOR_GRAY2BGRA : cv::COLOR_BGR2BGRA);
@@ -95,7 +102,7 @@ Result<Image> readPicture(const std::string& path, int channels, PictureMarks* m
       cv::cvtColor(decoded, out, cv::COLOR_BGRA2RGBA);
     else
       cv::cvtColor(decoded, out, cv::COLOR_BGR2RGB);
-    if (channels == 3) toSrgb(found.profile, image);
+    if (channels != 1) toSrgb(found.profile, image);
     return image;
   } catch (const cv::Exception&) {
     return bad;
@@ -145,6 +152,10 @@ Status PictureStream::checkFiles() const {
                                              " frames by capture.json: correct \"frames\" or export the picture"};
   }
   return {};
+}
+
+std::string PictureStream::pathOf(uint32_t frame) const {
+  return place_.numbered ? framePath(place_.path, frame < numbers_.size() ? numbers_[frame] : frame) : place_.path;
 }
 
 Result<Image> PictureStream::read(uint32_t frame) {

@@ -68,6 +68,7 @@ class PictureStream {
   // FrameSize.
   Result<Image> read(uint32_t frame);
   const std::string& path() const { return place_.path; }
+  std::string pathOf(uint32_t frame) const;  // the file that has this frame's picture
 
  private:
   PictureStream(const PicturePlace& place, const CaptureCamera& camera, NeededPictures needed)

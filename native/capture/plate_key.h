@@ -28,16 +28,8 @@ class PlateKey {
   BackgroundModel model_;  // natural background
 };
 
-// Whether a matte shows the background in place of the object: what it keeps goes all round the picture's border and is
-// most of the picture, and what it does not keep lies within. False for a matte that keeps everything or nothing.
-bool looksInverted(const Image& matte);
-// Whether a matte keeps most of the picture and nearly all of its border, as it does where a plate does not fit.
-bool keepsTheBorder(const Image& matte);
-
 inline constexpr float kMostResidual = 15;  // levels, in half of the pixels: a plate that fits leaves less
-// Messages, FileUnreadable: a plate that does not fit the pictures, and mattes in which object and background are
-// swapped.
+// FileUnreadable: a plate that does not fit the pictures.
 Error plateDoesNotFit(const std::string& plate, const std::string& pictures, const std::string& camera);
-Error mattesAreSwapped(const std::string& path);
 
 }  // namespace fourdvt::capture

@@ -111,11 +111,12 @@ Profile openProfile(const std::string& bytes) {
   return out;
 }
 
-Transform transformOf(const Profile& from) {
+Transform transformOf(const Profile& from, int channels) {
   if (!from) return nullptr;
   const Profile srgb(cmsCreate_sRGBProfile());
-  return Transform(cmsCreateTransform(from.get(), TYPE_RGB_8, srgb.get(), TYPE_RGB_8, INTENT_RELATIVE_COLORIMETRIC,
-                                      cmsFLAGS_NOCACHE));
+  const cmsUInt32Number type = channels == 4 ? TYPE_RGBA_8 : TYPE_RGB_8;
+  return Transform(cmsCreateTransform(from.get(), type, srgb.get(), type, INTENT_RELATIVE_COLORIMETRIC,
+                                      cmsFLAGS_NOCACHE | cmsFLAGS_COPY_ALPHA));
 }
 
 // The largest change of a colour, over a grid of them.
@@ -139,16 +140,16 @@ StillMarks stillMarks(std::string_view file) {
   return {};
 }
 
-void toSrgb(const std::string& profile, Image& rgb) {
-  const Transform transform = transformOf(openProfile(profile));
-  if (!transform || largestChange(transform) <= kSrgbTolerance) return;
-  cmsDoTransform(transform.get(), rgb.pixels.data(), rgb.pixels.data(),
-                 static_cast<cmsUInt32Number>(rgb.pixels.size() / 3));
+void toSrgb(const std::string& profile, Image& colour) {
+  if (!changesColours(profile)) return;
+  const Transform transform = transformOf(openProfile(profile), colour.channels);
+  cmsDoTransform(transform.get(), colour.pixels.data(), colour.pixels.data(),
+                 static_cast<cmsUInt32Number>(colour.pixels.size() / size_t(colour.channels)));
 }
 
 bool changesColours(const std::string& profile, std::string* name) {
   const Profile from = openProfile(profile);
-  const Transform transform = transformOf(from);
+  const Transform transform = transformOf(from, 3);
   if (!transform || largestChange(transform) <= kSrgbTolerance) return false;
   char text[128] = "";
   cmsGetProfileInfoASCII(from.get(), cmsInfoDescription, "en", "US", text, sizeof text);

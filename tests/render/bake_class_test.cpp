@@ -69,7 +69,7 @@ struct ClassCapture : capture::SmallCapture {
       for (int camera = 0; camera < kCameras; ++camera) {
         const std::string number = std::to_string(camera);
         write(name + "/cam0" + number + "/" + capture::numbered(f, ".png"), grey(grey_first + grey_step * f));
-        write(name + "/mask0" + number + "/" + capture::numbered(f, ".png"), Image(kWidth, kHeight, 1, 255));
+        write(name + "/mask0" + number + "/" + capture::numbered(f, ".png"), capture::framedMatte(kWidth, kHeight));
       }
       write(name + "/mesh/" + capture::numbered(f, ".obj"), flagObj(begin + double(f) / frames));
     }

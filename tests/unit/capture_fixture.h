@@ -52,6 +52,14 @@ inline std::string numbered(int frame, const char* extension) {
   return std::string(6 - digits.size(), '0') + digits + extension;
 }
 
+// Keeps all but the outermost pixels.
+inline Image framedMatte(int width, int height) {
+  Image out(width, height, 1);
+  for (int y = 1; y + 1 < height; ++y)
+    for (int x = 1; x + 1 < width; ++x) *out.at(x, y) = 255;
+  return out;
+}
+
 // A unit quad at z = depth.
 inline std::string quadObj(double depth) {
   std::string z = std::to_string(depth);
@@ -72,7 +80,7 @@ class SmallCapture : public TempFolder {
       for (int camera = 0; camera < kCameras; ++camera) {
         const std::string number = std::to_string(camera);
         write("walk/cam0" + number + "/" + numbered(frame, ".png"), grey(10 * frame + camera));
-        write("walk/mask0" + number + "/" + numbered(frame, ".png"), Image(kWidth, kHeight, 1, 255));
+        write("walk/mask0" + number + "/" + numbered(frame, ".png"), framedMatte(kWidth, kHeight));
       }
       write("walk/mesh/" + numbered(frame, ".obj"), quadObj(0.1 * frame));
     }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "capture/pictures.h"
+#include "capture/matted_pictures.h"
 #include "mattes/matrices.h"
 #include "mattes/reduced.h"
 
@@ -102,16 +102,26 @@ const char* MatteSource::name() const {
   return key->natural() ? "plates" : "colour key";
 }
 
-bool lacksMattes(const capture::CaptureSequence& sequence, const capture::CaptureCamera& camera) {
-  return !capture::findPictures(sequence.folder, capture::matteStem(camera.pinhole.name));
+Result<bool> lacksMattes(const capture::CaptureSequence& sequence, const capture::CaptureCamera& camera,
+                         const OpenVideo& open_video) {
+  FOURDVT_ASSIGN(const auto origin, capture::matteOrigin(sequence, camera, open_video));
+  return origin == capture::MatteOrigin::None;
 }
 
-Result<bool> wantsMattes(const capture::Capture& capture) {
+Result<bool> lacksMattes(const capture::Capture& capture, const capture::CaptureCamera& camera,
+                         const OpenVideo& open_video) {
+  for (const capture::CaptureSequence& sequence : capture.sequences) {
+    FOURDVT_ASSIGN(const bool lacks, lacksMattes(sequence, camera, open_video));
+    if (lacks) return true;
+  }
+  return false;
+}
+
+Result<bool> wantsMattes(const capture::Capture& capture, const OpenVideo& open_video) {
   std::error_code failed;
   const bool hints = std::filesystem::is_directory(capture.folder + "/" + capture::kHintsFolder, failed);
   for (const capture::CaptureCamera& camera : capture.cameras) {
-    const bool lacks = std::any_of(capture.sequences.begin(), capture.sequences.end(),
-                                   [&](const auto& s) { return lacksMattes(s, camera); });
+    FOURDVT_ASSIGN(const bool lacks, lacksMattes(capture, camera, open_video));
     if (!lacks) continue;
     if (hints) return true;
     const auto key = capture::PlateKey::open(capture, camera);
@@ -126,8 +136,7 @@ Result<std::vector<MatteSource>> openSources(const capture::Capture& capture, co
   std::vector<bool> clip(capture.cameras.size(), false);
   for (size_t i = 0; i < out.size(); ++i) {
     const capture::CaptureCamera& camera = capture.cameras[i];
-    const bool lacks = std::any_of(capture.sequences.begin(), capture.sequences.end(),
-                                   [&](const auto& s) { return lacksMattes(s, camera); });
+    FOURDVT_ASSIGN(const bool lacks, lacksMattes(capture, camera, environment.open_video));
     if (!lacks) continue;
     auto key = capture::PlateKey::open(capture, camera);
     if (key.ok())

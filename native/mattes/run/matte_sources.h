@@ -23,10 +23,14 @@ struct MatteSource {
 };
 
 // True where the capture lacks a camera's mattes in a sequence.
-bool lacksMattes(const capture::CaptureSequence& sequence, const capture::CaptureCamera& camera);
+Result<bool> lacksMattes(const capture::CaptureSequence& sequence, const capture::CaptureCamera& camera,
+                         const OpenVideo& open_video);
+// The same of a camera and any sequence.
+Result<bool> lacksMattes(const capture::Capture& capture, const capture::CaptureCamera& camera,
+                         const OpenVideo& open_video);
 // True where mattes must be made together: some camera has neither mattes nor a backdrop for a colour key, or there are
 // hints.
-Result<bool> wantsMattes(const capture::Capture& capture);
+Result<bool> wantsMattes(const capture::Capture& capture, const OpenVideo& open_video);
 
 // One source a camera. Errors: FileUnreadable, FrameSize, InvalidArgument (too few frames to find a background in),
 // Interrupted, those of pictures.

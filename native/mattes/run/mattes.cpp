@@ -86,6 +86,11 @@ class Run {
     for (const capture::CaptureSequence& s : capture_.sequences) {  // mistakes in hints stop the run before any work
       FOURDVT_ASSIGN(auto strokes, readStrokes(capture_, s));
       strokes_.push_back(std::move(strokes));
+      std::vector<bool>& lacking = lacking_.emplace_back();
+      for (const capture::CaptureCamera& camera : capture_.cameras) {
+        FOURDVT_ASSIGN(const bool lacks, lacksMattes(s, camera, environment_.open_video));
+        lacking.push_back(lacks);
+      }
     }
     for (const capture::CaptureSequence& s : capture_.sequences) {
       FOURDVT_ASSIGN(auto figures, runSequence(s));
@@ -129,13 +134,16 @@ class Run {
     return mattesFolder(s, camera) + "/" + frameName(number) + ".png";
   }
   std::string sourceName(size_t camera) const {
-    for (const capture::CaptureSequence& s : capture_.sequences)
-      if (lacksMattes(s, capture_.cameras[camera])) return source_names_.at(camera);
-    return kGivenMattes;
+    const bool lacks = std::any_of(lacking_.begin(), lacking_.end(), [&](const auto& of) { return of[camera]; });
+    return lacks ? source_names_.at(camera) : kGivenMattes;
   }
 
   const Strokes& strokesOf(const capture::CaptureSequence& s) const {
     return strokes_[size_t(&s - capture_.sequences.data())];
+  }
+  // [camera] true: it has no mattes of its own.
+  const std::vector<bool>& lackingOf(const capture::CaptureSequence& s) const {
+    return lacking_[size_t(&s - capture_.sequences.data())];
   }
 
   Status openSourcesOnce() {
@@ -157,7 +165,7 @@ class Run {
   Status makeFolders(const capture::CaptureSequence& s) const {
     for (size_t c = 0; c < capture_.cameras.size(); ++c) {
       FOURDVT_TRY(platform::makeFolder(cellsFolder() + "/" + s.name + "/" + capture_.cameras[c].pinhole.name));
-      if (!lacksMattes(s, capture_.cameras[c])) continue;
+      if (!lackingOf(s)[c]) continue;
       // A folder of this name without mattes was linked: nothing is written into the capture.
       std::error_code none;
       if (std::filesystem::is_symlink(mattesFolder(s, c), none)) std::filesystem::remove(mattesFolder(s, c), none);
@@ -179,8 +187,7 @@ class Run {
     SequenceFigures out{s.name, {}, framesOf(s)};
     const std::vector<uint32_t> shown = spread(s.frame_count, kShownFrames);
     FOURDVT_TRY(makeFolders(s));
-    std::vector<bool> lacking;
-    for (const capture::CaptureCamera& camera : capture_.cameras) lacking.push_back(lacksMattes(s, camera));
+    const std::vector<bool>& lacking = lackingOf(s);
     std::optional<SequenceMattes> mattes;
     for (const uint32_t frame : out.numbers) {
       if (auto kept = keptFigures(s, frame, lacking)) {
@@ -263,7 +270,8 @@ class Run {
   const MattesEnvironment& environment_;
   std::vector<MatteSource> sources_;
   std::vector<std::string> source_names_;
-  std::vector<Strokes> strokes_;  // [sequence]
+  std::vector<Strokes> strokes_;            // [sequence]
+  std::vector<std::vector<bool>> lacking_;  // [sequence][camera]
   std::unique_ptr<JointMattes> joint_;
   std::string agreed_;  // name of the last sequence whose silhouettes were judged
   Clock::time_point started_ = Clock::now();

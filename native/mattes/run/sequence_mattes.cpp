@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "capture/matte_flaw.h"
 #include "mattes/matrices.h"
 #include "mattes/reduced.h"
 
@@ -15,14 +16,9 @@ Result<SequenceMattes> SequenceMattes::open(const capture::Capture& capture, con
                                             const Strokes& strokes, const OpenVideo& open_video) {
   SequenceMattes out(capture, sources, joint);
   for (const capture::CaptureCamera& camera : capture.cameras) {
-    FOURDVT_ASSIGN(const auto place, capture::colourPlace(sequence, camera));
-    FOURDVT_ASSIGN(auto colour, capture::PictureStream::open(place, sequence, camera, 3, open_video));
-    out.colour_.push_back(std::move(colour));
-    out.given_.emplace_back();
-    const auto matte = capture::findPictures(sequence.folder, capture::matteStem(camera.pinhole.name));
-    if (!matte) continue;
-    FOURDVT_ASSIGN(out.given_.back(),
-                   capture::PictureStream::open(*matte, sequence, camera, 1, open_video));
+    FOURDVT_ASSIGN(auto pictures,
+                   capture::MattedPictures::open(sequence, camera, open_video, capture::MatteNeed::Required));
+    out.pictures_.push_back(std::move(pictures));
   }
   out.strokes_ = strokes;
   out.hints_.resize(capture.cameras.size());
@@ -44,14 +40,15 @@ uint32_t SequenceMattes::firstToRead(size_t camera, uint32_t frame) const {
 Status SequenceMattes::readCamera(size_t camera, uint32_t frame, MatteView& view) {
   const capture::CaptureCamera& calibrated = capture_->cameras[camera];
   for (uint32_t at = firstToRead(camera, frame); at <= frame; ++at) {
-    FOURDVT_ASSIGN(view.picture, colour_[camera].read(at));
+    FOURDVT_ASSIGN(auto read, pictures_[camera].read(at));
+    view.picture = std::move(read.colour);
+    view.given = std::move(read.matte);
     const auto stroke = strokes_[camera].find(at);
     const bool has = stroke != strokes_[camera].end();
     if (has || !hints_[camera].idle()) hints_[camera].advance(view.picture, has ? &stroke->second : nullptr);
   }
   view.hints = hints_[camera].cost();
-  if (given_[camera]) {
-    FOURDVT_ASSIGN(view.given, given_[camera]->read(frame));
+  if (!made(camera)) {
     view.given_is_final = true;
     return {};
   }
@@ -75,21 +72,20 @@ Status SequenceMattes::checkPlates(const MattesFrame& frame) {
   if (std::exchange(checked_, true)) return {};
   for (size_t i = 0; i < frame.mattes.size(); ++i) {
     const auto& key = (*sources_)[i].key;
-    if (given_[i] && capture::looksInverted(frame.mattes[i].matte)) return capture::mattesAreSwapped(given_[i]->path());
-    if (given_[i] || !key) continue;
+    if (!made(i) || !key) continue;
     // The camera's own key: others would hide that its plate does not fit.
     const cv::Mat& own = frame.mattes[i].own;
     Image key_alone(own.cols, own.rows, 1);
     std::copy(own.begin<uint8_t>(), own.end<uint8_t>(), key_alone.pixels.begin());
     if (capture::keepsTheBorder(key_alone) || frame.mattes[i].residual_levels > capture::kMostResidual)
-      return capture::plateDoesNotFit(key->path(), colour_[i].path(), capture_->cameras[i].pinhole.name);
+      return capture::plateDoesNotFit(key->path(), pictures_[i].path(), capture_->cameras[i].pinhole.name);
   }
   return {};
 }
 
 Result<MattesFrame> SequenceMattes::make(uint32_t frame) {
-  std::vector<MatteView> views(colour_.size());
-  std::vector<Status> done(colour_.size());
+  std::vector<MatteView> views(pictures_.size());
+  std::vector<Status> done(pictures_.size());
   inParallel(views.size(), [&](size_t i) { done[i] = readCamera(i, frame, views[i]); });
   for (const Status& status : done)
     if (!status.ok()) return status.error();

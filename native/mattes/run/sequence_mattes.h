@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "capture/pictures.h"
+#include "capture/matted_pictures.h"
 #include "mattes/hints.h"
 #include "mattes/joint_mattes.h"
 #include "mattes/run/matte_sources.h"
@@ -27,7 +27,9 @@ class SequenceMattes {
   // Frames in ascending order. Hints of the frames in between are followed. Errors: those of pictures; FileUnreadable
   // where a plate does not fit the first picture that is keyed.
   Result<MattesFrame> make(uint32_t frame);
-  bool made(size_t camera) const { return !given_[camera]; }  // false: the capture has this camera's mattes
+  bool made(size_t camera) const {
+    return !pictures_[camera].hasMattes();
+  }  // false: the capture has this camera's mattes
 
  private:
   SequenceMattes(const capture::Capture& capture, const std::vector<MatteSource>& sources, const JointMattes& joint)
@@ -39,8 +41,7 @@ class SequenceMattes {
   const capture::Capture* capture_;
   const std::vector<MatteSource>* sources_;
   const JointMattes* joint_;
-  std::vector<capture::PictureStream> colour_;
-  std::vector<std::optional<capture::PictureStream>> given_;
+  std::vector<capture::MattedPictures> pictures_;  // [camera]
   Strokes strokes_;
   std::vector<HintTrack> hints_;
   uint32_t next_ = 0;

@@ -58,7 +58,7 @@ Status Preparation::openGiven() {
   };
   FOURDVT_ASSIGN(given_, open(capture::MatteNeed::None));
   FOURDVT_TRY(capture::leaveOut(options.leave_out, given_));
-  FOURDVT_ASSIGN(wants_mattes_, mattes::wantsMattes(given_));
+  FOURDVT_ASSIGN(wants_mattes_, mattes::wantsMattes(given_, environment_.open_video));
   if (!wants_mattes_ && options.leave_out.empty()) {  // names bad mattes by the user's own files
     const auto with_mattes = open(capture::MatteNeed::Required);
     if (!with_mattes.ok()) return with_mattes.error();

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "capture/pictures.h"
+#include "capture/matted_pictures.h"
 #include "refine/outline_picture.h"
 #include "refine/robust.h"
 
@@ -30,10 +30,12 @@ constexpr double kCulprit = 0.5;  // without that camera, the others stick out b
 Error interrupted() { return {ErrorId::Interrupted, "stopped; nothing was saved, run the same command again"}; }
 
 // Mattes of some camera have to be made.
-bool keyed(const capture::Capture& capture) {
+Result<bool> keyed(const capture::Capture& capture, const OpenVideo& open_video) {
   for (const capture::CaptureSequence& sequence : capture.sequences)
-    for (const capture::CaptureCamera& camera : capture.cameras)
-      if (!capture::findPictures(sequence.folder, capture::matteStem(camera.pinhole.name))) return true;
+    for (const capture::CaptureCamera& camera : capture.cameras) {
+      FOURDVT_ASSIGN(const auto origin, capture::matteOrigin(sequence, camera, open_video));
+      if (origin == capture::MatteOrigin::None) return true;
+    }
   return false;
 }
 
@@ -72,7 +74,8 @@ class Calibrator {
   Status read(const OpenVideo& open_video) {
     const size_t sequences =
         std::min(capture_.sequences.size(), options_.times ? capture_.sequences.size() : kMostClips);
-    const uint32_t most = keyed(capture_) ? kMostKeyedFrames : kMostFrames;
+    FOURDVT_ASSIGN(const bool keys, keyed(capture_, open_video));
+    const uint32_t most = keys ? kMostKeyedFrames : kMostFrames;
     const auto frames = uint32_t(std::max<size_t>(kFewestFrames, 2 * most / (1 + sequences)));
     for (size_t s = 0; s < sequences; ++s) {
       const capture::CaptureSequence& sequence = capture_.sequences[s];

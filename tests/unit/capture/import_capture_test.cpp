@@ -141,7 +141,7 @@ TEST(ImportCapture, SequencesHaveFoldersAndMattes) {
     for (const char* name : {"cam1", "cam2"}) {
       const std::string number = std::to_string(frame) + ".jpg";
       files.write(std::string("in/run/images/") + name + "/" + number, ImportFolder::grey(99));
-      files.write(std::string("in/run/masks/") + name + "/" + std::to_string(frame) + ".png", Image(16, 12, 1, 255));
+      files.write(std::string("in/run/masks/") + name + "/" + std::to_string(frame) + ".png", framedMatte(16, 12));
     }
   }
   files.options.sequences = {{"stand", "."}, {"run", "run"}};

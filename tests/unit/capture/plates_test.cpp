@@ -3,6 +3,7 @@
 // and mattes.
 #include "capture/background_key.h"
 #include "capture/matte.h"
+#include "capture/matte_flaw.h"
 #include "capture/plate_fit.h"
 #include "capture/plate_key.h"
 #include "capture_fixture.h"
@@ -176,18 +177,76 @@ TEST(CapturePlates, InvertedMatteVideosAreNamed) {
   expectError(openCapture(files.path(), video), ErrorId::FileUnreadable, files / "walk/mask00.mkv");
 }
 
-TEST(CapturePlates, OnlyASwapLooksInverted) {
-  EXPECT_TRUE(looksInverted(invertedMatte()));
-  Image upright = invertedMatte();
-  for (uint8_t& a : upright.pixels) a = static_cast<uint8_t>(255 - a);
-  EXPECT_FALSE(looksInverted(upright));
-  EXPECT_FALSE(looksInverted(Image(kWidth, kHeight, 1, 255)));  // nothing is left out: mattes that are not used
-  EXPECT_FALSE(looksInverted(Image(kWidth, kHeight, 1, 0)));
-  Image close(kWidth, kHeight, 1, 255);  // the object fills the picture but for its upper corners
+// The object fills the picture but for its upper corners.
+Image closeUp() {
+  Image out(kWidth, kHeight, 1, 255);
   for (int y = 0; y < 40; ++y)
     for (int x = 0; x < kWidth; ++x)
-      if (x < 25 || x > 70) *close.at(x, y) = 0;
-  EXPECT_FALSE(looksInverted(close));
+      if (x < 25 || x > 70) *out.at(x, y) = 0;
+  return out;
+}
+
+// Two values, as a label picture has.
+Image labels(uint8_t object) {
+  Image out(kWidth, kHeight, 1);
+  for (int y = 20; y < 60; ++y)
+    for (int x = 30; x < 60; ++x) *out.at(x, y) = object;
+  return out;
+}
+
+TEST(MatteFlaw, IsOfMattesThatCannotBeMeant) {
+  EXPECT_EQ(flawOf(invertedMatte()), MatteFlaw::Swapped);
+  Image upright = invertedMatte();
+  for (uint8_t& a : upright.pixels) a = static_cast<uint8_t>(255 - a);
+  EXPECT_EQ(flawOf(upright), MatteFlaw::None);
+  EXPECT_EQ(flawOf(closeUp()), MatteFlaw::None);
+  EXPECT_EQ(flawOf(Image(kWidth, kHeight, 1, 255)), MatteFlaw::Covered);
+  Image specks(kWidth, kHeight, 1, 255);
+  *specks.at(5, 5) = *specks.at(50, 7) = 0;
+  EXPECT_EQ(flawOf(specks), MatteFlaw::Covered);
+  EXPECT_EQ(flawOf(Image(kWidth, kHeight, 1, 0)), MatteFlaw::None);
+  EXPECT_EQ(flawOf(labels(1)), MatteFlaw::Labels);
+  EXPECT_EQ(flawOf(labels(38)), MatteFlaw::Labels);  // the first colour of a palette for labels
+  EXPECT_EQ(flawOf(labels(128)), MatteFlaw::None);
+  Image noise(kWidth, kHeight, 1, 0);  // left by compression where nothing is seen
+  *noise.at(4, 4) = *noise.at(9, 3) = 1;
+  EXPECT_EQ(flawOf(noise), MatteFlaw::None);
+  Image ramp(kWidth, kHeight, 1, 0);
+  for (int x = 0; x < kWidth; ++x) *ramp.at(x, 30) = uint8_t(x);
+  EXPECT_EQ(flawOf(ramp), MatteFlaw::None);
+}
+
+TEST(CapturePlates, MattesThatCannotBeMeantAreNamed) {
+  for (const auto& [matte, words] : {std::pair{Image(kWidth, kHeight, 1, 255), "covers the whole picture"},
+                                     {labels(1), "write 255 for the object"}}) {
+    PlateCapture files;
+    files.setMattes("walk/mask01", matte);
+    const auto opened = files.open();
+    expectError(opened, ErrorId::FileUnreadable, files / "walk/mask01");
+    EXPECT_NE(opened.error().message.find(words), std::string::npos) << opened.error().message;
+    EXPECT_NE(opened.error().message.find("--leave-out cam01"), std::string::npos) << opened.error().message;
+  }
+}
+
+TEST(CapturePlates, OneFrameThatIsFilledIsNoError) {
+  PlateCapture files;
+  files.setMattes("walk/mask01", Image(kWidth, kHeight, 1, 255));
+  files.write("walk/mask01/000002.png", closeUp());
+  EXPECT_TRUE(files.open().ok()) << files.open().error().message;
+  files.write("walk/mask01/000002.png", Image(kWidth, kHeight, 1, 0));
+  expectError(files.open(), ErrorId::FileUnreadable, files / "walk/mask01");
+}
+
+// The first frame that shows something is judged.
+TEST(CapturePlates, EmptyMattesAreNotJudged) {
+  PlateCapture files;
+  files.setMattes("walk/mask01", Image(kWidth, kHeight, 1, 0));
+  files.write("walk/mask01/000001.png", labels(1));
+  const auto opened = files.open();
+  ASSERT_TRUE(opened.ok()) << opened.error().message;
+  auto reader = FrameReader::open(opened.value(), opened.value().sequences[0], platform::openVideoFile).take();
+  EXPECT_TRUE(reader->next().ok());
+  expectError(reader->next(), ErrorId::FileUnreadable, files / "walk/mask01");
 }
 
 }  // namespace
