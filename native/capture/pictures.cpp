@@ -155,7 +155,8 @@ Status PictureStream::checkFiles() const {
 }
 
 std::string PictureStream::pathOf(uint32_t frame) const {
-  return place_.numbered ? framePath(place_.path, frame < numbers_.size() ? numbers_[frame] : frame) : place_.path;
+  return place_.numbered ? framePath(place_.path, frame < needed_.numbers.size() ? needed_.numbers[frame] : frame)
+                         : place_.path;
 }
 
 Result<Image> PictureStream::read(uint32_t frame) {

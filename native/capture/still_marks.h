@@ -19,8 +19,8 @@ struct StillMarks {
 // Damaged ones and other files have no marks.
 StillMarks stillMarks(std::string_view file);
 
-// Converts RGB or RGBA pixels of a profile to sRGB, relative colorimetric. Leaves them where the profile is none of RGB, is
-// damaged, or differs from sRGB by no more than kSrgbTolerance levels.
+// Converts RGB or RGBA pixels of a profile to sRGB, relative colorimetric. Leaves them where the profile is none of
+// RGB, is damaged, or differs from sRGB by no more than kSrgbTolerance levels.
 void toSrgb(const std::string& profile, Image& colour);
 inline constexpr int kSrgbTolerance = 2;
 
