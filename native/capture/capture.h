@@ -27,14 +27,19 @@ namespace fourdvt::capture {
 // Lens distortion in OpenCV's formulas, and skew. All zero and no fisheye: the camera is a pinhole already.
 // With normalised x = X/Z, y = Y/Z and r² = x² + y² the lens images a point at
 //   x' = x (1 + k1 r² + k2 r⁴ + k3 r⁶) / (1 + k4 r² + k5 r⁴ + k6 r⁶) + 2 p1 x y + p2 (r² + 2 x²), y' alike, or,
-//   fisheye, (x', y') = (x, y) θ (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸) / r with θ = atan r; the others are 0;
+//   fisheye, with (u, v) = (x, y) θ / r and θ = atan r, x' = u (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸) + 2 p1 u v +
+//   p2 (θ² + 2 u²) + sx1 θ², y' alike (COLMAP's THIN_PRISM_FISHEYE; OpenCV's where p and s are 0), or,
+//   fov, (x', y') = (x, y) atan(2 r tan(fov / 2)) / (r fov) (COLMAP's FOV), the others 0;
 // which is pixel (fx x' + skew y' + cx, fy y' + cy).
 struct Distortion {
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0, k4 = 0, k5 = 0, k6 = 0;
   double skew = 0;  // pixels
   bool fisheye = false;
+  double sx1 = 0, sy1 = 0;  // thin prism, of a fisheye
+  double fov = 0;           // radians
   bool any() const {
-    return fisheye || k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0 || k3 != 0 || k4 != 0 || k5 != 0 || k6 != 0 || skew != 0;
+    return fisheye || fov != 0 || k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0 || k3 != 0 || k4 != 0 || k5 != 0 ||
+           k6 != 0 || skew != 0;
   }
 };
 
@@ -142,7 +147,8 @@ struct Capture {
 
 // Reads the COLMAP model in `folder`: cameras.txt and images.txt, or else cameras.bin and images.bin. Models:
 // SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, OPENCV_FISHEYE, SIMPLE_RADIAL_FISHEYE,
-// RADIAL_FISHEYE; none of them has skew. Translations stay in the capture's units: scale them with scaleToMetres.
+// RADIAL_FISHEYE, THIN_PRISM_FISHEYE, FOV; none of them has skew. Translations stay in the capture's units: scale them
+// with scaleToMetres. Poses of rigs and frames go before those of images; images are cameras as in camera_names.h.
 // Errors: FileMissing, CameraModel, CameraPose.
 Result<std::vector<CaptureCamera>> readColmapCameras(const std::string& folder);
 // The same from files in memory; messages name `path` as the folder.

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <glm/gtc/quaternion.hpp>
 #include <map>
-#include <set>
 
 #include "capture/capture.h"
 #include "capture/colmap_model.h"
@@ -44,8 +43,8 @@ Result<std::map<int64_t, ColmapIntrinsics>> parseCameras(std::string_view text, 
 }
 
 // One image line behind its number: QW QX QY QZ TX TY TZ CAMERA_ID NAME, where NAME may have blanks.
-Result<CaptureCamera> parseImage(std::string_view line, const std::map<int64_t, ColmapIntrinsics>& cameras,
-                                 const std::string& where) {
+Result<ListedPicture> parseImage(std::string_view line, const std::map<int64_t, ColmapIntrinsics>& cameras,
+                                 const std::array<double, 7>* by_rig, const std::string& where) {
   Fields fields(line);
   std::array<double, 7> pose{};
   for (double& value : pose) value = fields.number<double>();
@@ -57,7 +56,9 @@ Result<CaptureCamera> parseImage(std::string_view line, const std::map<int64_t, 
   const auto found = id ? cameras.find(*id) : cameras.end();
   if (found == cameras.end())
     return colmapPoseError(where, "the image refers to a camera that cameras.txt does not list");
-  return makeColmapCamera(found->second, pose, fields.rest(), where);
+  FOURDVT_ASSIGN(auto camera, makeColmapCamera(found->second, by_rig ? *by_rig : pose, where));
+  FOURDVT_TRY(checkListedPath(fields.rest(), where));
+  return ListedPicture{std::move(camera), std::string(fields.rest()), where};
 }
 
 // A POINTS2D line holds triples of numbers and nothing else; an image line ends in a name.
@@ -70,6 +71,9 @@ bool isPointsLine(std::string_view line) {
 
 // The smallest model that holds these coefficients, which it takes in this order behind fx fy cx cy.
 std::pair<const char*, std::vector<double>> modelAndCoefficients(const Distortion& d) {
+  if (d.fov != 0) return {"FOV", {d.fov}};
+  if (d.fisheye && (d.p1 != 0 || d.p2 != 0 || d.sx1 != 0 || d.sy1 != 0))
+    return {"THIN_PRISM_FISHEYE", {d.k1, d.k2, d.p1, d.p2, d.k3, d.k4, d.sx1, d.sy1}};
   if (d.fisheye) return {"OPENCV_FISHEYE", {d.k1, d.k2, d.k3, d.k4}};
   if (d.k3 != 0 || d.k4 != 0 || d.k5 != 0 || d.k6 != 0)
     return {"FULL_OPENCV", {d.k1, d.k2, d.p1, d.p2, d.k3, d.k4, d.k5, d.k6}};
@@ -77,14 +81,27 @@ std::pair<const char*, std::vector<double>> modelAndCoefficients(const Distortio
   return {"PINHOLE", {}};
 }
 
+std::vector<CaptureCamera> withoutPictures(const std::vector<ListedCamera>& listed) {
+  std::vector<CaptureCamera> out;
+  for (const ListedCamera& camera : listed) out.push_back(camera.camera);
+  return out;
+}
+
+Result<std::string> readPart(const std::string& file) {
+  auto text = readText(file);
+  if (text) return std::move(*text);
+  return Error{ErrorId::FileMissing, file +
+                                         ": cannot be read; export the calibration as a COLMAP model, or run "
+                                         "fourdvt import on what you have"};
+}
+
 }  // namespace
 
-Result<std::vector<CaptureCamera>> parseColmapText(std::string_view cameras_text, std::string_view images_text,
-                                                   const std::string& path) {
+Result<std::vector<ListedPicture>> colmapTextPictures(std::string_view cameras_text, std::string_view images_text,
+                                                      const RigPoses& rigs, const std::string& path) {
   FOURDVT_ASSIGN(auto intrinsics, parseCameras(cameras_text, path + "/cameras.txt"));
   const std::string file = path + "/images.txt";
-  std::vector<CaptureCamera> cameras;
-  std::set<std::string> names;
+  std::vector<ListedPicture> pictures;
   bool after_image = false;
   TextLines lines(images_text, {.blank_lines = true});
   for (std::string_view line; lines.next(line);) {
@@ -93,34 +110,51 @@ Result<std::vector<CaptureCamera>> parseColmapText(std::string_view cameras_text
     const std::string_view first = takeWord(line);
     if (points || first.empty()) continue;
     const std::string where = atLine(file, lines.number());
-    if (!toNumber<int64_t>(first)) return colmapPoseError(where, "the line must start with an image number");
-    auto camera = parseImage(line, intrinsics, where);
-    if (!camera.ok()) return camera.error();
-    if (!names.insert(camera.value().pinhole.name).second)
-      return colmapPoseError(where, "camera \"" + camera.value().pinhole.name + "\" is listed twice");
-    cameras.push_back(camera.take());
+    const auto id = toNumber<int64_t>(first);
+    if (!id) return colmapPoseError(where, "the line must start with an image number");
+    const auto by_rig = rigs.find(static_cast<uint64_t>(*id));
+    FOURDVT_ASSIGN(pictures.emplace_back(),
+                   parseImage(line, intrinsics, by_rig == rigs.end() ? nullptr : &by_rig->second, where));
     after_image = true;
   }
-  if (cameras.empty()) return colmapPoseError(file + ": ", "no image in it");
-  return cameras;
+  if (pictures.empty()) return colmapPoseError(file + ": ", "no image in it");
+  return pictures;
 }
 
-Result<std::vector<CaptureCamera>> readColmapCameras(const std::string& folder) {
-  std::array<std::string, 2> texts;
+Result<std::vector<CaptureCamera>> parseColmapText(std::string_view cameras_text, std::string_view images_text,
+                                                   const std::string& path) {
+  FOURDVT_ASSIGN(const auto pictures, colmapTextPictures(cameras_text, images_text, {}, path));
+  FOURDVT_ASSIGN(const auto listed, camerasOfPictures(pictures));
+  return withoutPictures(listed);
+}
+
+Result<std::vector<CaptureCamera>> parseColmapBinary(std::string_view cameras_bytes, std::string_view images_bytes,
+                                                     const std::string& path) {
+  FOURDVT_ASSIGN(const auto pictures, colmapBinaryPictures(cameras_bytes, images_bytes, {}, path));
+  FOURDVT_ASSIGN(const auto listed, camerasOfPictures(pictures));
+  return withoutPictures(listed);
+}
+
+Result<std::vector<ListedCamera>> readColmapListed(const std::string& folder) {
   std::error_code ignored;
   const bool binary = !std::filesystem::exists(folder + "/cameras.txt", ignored) &&
                       std::filesystem::exists(folder + "/cameras.bin", ignored);
-  for (int i = 0; i < 2; ++i) {
-    const std::string file = folder + (i == 0 ? "/cameras" : "/images") + (binary ? ".bin" : ".txt");
-    auto text = readText(file);
-    if (!text) {
-      return Error{ErrorId::FileMissing, file +
-                                             ": cannot be read; export the calibration as a COLMAP model, or run "
-                                             "fourdvt import on what you have"};
-    }
-    texts[i] = std::move(*text);
+  const std::string ending = binary ? ".bin" : ".txt";
+  FOURDVT_ASSIGN(const std::string cameras, readPart(folder + "/cameras" + ending));
+  FOURDVT_ASSIGN(const std::string images, readPart(folder + "/images" + ending));
+  RigPoses poses;
+  if (const auto frames = readText(folder + "/frames" + ending)) {
+    FOURDVT_ASSIGN(const std::string rigs, readPart(folder + "/rigs" + ending));
+    FOURDVT_ASSIGN(poses, binary ? parseRigsBinary(rigs, *frames, folder) : parseRigsText(rigs, *frames, folder));
   }
-  return binary ? parseColmapBinary(texts[0], texts[1], folder) : parseColmapText(texts[0], texts[1], folder);
+  FOURDVT_ASSIGN(const auto pictures, binary ? colmapBinaryPictures(cameras, images, poses, folder)
+                                             : colmapTextPictures(cameras, images, poses, folder));
+  return camerasOfPictures(pictures);
+}
+
+Result<std::vector<CaptureCamera>> readColmapCameras(const std::string& folder) {
+  FOURDVT_ASSIGN(const auto listed, readColmapListed(folder));
+  return withoutPictures(listed);
 }
 
 void scaleToMetres(std::vector<CaptureCamera>& cameras, double metres_per_unit) {
@@ -151,7 +185,8 @@ ColmapText colmapText(const std::vector<CaptureCamera>& cameras, double metres_p
     out.cameras += "\n";
     std::snprintf(line, sizeof line, "%zu %.15f %.15f %.15f %.15f %.12f %.12f %.12f %zu ", c + 1, q.w, q.x, q.y, q.z,
                   t.x, t.y, t.z, c + 1);
-    out.images += line + p.name + "\n\n";
+    const bool has_point = p.name.find('.') != std::string::npos;  // what stands behind one is left out as an extension
+    out.images += line + p.name + (has_point ? ".png\n\n" : "\n\n");
   }
   return out;
 }

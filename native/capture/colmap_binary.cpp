@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // COLMAP's binary model: cameras.bin (intrinsics) and images.bin (poses, world to camera; points are skipped).
 #include <map>
-#include <set>
 
 #include "base/bytes.h"
 #include "capture/capture.h"
@@ -12,14 +11,6 @@ namespace {
 
 constexpr uint64_t kPointBytes = 24;  // x, y, number of the point in space
 constexpr uint64_t kMaxSideRead = 1 << 20;
-
-Error cutOff(const std::string& file) {
-  return {ErrorId::CameraPose, file + ": ends too early or is not COLMAP's binary model; export the calibration again"};
-}
-
-std::span<const uint8_t> bytesOf(std::string_view text) {
-  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
-}
 
 Result<std::map<uint32_t, ColmapIntrinsics>> binaryIntrinsics(std::string_view text, const std::string& file) {
   ByteReader in(bytesOf(text));
@@ -37,7 +28,7 @@ Result<std::map<uint32_t, ColmapIntrinsics>> binaryIntrinsics(std::string_view t
     FOURDVT_ASSIGN(out[id],
                    makeIntrinsics(*model, static_cast<int>(width), static_cast<int>(height), parameters.data(), where));
   }
-  if (!in.ok()) return cutOff(file);
+  if (!in.ok()) return colmapCutOff(file);
   if (out.empty()) return colmapPoseError(file + ": ", "no camera in it");
   return out;
 }
@@ -50,31 +41,32 @@ std::string terminatedName(ByteReader& in) {
 
 }  // namespace
 
-Result<std::vector<CaptureCamera>> parseColmapBinary(std::string_view cameras_bytes, std::string_view images_bytes,
-                                                     const std::string& path) {
+Result<std::vector<ListedPicture>> colmapBinaryPictures(std::string_view cameras_bytes, std::string_view images_bytes,
+                                                        const RigPoses& rigs, const std::string& path) {
   FOURDVT_ASSIGN(const auto intrinsics, binaryIntrinsics(cameras_bytes, path + "/cameras.bin"));
   const std::string file = path + "/images.bin";
   ByteReader in(bytesOf(images_bytes));
-  std::vector<CaptureCamera> cameras;
-  std::set<std::string> names;
+  std::vector<ListedPicture> pictures;
   for (uint64_t left = in.u64(); in.ok() && left > 0; --left) {
-    const std::string where = file + ": image " + std::to_string(in.u32()) + ": ";
+    const uint32_t id = in.u32();
+    const std::string where = file + ": image " + std::to_string(id) + ": ";
     std::array<double, 7> pose{};
     for (double& value : pose) value = in.f64();
     const auto found = intrinsics.find(in.u32());
     const std::string name = terminatedName(in);
     const uint64_t points = in.u64();
-    if (!in.ok() || points > in.remaining() / kPointBytes) return cutOff(file);
+    if (!in.ok() || points > in.remaining() / kPointBytes) return colmapCutOff(file);
     in.bytes(points * kPointBytes);
     if (found == intrinsics.end())
       return colmapPoseError(where, "it refers to a camera that cameras.bin does not list");
-    FOURDVT_ASSIGN(cameras.emplace_back(), makeColmapCamera(found->second, pose, name, where));
-    if (!names.insert(cameras.back().pinhole.name).second)
-      return colmapPoseError(where, "camera \"" + cameras.back().pinhole.name + "\" is listed twice");
+    const auto by_rig = rigs.find(id);
+    FOURDVT_ASSIGN(auto camera, makeColmapCamera(found->second, by_rig == rigs.end() ? pose : by_rig->second, where));
+    FOURDVT_TRY(checkListedPath(name, where));
+    pictures.push_back({std::move(camera), name, where});
   }
-  if (!in.ok()) return cutOff(file);
-  if (cameras.empty()) return colmapPoseError(file + ": ", "no image in it");
-  return cameras;
+  if (!in.ok()) return colmapCutOff(file);
+  if (pictures.empty()) return colmapPoseError(file + ": ", "no image in it");
+  return pictures;
 }
 
 }  // namespace fourdvt::capture

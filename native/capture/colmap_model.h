@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts common to COLMAP's text and binary models: camera models, and cameras from their numbers. Does NOT read files.
+// Parts common to COLMAP's text and binary models: camera models, cameras from their numbers, lists of pictures.
 #pragma once
 
 #include <array>
+#include <span>
 #include <string>
 #include <string_view>
 
+#include "capture/camera_names.h"
 #include "capture/capture.h"
+#include "capture/colmap_rigs.h"
 
 namespace fourdvt::capture {
 
 inline constexpr int kMaxColmapParameters = 12;
+
+inline std::span<const uint8_t> bytesOf(std::string_view text) {
+  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
+}
 
 struct ColmapIntrinsics {
   int width = 0, height = 0;
@@ -35,9 +42,24 @@ Error colmapPoseError(const std::string& where, const std::string& what);
 Result<ColmapIntrinsics> makeIntrinsics(const ColmapModel& model, int width, int height, const double* parameters,
                                         const std::string& where);
 
-// `pose`: QW QX QY QZ TX TY TZ. The image's name gives the camera's: "cam00.png" and "cam00/000000.png" both name
-// "cam00". Errors: CameraPose.
+// A file that is cut off or of another kind.
+Error colmapCutOff(const std::string& file);
+
+// `pose`: QW QX QY QZ TX TY TZ. The camera has no name. Errors: CameraPose.
 Result<CaptureCamera> makeColmapCamera(const ColmapIntrinsics& intrinsics, const std::array<double, 7>& pose,
-                                       std::string_view image_name, const std::string& where);
+                                       const std::string& where);
+
+// Refuses paths that lead out of the folder of images. Errors: CameraPose.
+Status checkListedPath(std::string_view path, const std::string& where);
+
+// The images of a model, in the order of the file. Poses in `rigs` go before the images' own. Errors: CameraModel,
+// CameraPose.
+Result<std::vector<ListedPicture>> colmapTextPictures(std::string_view cameras_text, std::string_view images_text,
+                                                      const RigPoses& rigs, const std::string& path);
+Result<std::vector<ListedPicture>> colmapBinaryPictures(std::string_view cameras_bytes, std::string_view images_bytes,
+                                                        const RigPoses& rigs, const std::string& path);
+
+// The cameras of readColmapCameras, with the pictures that the model lists. Errors: its own.
+Result<std::vector<ListedCamera>> readColmapListed(const std::string& folder);
 
 }  // namespace fourdvt::capture

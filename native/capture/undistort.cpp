@@ -14,18 +14,28 @@ namespace {
 glm::dvec2 throughFisheye(const Distortion& d, const glm::dvec2& point) {
   const double r = glm::length(point), angle = std::atan(r), a2 = angle * angle;
   if (r < 1e-12) return point;
-  return point * (angle * (1 + a2 * (d.k1 + a2 * (d.k2 + a2 * (d.k3 + a2 * d.k4)))) / r);
+  const double radial = 1 + a2 * (d.k1 + a2 * (d.k2 + a2 * (d.k3 + a2 * d.k4)));
+  const double u = point.x * angle / r, v = point.y * angle / r;
+  return {u * radial + 2 * d.p1 * u * v + d.p2 * (a2 + 2 * u * u) + d.sx1 * a2,
+          v * radial + d.p1 * (a2 + 2 * v * v) + 2 * d.p2 * u * v + d.sy1 * a2};
+}
+
+glm::dvec2 throughFov(double fov, const glm::dvec2& point) {
+  const double r = glm::length(point);
+  if (r < 1e-12) return point * (2 * std::tan(fov / 2) / fov);
+  return point * (std::atan(2 * r * std::tan(fov / 2)) / (r * fov));
 }
 
 glm::dvec2 throughLens(const Distortion& d, const glm::dvec2& point) {
   if (d.fisheye) return throughFisheye(d, point);
+  if (d.fov != 0) return throughFov(d.fov, point);
   const double x = point.x, y = point.y, r2 = x * x + y * y;
   const double radial = (1 + r2 * (d.k1 + r2 * (d.k2 + r2 * d.k3))) / (1 + r2 * (d.k4 + r2 * (d.k5 + r2 * d.k6)));
   return {x * radial + 2 * d.p1 * x * y + d.p2 * (r2 + 2 * x * x),
           y * radial + d.p1 * (r2 + 2 * y * y) + 2 * d.p2 * x * y};
 }
 
-// OpenCV's maps know neither a fisheye's skew nor any other. Beyond ±1e6 pixels nothing is read.
+// OpenCV's maps have neither skew nor every fisheye. Beyond ±1e6 pixels nothing is read.
 cv::Mat lensMap(const CaptureCamera& camera) {
   cv::Mat map(camera.pinhole.height, camera.pinhole.width, CV_32FC2);
   for (int j = 0; j < map.rows; ++j) {
@@ -55,7 +65,7 @@ Undistorter::Undistorter(const CaptureCamera& camera) {
   const PinholeCamera& p = camera.pinhole;
   const Distortion& d = camera.distortion;
   maps_ = std::make_unique<Maps>();
-  if (d.fisheye || d.skew != 0) {
+  if (d.fisheye || d.fov != 0 || d.skew != 0) {
     cv::convertMaps(lensMap(camera), cv::noArray(), maps_->xy, maps_->fraction, CV_16SC2);
     return;
   }

@@ -192,7 +192,7 @@ TEST(CaptureErrors, PictureSizeChangesLater) {
 
 TEST(CaptureErrors, UnknownCameraModel) {
   SmallCapture capture;
-  capture.write("cameras/cameras.txt", std::string("1 THIN_PRISM_FISHEYE 16 12 20 20 8 6 0 0 0 0\n"));
+  capture.write("cameras/cameras.txt", std::string("1 RAD_TAN_THIN_PRISM_FISHEYE 16 12 20 20 8 6 0 0 0 0\n"));
   expectError(capture.open(), ErrorId::CameraModel, capture / "cameras/cameras.txt");
 }
 

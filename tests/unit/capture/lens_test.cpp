@@ -54,6 +54,44 @@ TEST(Lens, FisheyeIsEquidistant) {
   expectPixel(filmedPixel(lens("RADIAL_FISHEYE 640 480 500 320 240 0.1 -0.2"), {320, 240 - 250}), 320, 240 - 500 * rd2);
 }
 
+// Written as COLMAP text, the lens is read again.
+void expectKept(const CaptureCamera& camera) {
+  const ColmapText text = colmapText({camera}, 1);
+  auto again = parseColmapText(text.cameras, text.images, "again");
+  ASSERT_TRUE(again.ok()) << again.error().message;
+  for (const auto& [x, y] : {std::pair{0.4, 0.3}, {-0.5, 0.1}}) {
+    const glm::dvec2 expected = filmedPixel(camera, pixelOf(x, y));
+    expectPixel(filmedPixel(again.value()[0], pixelOf(x, y)), expected.x, expected.y);
+    const glm::dvec2 back = pinholePixel(camera, expected);
+    EXPECT_NEAR(glm::length(back - pixelOf(x, y)), 0, 1e-3);
+  }
+}
+
+TEST(Lens, ThinPrismFisheyeIsColmaps) {
+  const double k1 = 0.1, k2 = -0.05, p1 = 0.004, p2 = -0.003, k3 = 0.02, k4 = -0.01, sx = 0.002, sy = -0.005;
+  const CaptureCamera camera =
+      lens("THIN_PRISM_FISHEYE 640 480 500 510 320 240 0.1 -0.05 0.004 -0.003 0.02 -0.01 0.002 -0.005");
+  for (const auto& [x, y] : {std::pair{0.4, 0.3}, {-0.5, 0.1}, {0.0, -0.4}}) {
+    const double r = std::sqrt(x * x + y * y), t = std::atan(r), u = t / r * x, v = t / r * y, t2 = t * t;
+    const double radial = k1 * t2 + k2 * t2 * t2 + k3 * std::pow(t2, 3) + k4 * std::pow(t2, 4);
+    const double xd = u + u * radial + 2 * p1 * u * v + p2 * (t2 + 2 * u * u) + sx * t2;
+    const double yd = v + v * radial + 2 * p2 * u * v + p1 * (t2 + 2 * v * v) + sy * t2;
+    expectPixel(filmedPixel(camera, pixelOf(x, y)), 500 * xd + 320, 510 * yd + 240);
+  }
+  expectKept(camera);
+}
+
+TEST(Lens, FovIsColmaps) {
+  const CaptureCamera camera = lens("FOV 640 480 500 510 320 240 0.9");
+  for (const auto& [x, y] : {std::pair{0.4, 0.3}, {-0.5, 0.1}, {0.0, -0.4}}) {
+    const double r = std::sqrt(x * x + y * y), factor = std::atan(r * 2 * std::tan(0.45)) / (r * 0.9);
+    expectPixel(filmedPixel(camera, pixelOf(x, y)), 500 * factor * x + 320, 510 * factor * y + 240);
+  }
+  expectPixel(filmedPixel(camera, pixelOf(0, 0)), 320, 240);
+  expectKept(camera);
+  EXPECT_FALSE(lens("FOV 640 480 500 510 320 240 0").distortion.any());
+}
+
 TEST(Lens, SkewShiftsRows) {
   CaptureCamera camera = lens("PINHOLE 640 480 500 510 320 240");
   camera.distortion.skew = 20;
@@ -96,6 +134,8 @@ void expectRestored(const CaptureCamera& camera) {
 TEST(Lens, PicturesComeBackFromEveryModel) {
   expectRestored(lens("FULL_OPENCV 160 120 150 140 83 57 -0.15 0.05 0.003 -0.004 0.02 0.05 -0.03 0.01"));
   expectRestored(lens("OPENCV_FISHEYE 160 120 150 140 83 57 0.05 0.01 -0.01 0.005"));
+  expectRestored(lens("THIN_PRISM_FISHEYE 160 120 150 140 83 57 0.05 0.01 0.003 -0.004 -0.01 0.005 0.002 -0.003"));
+  expectRestored(lens("FOV 160 120 150 140 83 57 0.8"));
   CaptureCamera skewed = lens("OPENCV 160 120 150 140 83 57 -0.05 0.05 0.003 -0.004");
   skewed.distortion.skew = 30;
   expectRestored(skewed);
@@ -120,8 +160,12 @@ TEST(Lens, EveryModelSurvivesColmapText) {
 }
 
 TEST(Lens, UnknownModelsAreRefused) {
-  expectError(parseColmapText("1 FOV 64 48 50 50 32 24 0.1\n", "1 1 0 0 0 0 0 0 1 a\n", "test"), ErrorId::CameraModel,
-              "FOV");
+  expectError(parseColmapText("1 RAD_TAN_THIN_PRISM_FISHEYE 64 48 50 50 32 24 0.1\n", "1 1 0 0 0 0 0 0 1 a\n", "test"),
+              ErrorId::CameraModel, "RAD_TAN_THIN_PRISM_FISHEYE");
+  for (const char* fov : {"nan", "-1", "3.2"}) {
+    expectError(parseColmapText(std::string("1 FOV 64 48 50 50 32 24 ") + fov + "\n", "1 1 0 0 0 0 0 0 1 a\n", "test"),
+                ErrorId::CameraPose, "cameras.txt:1");
+  }
   expectError(parseColmapText("1 FULL_OPENCV 64 48 50 50 32 24 0.1\n", "1 1 0 0 0 0 0 0 1 a\n", "test"),
               ErrorId::CameraPose, "needs 12 numbers");
   expectError(parseColmapText("1 FULL_OPENCV 64 48 50 50 32 24 0 0 0 0 0 nan 0 0\n", "1 1 0 0 0 0 0 0 1 a\n", "test"),
@@ -179,8 +223,8 @@ TEST(ColmapBinary, DamageIsAnError) {
   for (size_t kept = 0; kept < cameras.size(); ++kept)
     EXPECT_FALSE(parseColmapBinary(cameras.substr(0, kept), images, "test").ok()) << kept;
   std::string other = cameras;
-  other[12] = 7;  // FOV
-  expectError(parseColmapBinary(other, images, "test"), ErrorId::CameraModel, "number 7");
+  other[12] = 11;  // RAD_TAN_THIN_PRISM_FISHEYE
+  expectError(parseColmapBinary(other, images, "test"), ErrorId::CameraModel, "number 11");
   std::string many = images;
   for (size_t i = 0; i < 8; ++i) many[i] = '\xff';
   EXPECT_FALSE(parseColmapBinary(cameras, many, "test").ok());
