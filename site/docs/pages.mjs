@@ -7,6 +7,7 @@ export const groups = [
     { source: 'site/docs/README.md', name: 'index', title: 'Overview' },
     { source: 'web/README.md', name: 'element', title: 'The element' },
     { source: 'native/capture/CAPTURE.md', name: 'capture', title: 'Your own capture' },
+    { source: 'native/capture/CLASSES.md', name: 'classes', title: 'Motions that blend' },
     { source: 'site/docs/cluster.md', name: 'cluster', title: 'On many machines' },
     { source: 'site/docs/live.md', name: 'live', title: 'Live' },
     { source: 'site/docs/errors.md', name: 'errors', title: 'Errors' },
@@ -39,6 +40,9 @@ export const pages = groups.flatMap((group) => group.pages);
 /** Pictures of the documents, in site/docs/capture/; made by capture_pictures.mjs. */
 export const capturePictures = ['cameras', 'calibration', 'sync', 'mattes', 'clips', 'hints'].map((name) => `capture/${name}.webp`);
 
+/** Pictures of native/capture/CLASSES.md; made by class_pictures.sh. */
+export const classPictures = ['speeds', 'texture'].map((name) => `classes/${name}.webp`);
+
 /** Files of the repository that the assembled site has, too: path → path from docs/. */
 export const served = new Map([
   ['README.md', 'index.html'],
@@ -48,6 +52,6 @@ export const served = new Map([
   ['site/measured/index.html', '../measured/index.html'],
   ['site/measured/figures.json', '../measured/figures.json'],
   ['site/docs/layering.svg', 'layering.svg'],
-  ...capturePictures.map((path) => [`site/docs/${path}`, path]),
+  ...[...capturePictures, ...classPictures].map((path) => [`site/docs/${path}`, path]),
   ...['embed', 'steer', 'gallery', 'own-controls'].map((name) => [`web/examples/${name}.html`, `../examples/${name}.html`]),
 ]);

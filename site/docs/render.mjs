@@ -9,10 +9,10 @@ import { createRequire } from 'node:module';
 import { dirname, join, posix } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
-import { capturePictures, groups, pages, served } from './pages.mjs';
+import { capturePictures, classPictures, groups, pages, served } from './pages.mjs';
 
 const MarkdownIt = createRequire(new URL('../../web/package.json', import.meta.url))('markdown-it');
-const kCopied = ['docs.css', 'layering.svg', ...capturePictures];
+const kCopied = ['docs.css', 'layering.svg', ...capturePictures, ...classPictures];
 const pageOf = new Map(pages.map((page) => [page.source, `${page.name}.html`]));
 
 /** A heading's anchor, as code hosts make it: "1.2 Penalties, and X" → "12-penalties-and-x". */
@@ -157,7 +157,7 @@ ${rest.length ? `${heading}${contentsOf(env.contents)}${rest.join('')}` : headin
 
 export function renderDocs(root, out) {
   rmSync(out, { recursive: true, force: true });
-  mkdirSync(join(out, 'capture'), { recursive: true });
+  for (const folder of ['capture', 'classes']) mkdirSync(join(out, folder), { recursive: true });
   for (const name of kCopied) copyFileSync(join(dirname(fileURLToPath(import.meta.url)), name), join(out, name));
   for (const page of pages) {
     writeFileSync(join(out, `${page.name}.html`), renderPage(page, readFileSync(join(root, page.source), 'utf8')));

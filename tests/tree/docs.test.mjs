@@ -11,7 +11,7 @@ import { fileURLToPath } from 'node:url';
 import { errorTables } from '../../site/docs/errors.mjs';
 import { layeringPicture, parseLayering } from '../../site/docs/layering.mjs';
 import { run } from '../../site/docs/make.mjs';
-import { capturePictures, pages, served } from '../../site/docs/pages.mjs';
+import { capturePictures, classPictures, pages, served } from '../../site/docs/pages.mjs';
 import { renderDocs, renderPage, slug } from '../../site/docs/render.mjs';
 import { Shown } from '../../site/measured/shown.mjs';
 
@@ -65,14 +65,18 @@ test('every link of a rendered page leads to a file of the site, and to a place 
   assert.ok(links > 300, `${links} links`);
 });
 
-test('the guide shows every picture that is made for it, the site has them, and together they stay small', () => {
-  const guide = read('native/capture/CAPTURE.md'), shown = [...guide.matchAll(/!\[[^\]]+\]\(\.\.\/\.\.\/site\/docs\/([^)]+)\)/g)].map((match) => match[1]);
-  assert.deepEqual(shown.toSorted(), capturePictures.toSorted());
-  assert.deepEqual(readdirSync(join(kRoot, 'site/docs/capture')).map((name) => `capture/${name}`).toSorted(), capturePictures.toSorted());
+test('the guides show every picture that is made for them, the site has them, and together they stay small', () => {
+  for (const [source, folder, pictures] of [['CAPTURE', 'capture', capturePictures], ['CLASSES', 'classes', classPictures]]) {
+    const guide = read(`native/capture/${source}.md`), shown = [...guide.matchAll(/!\[[^\]]+\]\(\.\.\/\.\.\/site\/docs\/([^)]+)\)/g)].map((match) => match[1]);
+    assert.deepEqual(shown.toSorted(), pictures.toSorted());
+    assert.deepEqual(readdirSync(join(kRoot, 'site/docs', folder)).map((name) => `${folder}/${name}`).toSorted(), pictures.toSorted());
+    for (const path of pictures) assert.ok(existsSync(join(out, path)), path);
+  }
+  const made = [...read('site/docs/class_pictures.sh').matchAll(/^row (\w+) /gm)].map(([, name]) => `classes/${name}.webp`);
+  assert.deepEqual(made.toSorted(), classPictures.toSorted(), 'bash site/docs/class_pictures.sh makes them');
   const script = read('site/docs/capture_pictures.mjs').match(/const kPictures = \{ ([\w, ]+) \}/)[1].split(', ');
   assert.deepEqual(script.map((name) => `capture/${name}.webp`).toSorted(), capturePictures.toSorted(), 'node site/docs/capture_pictures.mjs makes them');
-  for (const path of capturePictures) assert.ok(existsSync(join(out, path)), path);
-  assert.ok(capturePictures.reduce((sum, path) => sum + statSync(join(kRoot, 'site/docs', path)).size, 0) < 600_000, 'pictures of the guide');
+  assert.ok([...capturePictures, ...classPictures].reduce((sum, path) => sum + statSync(join(kRoot, 'site/docs', path)).size, 0) < 600_000, 'pictures of the guides');
 });
 
 test('anchors of links in the repository exist', () => {
