@@ -109,6 +109,12 @@ class BareCapture : public SmallCapture {
   Result<Capture> openAs(MeshNeed need) const { return openCapture(path(), platform::openVideoFile, {}, need); }
 };
 
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
 // One clear line with this identifier that names the file.
 template <class T>
 void expectError(const Result<T>& result, ErrorId id, const std::string& file) {

@@ -77,12 +77,6 @@ TEST(ImportOpenCv, JsonOfAFisheye) {
   expectImages(camera.value(), {500, 510, 320, 240, 0, {0.1, -0.05, 0.02, -0.01}, true}, 0.5, worldToCamera);
 }
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return at == std::string::npos ? text : text.replace(at, from.size(), to);
-}
-
 TEST(ImportOpenCv, WhatIsWrongIsNamed) {
   const std::string good = openCvXml();
   const auto wrong = [&](const std::string& text, ErrorId id, const std::string& named) {

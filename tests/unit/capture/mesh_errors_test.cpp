@@ -20,12 +20,6 @@ std::string glbWith(const std::string& primitives, const std::string& nodes = R"
   return glb(gltfJson(squareMesh(), nodes, primitives), gltfBuffer(squareMesh()));
 }
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
-
 TEST(MeshErrors, NanAndInfinity) {
   for (const float bad : {NAN, INFINITY, -INFINITY}) {
     TriangleMesh mesh = squareMesh();
