@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/picture_report.h"
 
+#include <cstdio>
 #include <filesystem>
 #include <utility>
 
+#include "capture/matted_pictures.h"
 #include "capture/mesh_sequence.h"
+#include "capture/picture_clock.h"
 #include "capture/pictures.h"
 #include "capture/plates.h"
 #include "capture/still_marks.h"
@@ -14,14 +17,30 @@
 namespace fourdvt::capture {
 namespace {
 
+void addListing(const VideoListing& listing, PictureReport& out) {
+  if (listing.cut_off) out.done.push_back("the file is cut off");
+  if (!listing.timecode.empty()) out.done.push_back("time code " + listing.timecode);
+  const auto clock = clockOf(listing.times_s);
+  if (!listing.times_s.empty() && !clock) out.done.push_back("the frame rate is variable");
+  for (const ClockGap& gap : clock ? gapsOf(*clock, 0, clock->instants.size()) : std::vector<ClockGap>()) {
+    char text[64];
+    std::snprintf(text, sizeof text, "lacks %llu at %.3f s", static_cast<unsigned long long>(gap.lost), gap.time_s);
+    out.done.push_back(text);
+  }
+  for (const std::string& track : listing.other_tracks) out.done.push_back("not read: " + track);
+}
+
 Result<PictureReport> reportOnVideo(const std::string& path, const CaptureCamera& camera, const OpenVideo& open_video) {
   FOURDVT_ASSIGN(auto video, open_video(path, 3));
   FOURDVT_ASSIGN(auto picture, video->next());
   if (!picture) return Error{ErrorId::VideoTooShort, path + ": no picture in it; export the video again"};
-  PictureReport out{path, picture->width, picture->height, video->frameCountHint(), video->framesPerSecond(), {}};
+  PictureReport out{path, picture->width, picture->height, std::nullopt, video->framesPerSecond(), {}};
   FOURDVT_ASSIGN(const Image shown, asCalibrated(*picture, video->marks(), camera, path));
   out.done = describeMarks(video->marks(), *picture, shown, camera);
   for (const std::string& conversion : video->conversions()) out.done.push_back(conversion);
+  FOURDVT_ASSIGN(const VideoListing listing, video->list());
+  out.pictures = listing.pictures;
+  addListing(listing, out);
   return out;
 }
 
@@ -64,12 +83,16 @@ Result<PictureReport> reportOnPictures(const CaptureSequence& sequence, const Ca
   return reportOnStills(framePath(place.path, sequence.pictureOf(camera.pinhole.name, 0)), camera);
 }
 
-std::string matteSource(const Capture& capture, const CaptureSequence& sequence, const CaptureCamera& camera) {
+std::string matteSource(const Capture& capture, const CaptureSequence& sequence, const CaptureCamera& camera,
+                        const OpenVideo& open_video) {
   const auto inCapture = [&](const std::string& path) {
     return std::filesystem::path(path).lexically_relative(capture.folder).string();
   };
   const std::string& name = camera.pinhole.name;
   if (const auto place = findPictures(sequence.folder, matteStem(name))) return inCapture(place->path);
+  if (const auto origin = matteOrigin(sequence, camera, open_video);
+      origin.ok() && origin.value() == MatteOrigin::ColourAlpha)
+    return "alpha of the pictures";
   const auto plates = readPlates(capture, camera, "none");
   return plates.ok() ? "keyed against " + inCapture(plates.value().path) : "none";
 }

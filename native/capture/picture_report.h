@@ -15,7 +15,7 @@ namespace fourdvt::capture {
 struct PictureReport {
   std::string path;                  // of the video, or of the first picture
   int width = 0, height = 0;         // as stored
-  std::optional<uint64_t> pictures;  // at most so many, by the video's header
+  std::optional<uint64_t> pictures;  // of a video
   std::optional<double> fps;
   std::vector<std::string> done;  // "turned by 90°", "HLG, BT.2020 → BT.709"
 };
@@ -28,7 +28,9 @@ std::vector<std::string> describeMarks(const PictureMarks& marks, const Image& s
 Result<PictureReport> reportOnPictures(const CaptureSequence& sequence, const CaptureCamera& camera,
                                        const OpenVideo& open_video);
 
-// Source of a camera's mattes in a sequence: their file, "keyed against its plate background/cam00.png", or "none".
-std::string matteSource(const Capture& capture, const CaptureSequence& sequence, const CaptureCamera& camera);
+// Source of a camera's mattes in a sequence: their file, "alpha of the pictures", "keyed against background/cam00.png",
+// or "none".
+std::string matteSource(const Capture& capture, const CaptureSequence& sequence, const CaptureCamera& camera,
+                        const OpenVideo& open_video);
 
 }  // namespace fourdvt::capture

@@ -42,7 +42,8 @@ bool printCamera(const capture::Capture& capture, const capture::CaptureSequence
   if (r.fps) std::snprintf(rate, sizeof rate, " at %.4g/s", *r.fps);
   if (r.pictures) line += ", " + std::to_string(*r.pictures) + " pictures" + rate;
   if (!r.done.empty()) line += "; " + joined(r.done);
-  std::printf("  %-10s %s; mattes: %s\n", name, line.c_str(), capture::matteSource(capture, sequence, camera).c_str());
+  std::printf("  %-10s %s; mattes: %s\n", name, line.c_str(),
+              capture::matteSource(capture, sequence, camera, videoOpener()).c_str());
   return true;
 }
 

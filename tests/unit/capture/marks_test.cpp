@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures that their files mark as turned, mirrored, stretched or of other colours.
+// Pictures that their files mark as turned, mirrored, stretched or of other colours, and the report of it.
 #include "capture/upright.h"
 
 #include <lcms2.h>
 
+#include "capture/picture_report.h"
 #include "capture/pictures.h"
 #include "capture/still_marks.h"
 #include "capture_fixture.h"
@@ -191,6 +192,34 @@ TEST(Upright, CaptureJsonDecides) {
   EXPECT_TRUE(capture.open().ok());
   capture.write("capture.json", capture.json().insert(1, R"("calibration": {"orientation": "sideways"}, )"));
   expectError(capture.open(), ErrorId::CaptureJson, "orientation");
+}
+
+TEST(PictureReport, NamesMarksAndTheSourceOfMattes) {
+  SmallCapture capture;
+  addChunk(capture / "walk/cam01/000000.png", "eXIf", exif(6, false));
+  const Capture opened = openDescription(capture.path(), {}, MeshNeed::Nothing).take();
+  const auto report = [&](size_t camera) {
+    return reportOnPictures(opened.sequences[0], opened.cameras[camera], platform::openVideoFile).value();
+  };
+  EXPECT_EQ(report(0).done, std::vector<std::string>());
+  EXPECT_EQ(report(0).width, 16);
+  EXPECT_EQ(report(1).done, std::vector<std::string>{"not turned by 90°: the calibration is of stored pictures"});
+  const auto mattes = [&] {
+    return matteSource(opened, opened.sequences[0], opened.cameras[0], platform::openVideoFile);
+  };
+  EXPECT_EQ(mattes(), "walk/mask00/%06d.png");
+  capture.remove("walk/mask00");
+  EXPECT_EQ(mattes(), "none");
+  capture.write("background/cam00.png", SmallCapture::grey(3));
+  EXPECT_EQ(mattes(), "keyed against background/cam00.png");
+}
+
+TEST(PictureReport, CountsPicturesOfAVideo) {
+  const Capture sample = openDescription(kSample, {"walk"}, MeshNeed::Nothing).take();
+  const PictureReport report =
+      reportOnPictures(sample.sequences[0], sample.cameras[0], platform::openVideoFile).value();
+  EXPECT_EQ(report.pictures, 28u);
+  EXPECT_EQ(report.done, std::vector<std::string>());
 }
 
 }  // namespace
