@@ -94,15 +94,6 @@ class FileSource final : public VideoSource {
     return out;
   }
 
-  std::optional<uint64_t> frameCountHint() const override {
-    const AVStream& stream = *file_.format->streams[stream_];
-    if (stream.nb_frames > 0) return stream.nb_frames;
-    const AVRational rate = stream.avg_frame_rate;
-    if (file_.format->duration <= 0 || rate.num <= 0 || rate.den <= 0) return std::nullopt;
-    const double frames = static_cast<double>(file_.format->duration) / AV_TIME_BASE * av_q2d(rate);
-    return static_cast<uint64_t>(std::ceil(frames)) + 1;  // time stamps are rounded
-  }
-
   std::optional<double> framesPerSecond() const override {
     const AVRational rate = file_.format->streams[stream_]->avg_frame_rate;
     if (rate.num <= 0 || rate.den <= 0) return std::nullopt;

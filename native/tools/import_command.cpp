@@ -33,6 +33,8 @@ const CommandHelp& help() {
         "the calibration is of pictures as players show them, or as they lie in the file, where files mark them as "
         "turned or mirrored (default: by size; an error where both fit)"},
        {"--fps", "X", "frames a second (default: that of the videos, else 25)"},
+       {"--ignore-time-codes", nullptr,
+        "clips begin together, as after cutting them by a clap (default: by their time codes, if all have one)"},
        {"--sequences", "A=DIR,...",
         "names of the sequences, and the folders in SOURCE that hold their videos (default: one, called take, of "
         "SOURCE itself)"},
@@ -59,6 +61,7 @@ capture::ImportOptions readOptions(Args& args) {
   o.orientation = choice(args, "--orientation", Orientation::BySize,
                          {{"marked", Orientation::Marked}, {"stored", Orientation::Stored}});
   o.cropped = args.has("--cropped");
+  o.ignore_time_codes = args.has("--ignore-time-codes");
   for (const std::string& entry : args.list("--sequences")) {
     const size_t equals = entry.find('=');
     o.sequences.emplace_back(entry.substr(0, equals), equals == std::string::npos ? "" : entry.substr(equals + 1));

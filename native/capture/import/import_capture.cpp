@@ -186,14 +186,17 @@ Result<ImportSummary> importCapture(const ImportOptions& given, const OpenVideo&
                          std::to_string(calibration.cameras.size()) + " cameras");
   std::vector<Take> takes = takesOf(options, calibration);
   FOURDVT_TRY(keepSeenCameras(takes, calibration, summary.warnings));
-  ViewMeasures measures{options.cropped, options.fps, options.orientation};
-  for (Take& take : takes) FOURDVT_TRY(measureViews(open_video, calibration, take, measures, summary.warnings));
+  ViewMeasures measures{options.cropped, options.fps, options.orientation, !options.ignore_time_codes, {}};
+  ClipNotes notes;
+  for (Take& take : takes) FOURDVT_TRY(measureViews(open_video, calibration, take, measures, notes));
   for (const auto& [what, cameras] : measures.done) {
     std::string names;
     for (const std::string& name : cameras) names += (names.empty() ? "" : ", ") + name;
     const bool all = cameras.size() == calibration.cameras.size();
     summary.done.push_back("pictures of " + (all ? std::string("all cameras") : names) + ": " + what);
   }
+  summary.done.insert(summary.done.end(), notes.done.begin(), notes.done.end());
+  summary.warnings.insert(summary.warnings.end(), notes.warnings.begin(), notes.warnings.end());
   double fps = measures.fps;
   if (fps == 0) {
     fps = kAssumedFps;

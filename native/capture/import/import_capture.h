@@ -20,7 +20,8 @@ struct ImportOptions {
   std::optional<double> metres_per_unit;  // none: what the format defines, else 1
   bool cropped = false;                   // pictures may lack columns at the right and rows at the bottom
   Orientation orientation = Orientation::BySize;
-  double fps = 0;  // 0: that of the videos, else 25
+  double fps = 0;                  // 0: that of the videos, else 25
+  bool ignore_time_codes = false;  // videos begin together, whatever their time codes
   // Name of each sequence, and its folder in `source`; none: one called "take", of `source` itself.
   std::vector<std::pair<std::string, std::string>> sequences;
   std::vector<std::string> loops;     // names of sequences that are loops
@@ -34,8 +35,8 @@ struct ImportSummary {
 };
 
 // The folder appears when it is complete. Errors: those of readCalibration; CameraMissingVideo (no camera has
-// pictures), FrameSize (both sizes are named), WriteFailed, InvalidArgument (the folder is not empty), and those of
-// findMeshes and of `open_video`.
+// pictures), FrameSize (both sizes are named), VideoTooShort (no instant is in all clips), WriteFailed, InvalidArgument
+// (the folder is not empty), and those of findMeshes and of `open_video`.
 Result<ImportSummary> importCapture(const ImportOptions& options, const OpenVideo& open_video);
 
 }  // namespace fourdvt::capture

@@ -35,24 +35,26 @@ std::string lowerEnding(const std::string& path) {
   return ending;
 }
 
-// Readers look for .png and .jpg, and decide by the content.
-Status linkPictures(const std::vector<std::string>& pictures, const std::string& folder) {
+// Readers look for .png and .jpg, and decide by the content; and for number 0, so that the first picture also stands
+// for those before it, which are not read.
+Status linkPictures(const View& view, const std::string& folder) {
   FOURDVT_TRY(platform::makeFolder(folder));
-  const std::string first = lowerEnding(pictures.front());
+  const std::string first = lowerEnding(view.pictures.front());
   const std::string ending = first == ".jpg" || first == ".jpeg" ? ".jpg" : ".png";
-  for (size_t i = 0; i < pictures.size(); ++i)
-    FOURDVT_TRY(linkFile(pictures[i], framePath(folder + "/%06d" + ending, static_cast<uint32_t>(i))));
+  const size_t end = view.first_number + view.pictures.size();
+  for (size_t i = 0; i < end; ++i)
+    FOURDVT_TRY(linkFile(view.pictures[i < view.first_number ? 0 : i - view.first_number],
+                         framePath(folder + "/%06d" + ending, static_cast<uint32_t>(i))));
   return {};
 }
 
 Status linkView(const View& view, const std::string& stem) {
-  if (view.video.empty()) return linkPictures(view.pictures, stem);
+  if (view.video.empty()) return linkPictures(view, stem);
   return linkFile(view.video, stem + lowerEnding(view.video));
 }
 
 // Every how many-th picture is a plate.
-uint64_t plateStep(const VideoSource& video) {
-  const uint64_t frames = video.frameCountHint().value_or(kMaxDecodedPlates);
+uint64_t plateStep(uint64_t frames) {
   return std::max<uint64_t>(1, (frames + kMaxDecodedPlates - 1) / kMaxDecodedPlates);
 }
 
@@ -81,11 +83,12 @@ Status writePlates(const View& plates, const CaptureCamera& camera, const OpenVi
     PictureMarks marks;
     FOURDVT_ASSIGN(const Image first, readPicture(plates.first(), 3, &marks));
     if (const auto fits = importedPicture(first, marks, camera, plates.first()); !fits.ok()) return fits.error();
-    return linkPictures(plates.pictures, own);
+    return linkPictures(plates, own);
   }
   FOURDVT_TRY(platform::makeFolder(own));
   FOURDVT_ASSIGN(auto video, open_video(plates.video, 3));
-  const uint64_t step = plateStep(*video);
+  FOURDVT_ASSIGN(const VideoListing listing, video->list());
+  const uint64_t step = plateStep(listing.pictures);
   uint32_t written = 0;
   for (uint64_t frame = 0; written < kMaxDecodedPlates; ++frame) {
     FOURDVT_ASSIGN(const std::optional<Image> picture, video->next());
@@ -112,8 +115,11 @@ Status writeDescription(const ImportedCalibration& calibration, const std::vecto
     json["calibration"]["orientation"] = orientation == Orientation::Marked ? "marked" : "stored";
   if (meshes == ImportedMeshes::PerFrame) json["topology"] = "per-frame";
   for (const Take& take : takes) {
-    json["sequences"].push_back({{"name", take.name}, {"frames", take.frames}});
-    if (take.loop) json["sequences"].back()["loop"] = true;
+    nlohmann::ordered_json sequence{{"name", take.name}, {"frames", take.frames}};
+    if (take.loop) sequence["loop"] = true;
+    if (take.first_frame > 0) sequence["first_frame"] = take.first_frame;
+    for (const auto& [camera, frames] : take.offset_frames) sequence["offset_frames"][camera] = frames;
+    json["sequences"].push_back(std::move(sequence));
   }
   if (!classes.empty()) json["classes"] = classesJson(classes);
   const ColmapText text = colmapText(cameras, 1);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "capture/import/pairing.h"
+#include "capture/picture_clock.h"
 #include "capture/picture_report.h"
 #include "capture/pictures.h"
 #include "capture/upright.h"
@@ -16,36 +18,57 @@ struct Measured {
   Image first;  // as it is stored
   PictureMarks marks;
   std::vector<std::string> conversions;
-  uint64_t frames = 0;
+  Clip clip;
   std::optional<double> fps;
 };
 
-// Containers of MPEG-4 and AVI count their pictures; the numbers of others are bounds.
-bool countsItsFrames(const std::string& path) {
-  const std::string ending = std::filesystem::path(path).extension().string();
-  return ending == ".mp4" || ending == ".mov" || ending == ".avi";
+// Pictures that decode; nullopt: as many as are listed.
+Result<std::optional<uint64_t>> countDecoded(VideoSource& video, const OpenVideo& open_video, const std::string& path,
+                                             uint64_t listed) {
+  if (listed < 2) return std::optional<uint64_t>();
+  FOURDVT_TRY(video.skip(static_cast<uint32_t>(listed - 2)));  // after the first one
+  FOURDVT_ASSIGN(const auto last, video.next());
+  if (last) return std::optional<uint64_t>();
+  FOURDVT_ASSIGN(const auto again, open_video(path, 1));
+  for (uint64_t count = 0;; ++count) {
+    FOURDVT_ASSIGN(const auto next, again->next());
+    if (!next) return std::optional<uint64_t>(count);
+  }
 }
 
-Result<Measured> measureVideo(const OpenVideo& open_video, const std::string& path) {
-  FOURDVT_ASSIGN(auto video, open_video(path, 3));
+// Frames a second by the header, or by the time stamps where these differ.
+std::optional<double> rateOf(const VideoSource& video, const VideoListing& listing) {
+  const std::optional<double> header = video.framesPerSecond();
+  const auto clock = clockOf(listing.times_s);
+  if (!clock || clock->step_s <= 0) return header;
+  const double rate = 1 / clock->step_s, tick = listing.tick_s / listing.times_s.back();
+  if (header && std::abs(*header - rate) <= std::max(0.005, 2 * tick) * rate) return header;
+  return std::round(1000 * rate) / 1000;
+}
+
+Result<Measured> measureVideo(const OpenVideo& open_video, const View& view, int channels) {
+  const std::string& path = view.video;
+  FOURDVT_ASSIGN(auto video, open_video(path, channels));
+  FOURDVT_ASSIGN(VideoListing listing, video->list());
   FOURDVT_ASSIGN(auto first, video->next());
   if (!first) return Error{ErrorId::FileUnreadable, path + ": no picture in it; export the video again"};
-  Measured out{std::move(*first), video->marks(), video->conversions(), 1, video->framesPerSecond()};
-  if (const auto hint = video->frameCountHint(); hint && countsItsFrames(path)) {
-    out.frames = *hint;
-    return out;
+  Measured out{std::move(*first), video->marks(), video->conversions(), {}, {}};
+  FOURDVT_ASSIGN(const auto decoded, countDecoded(*video, open_video, path, listing.pictures));
+  const std::optional<double> fps = rateOf(*video, listing);
+  if (decoded) {
+    listing.announced = std::max(listing.announced, listing.pictures);
+    listing.pictures = *decoded;
+    listing.times_s.clear();
   }
-  for (bool more = true; more; out.frames += more) {
-    FOURDVT_ASSIGN(const auto next, video->next());
-    more = next.has_value();
-  }
+  out.clip = Clip{{}, view, std::move(listing), {}, 0, fps.value_or(0)};
+  out.fps = fps;
   return out;
 }
 
-Result<Measured> measureView(const OpenVideo& open_video, const View& view) {
-  if (!view.video.empty()) return measureVideo(open_video, view.video);
-  Measured out{{}, {}, {}, view.pictures.size(), std::nullopt};
-  FOURDVT_ASSIGN(out.first, readPicture(view.pictures.front(), 3, &out.marks));
+Result<Measured> measureView(const OpenVideo& open_video, const View& view, int channels) {
+  if (!view.video.empty()) return measureVideo(open_video, view, channels);
+  Measured out{{}, {}, {}, Clip{{}, view, {}, {}, 0, 0}, std::nullopt};
+  FOURDVT_ASSIGN(out.first, readPicture(view.pictures.front(), channels, &out.marks));
   return out;
 }
 
@@ -59,6 +82,42 @@ Status takeSize(const Measured& measured, const std::string& path, CaptureCamera
   camera.pinhole.height = marks.swapsSides() ? measured.first.width : measured.first.height;
   return {};
 }
+
+// Pictures and tracks of videos that are not read: what all cameras have alike is one line.
+class Unread {
+ public:
+  void add(const std::string& path, const VideoListing& listing, ClipNotes& notes) {
+    const std::string has = std::to_string(listing.pictures), all = std::to_string(listing.announced);
+    const bool fewer = listing.pictures < listing.announced;
+    if (listing.cut_off)
+      notes.warnings.push_back(path + ": is cut off: " + has + " pictures are there" +
+                               (fewer ? ", its header announces " + all : "") + "; copy it from the camera again");
+    else if (fewer)
+      count(hidden_, has + " of " + all, path);
+    for (const std::string& track : listing.other_tracks)
+      count(tracks_, listing.track + " is read, " + track + " is not", path);
+  }
+  void note(ClipNotes& notes) const {
+    for (const auto& [has, files] : hidden_)
+      notes.done.push_back(named(files) + ": shows " + has +
+                           " pictures that its header counts, as after a cut by an edit list");
+    for (const auto& [has, files] : tracks_)
+      notes.warnings.push_back(named(files) + ": has several video tracks; " + has);
+  }
+
+ private:
+  using Files = std::map<std::string, std::pair<std::string, int>>;  // by a text: a file, and how many there are
+
+  static void count(Files& in, const std::string& text, const std::string& path) {
+    auto& [file, files] = in[text];
+    if (files++ == 0) file = path;
+  }
+  static std::string named(const std::pair<std::string, int>& files) {
+    return files.first + (files.second > 1 ? " and " + std::to_string(files.second - 1) + " more" : "");
+  }
+
+  Files hidden_, tracks_;
+};
 
 }  // namespace
 
@@ -116,38 +175,57 @@ Result<Image> importedPicture(const Image& stored, const PictureMarks& marks, co
       picture.error().message + ", or give --cropped if they only lack columns at the right or rows at the bottom"};
 }
 
-Status measureViews(const OpenVideo& open_video, ImportedCalibration& calibration, Take& take, ViewMeasures& measures,
-                    std::vector<std::string>& warnings) {
+namespace {
+
+// Sets the size that the calibration does not give, and the rate; checks both, and notes what marks of files do.
+Status useMeasured(const Measured& measured, ImportedCamera& imported, ViewMeasures& measures, ClipNotes& notes) {
+  const PinholeCamera& pinhole = imported.camera.pinhole;
+  const View& view = measured.clip.view;
+  const bool smaller = measured.first.width <= pinhole.width && measured.first.height <= pinhole.height;
+  imported.camera.orientation = measures.orientation;
+  if (pinhole.width == 0 || (measures.cropped && smaller))
+    FOURDVT_TRY(takeSize(measured, view.first(), imported.camera));
+  const auto picture = importedPicture(measured.first, measured.marks, imported.camera, view.first());
+  if (!picture.ok()) return picture.error();
+  auto done = describeMarks(measured.marks, measured.first, picture.value(), imported.camera);
+  done.insert(done.end(), measured.conversions.begin(), measured.conversions.end());
+  for (const std::string& what : done) measures.done[what].insert(pinhole.name);
   double& fps = measures.fps;
-  uint64_t fewest = UINT32_MAX, most = 0;
-  std::string shortest;
-  for (ImportedCamera& imported : calibration.cameras) {
-    const PinholeCamera& pinhole = imported.camera.pinhole;
-    const View& view = take.views.at(pinhole.name);
-    FOURDVT_ASSIGN(const Measured measured, measureView(open_video, view));
-    const bool smaller = measured.first.width <= pinhole.width && measured.first.height <= pinhole.height;
-    imported.camera.orientation = measures.orientation;
-    if (pinhole.width == 0 || (measures.cropped && smaller))
-      FOURDVT_TRY(takeSize(measured, view.first(), imported.camera));
-    const auto picture = importedPicture(measured.first, measured.marks, imported.camera, view.first());
-    if (!picture.ok()) return picture.error();
-    auto done = describeMarks(measured.marks, measured.first, picture.value(), imported.camera);
-    done.insert(done.end(), measured.conversions.begin(), measured.conversions.end());
-    for (const std::string& what : done) measures.done[what].insert(pinhole.name);
-    if (fps == 0 && measured.fps) fps = *measured.fps;
-    if (measured.fps && std::abs(*measured.fps - fps) > 0.01 * fps) {
-      warnings.push_back(view.video + ": its container says " + std::to_string(*measured.fps) + " frames a second; " +
-                         std::to_string(fps) + " are written");
-    }
-    if (measured.frames < fewest) fewest = measured.frames, shortest = view.first();
-    most = std::max(most, measured.frames);
-  }
-  take.frames = static_cast<uint32_t>(fewest);
-  if (fewest < most) {
-    warnings.push_back(shortest + ": the shortest, with " + std::to_string(fewest) + " frames; others have up to " +
-                       std::to_string(most));
-  }
+  if (fps == 0 && measured.fps) fps = *measured.fps;
+  if (measured.fps && std::abs(*measured.fps - fps) > 0.01 * fps)
+    notes.warnings.push_back(view.video + ": its container says " + std::to_string(*measured.fps) +
+                             " frames a second; " + std::to_string(fps) + " are written");
   return {};
+}
+
+}  // namespace
+
+Status measureViews(const OpenVideo& open_video, ImportedCalibration& calibration, Take& take, ViewMeasures& measures,
+                    ClipNotes& notes) {
+  std::vector<Clip> clips, mattes;
+  Unread unread;
+  ClipNotes rates;  // printed unless clips of different rates are an error
+  for (ImportedCamera& imported : calibration.cameras) {
+    const std::string& name = imported.camera.pinhole.name;
+    FOURDVT_ASSIGN(Measured measured, measureView(open_video, take.views.at(name), 3));
+    FOURDVT_TRY(useMeasured(measured, imported, measures, rates));
+    measured.clip.camera = name;
+    unread.add(measured.clip.view.video, measured.clip.listing, notes);
+    clips.push_back(std::move(measured.clip));
+    const auto matte = take.mattes.find(name);
+    if (matte == take.mattes.end()) continue;
+    FOURDVT_ASSIGN(Measured measured_mattes, measureView(open_video, matte->second, 1));
+    measured_mattes.clip.camera = name;
+    unread.add(matte->second.video, measured_mattes.clip.listing, notes);
+    mattes.push_back(std::move(measured_mattes.clip));
+  }
+  unread.note(notes);
+  FOURDVT_TRY(setInstants(clips, measures.time_codes, notes));
+  notes.warnings.insert(notes.warnings.end(), rates.warnings.begin(), rates.warnings.end());
+  for (Clip& matte : mattes)
+    for (const Clip& clip : clips)
+      if (clip.camera == matte.camera) setMatteInstants(clip, matte, notes);
+  return pairPictures(clips, mattes, take, notes);
 }
 
 }  // namespace fourdvt::capture

@@ -10,6 +10,7 @@
 
 #include "base/video.h"
 #include "capture/import/imported.h"
+#include "capture/import/instants.h"
 #include "capture/import/views.h"
 
 namespace fourdvt::capture {
@@ -18,9 +19,11 @@ struct Take {
   std::string name, folder;
   std::map<std::string, View> views;   // by camera's name
   std::map<std::string, View> mattes;  // of those that have some
-  uint32_t frames = 0;                 // of the shortest view
   std::vector<std::string> meshes;     // one file a frame, or none
   bool loop = false;                   // the frame after the last one is the first
+  uint32_t frames = 0;                 // that all cameras have
+  uint32_t first_frame = 0;            // as in capture.json
+  std::map<std::string, int64_t> offset_frames;
 };
 
 // Sets take.views and mattes by the cameras' names, or by the pictures that the calibration names.
@@ -36,13 +39,15 @@ struct ViewMeasures {
       false;       // smaller pictures lack columns at the right and rows at the bottom: their size is the camera's
   double fps = 0;  // 0: that of the first video that has one
   Orientation orientation = Orientation::BySize;
+  bool time_codes = true;                             // videos begin by their time codes, if all have one
   std::map<std::string, std::set<std::string>> done;  // by marks of files: what reading makes of them, cameras
 };
 
-// Opens every view once: sets take.frames, measures.fps, and the sizes that the calibration
-// does not give. Errors: FrameSize, those of `open_video`.
+// Opens every view once, reads its first and its last picture and pairs their pictures (pairing.h): sets what frames
+// the take has, measures.fps, and the sizes that the calibration does not give. Errors: FrameSize, FileUnreadable,
+// VideoTooShort, those of `open_video`.
 Status measureViews(const OpenVideo& open_video, ImportedCalibration& calibration, Take& take, ViewMeasures& measures,
-                    std::vector<std::string>& warnings);
+                    ClipNotes& notes);
 
 // A stored picture as the camera is calibrated for it. Errors: those of asCalibrated, with the options of an import.
 Result<Image> importedPicture(const Image& stored, const PictureMarks& marks, const CaptureCamera& camera,

@@ -14,6 +14,7 @@ struct View {
   std::string video;
   std::vector<std::string> pictures;
   std::vector<int64_t> numbers;  // of the pictures (pictureNumbers); empty: their names have none
+  uint32_t first_number = 0;     // of the links to the pictures
   const std::string& first() const { return video.empty() ? pictures.front() : video; }
 };
 
