@@ -88,6 +88,7 @@ int importCommand(int argc, char** argv) {
   const auto summary = capture::importCapture(options, videoOpener());
   if (!summary.ok()) return fail(summary.error());
   for (const std::string& warning : summary.value().warnings) warn("%s", warning.c_str());
+  for (const std::string& line : summary.value().details) detail("%s", line.c_str());
   for (const std::string& line : summary.value().done) note("%s", line.c_str());
   note("%s is written", options.folder.c_str());
   return kOk;

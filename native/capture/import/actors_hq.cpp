@@ -38,7 +38,7 @@ Result<ImportedCamera> actorsHqCamera(const CsvTable::Row& row) {
 
 Result<ImportedCalibration> parseActorsHq(const std::string& text, const std::string& path) {
   FOURDVT_ASSIGN(const CsvTable table, parseCsv(text, path));
-  ImportedCalibration out{"ActorsHQ", path, {}, 1, {}};
+  ImportedCalibration out{"ActorsHQ", path, {}, 1, {}, {}, {}};
   for (const CsvTable::Row& row : table.rows) {
     FOURDVT_ASSIGN(out.cameras.emplace_back(), actorsHqCamera(row));
   }

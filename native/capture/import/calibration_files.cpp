@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <set>
 
+#include "capture/colmap_model.h"
 #include "capture/import/readers.h"
 #include "capture/text.h"
 #include "platform/files.h"
@@ -82,13 +83,15 @@ Found findColmap(const fs::path& source, std::string&) {
   if (file && !endsWith(source, {"cameras.txt", "images.txt", "cameras.bin", "images.bin"})) return kNone;
   const fs::path base = file ? source.parent_path() : source;
   for (const char* inner : {"", "cameras", "sparse/0", "sparse", "colmap/sparse/0", "dense/sparse"}) {
-    const fs::path folder = base / inner;
+    const fs::path folder = *inner ? base / inner : base;
     for (const char* ending : {".txt", ".bin"}) {
       if (!isPlainFile(folder / (std::string("cameras") + ending))) continue;
-      for (const char* part : {"cameras", "images"}) FOURDVT_TRY(checkBytes(folder / (std::string(part) + ending)));
-      FOURDVT_ASSIGN(auto cameras, readColmapCameras(folder.string()));
-      ImportedCalibration out{"COLMAP", folder.string(), {}, {}, {}};
-      for (CaptureCamera& camera : cameras) out.cameras.push_back({std::move(camera), {}});
+      for (const char* part : {"cameras", "images", "rigs", "frames"})
+        FOURDVT_TRY(checkBytes(folder / (std::string(part) + ending)));
+      FOURDVT_ASSIGN(auto cameras, readColmapListed(folder.string()));
+      ImportedCalibration out{"COLMAP", folder.string(), {}, {}, {}, {}, {}};
+      for (ListedCamera& camera : cameras)
+        out.cameras.push_back({std::move(camera.camera), {}, camera.pictures, {}, {}, {}});
       return std::optional(std::move(out));
     }
   }
@@ -97,6 +100,14 @@ Found findColmap(const fs::path& source, std::string&) {
 
 Found findNerfstudio(const fs::path& source, std::string&) {
   for (const fs::path& file : filesWith(source, {"transforms.json"})) return readOne(file, parseNerfstudio);
+  for (const fs::path& file : filesWith(source, {"transforms_train.json"})) {
+    FOURDVT_ASSIGN(auto found, readOne(file, parseNerfstudio));
+    for (const char* other : {"transforms_test.json", "transforms_val.json"})
+      if (found && isPlainFile(file.parent_path() / other))
+        found->warnings.push_back((file.parent_path() / other).string() +
+                                  ": its cameras are left out; import the file itself to have them");
+    return found;
+  }
   if (!isPlainFile(source) || !endsWith(source, {".json"})) return kNone;
   FOURDVT_ASSIGN(const std::string text, readSmall(source));
   if (text.find("\"transform_matrix\"") == std::string::npos) return kNone;
@@ -129,12 +140,15 @@ Found findQualisys(const fs::path& source, std::string&) {
   return kNone;
 }
 
-// Projects have other .toml files beside the calibration's.
+// Projects have other .toml files beside the calibration's, and may have it in a folder of its own.
 Found findToml(const fs::path& source, std::string& note) {
-  for (const fs::path& file : filesWith(source, {".toml"})) {
-    auto found = readOne(file, parseToml);
-    if (found.ok() || found.error().id != ErrorId::FileUnreadable) return found;
-    note = found.error().message;
+  for (const char* inner : {"", "calibration", "calib"}) {
+    if (isPlainFile(source) && *inner) continue;
+    for (const fs::path& file : filesWith(*inner ? source / inner : source, {".toml"})) {
+      auto found = readOne(file, parseToml);
+      if (found.ok() || found.error().id != ErrorId::FileUnreadable) return found;
+      note = found.error().message;
+    }
   }
   return kNone;
 }
@@ -163,7 +177,7 @@ std::vector<NamedFiles> filesByCamera(const fs::path& source, std::initializer_l
 
 // All files must be cameras, or none.
 Found openCvCameras(const fs::path& source, const NamedFiles& files, std::string& note) {
-  ImportedCalibration out{"OpenCV FileStorage", source.string(), {}, {}, {}};
+  ImportedCalibration out{"OpenCV FileStorage", source.string(), {}, {}, {}, {}, {}};
   std::optional<Error> failed;
   for (const auto& [name, file] : files) {
     FOURDVT_ASSIGN(const std::string text, readSmall(file));
@@ -189,7 +203,7 @@ Found findOpenCv(const fs::path& source, std::string& note) {
 }
 
 Found findProjections(const fs::path& source, std::string&) {
-  ImportedCalibration out{"projection matrices", source.string(), {}, {}, {}};
+  ImportedCalibration out{"projection matrices", source.string(), {}, {}, {}, {}, {}};
   for (const NamedFiles& files : filesByCamera(source, {".txt"})) {
     for (const auto& [name, file] : files) {
       FOURDVT_ASSIGN(const std::string text, readSmall(file));
@@ -209,7 +223,7 @@ struct CalibrationKind {
 // In the order in which they are looked for.
 constexpr CalibrationKind kCalibrationKinds[] = {
     {"COLMAP (cameras.txt, cameras.bin)", findColmap},
-    {"nerfstudio (transforms.json)", findNerfstudio},
+    {"nerfstudio and Blender (transforms.json, transforms_train.json)", findNerfstudio},
     {"EasyMocap (intri.yml and extri.yml)", findEasyMocap},
     {"ActorsHQ (calibration.csv)", findActorsHq},
     {"Qualisys (NAME.qca.txt)", findQualisys},
@@ -218,10 +232,15 @@ constexpr CalibrationKind kCalibrationKinds[] = {
     {"projection matrices (CAMERA.txt)", findProjections},
 };
 
-Status checkNames(const ImportedCalibration& calibration) {
+// Blanks in names are made plain; files keep theirs.
+Status checkNames(ImportedCalibration& calibration) {
   std::set<std::string> names;
-  for (const ImportedCamera& imported : calibration.cameras) {
-    const std::string& name = imported.camera.pinhole.name;
+  for (ImportedCamera& imported : calibration.cameras) {
+    std::string& name = imported.camera.pinhole.name;
+    if (const std::string plain = plainName(name); plain != name) {
+      if (imported.file_names.empty()) imported.file_names.push_back(name);
+      name = plain;
+    }
     const bool plain = !name.empty() && name[0] != '.' && name.find_first_of("/\\ \t\r\n") == std::string::npos;
     if (!plain) {
       return Error{ErrorId::CameraPose,

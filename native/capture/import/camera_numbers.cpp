@@ -77,7 +77,8 @@ Status checkCameraNumbers(const CaptureCamera& camera, const std::string& where)
   const PinholeCamera& p = camera.pinhole;
   const Distortion& d = camera.distortion;
   const glm::dvec4 t = p.cam_from_world[3];
-  for (double v : {p.fx, p.fy, p.cx, p.cy, d.k1, d.k2, d.p1, d.p2, d.k3, d.k4, d.k5, d.k6, d.skew, t.x, t.y, t.z})
+  for (double v : {p.fx, p.fy, p.cx, p.cy, d.k1, d.k2, d.p1, d.p2, d.k3, d.k4, d.k5, d.k6, d.skew, d.sx1, d.sy1, d.fov,
+                   t.x, t.y, t.z})
     if (!std::isfinite(v)) return badNumbers(where, "all numbers must be finite");
   if (!(p.fx > 0) || !(p.fy > 0)) return badNumbers(where, "focal lengths must be positive");
   if (p.width < 0 || p.height < 0 || p.width > kMaxImportedSide || p.height > kMaxImportedSide)

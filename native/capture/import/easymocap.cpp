@@ -47,7 +47,7 @@ Result<ImportedCalibration> parseEasyMocap(const std::string& intri, const std::
                                            const std::string& path) {
   FOURDVT_ASSIGN(const Storage lenses, Storage::open(intri, path + "/intri.yml"));
   FOURDVT_ASSIGN(const Storage poses, Storage::open(extri, path + "/extri.yml"));
-  ImportedCalibration out{"EasyMocap", path, {}, 1, WorldAxis::Z};
+  ImportedCalibration out{"EasyMocap", path, {}, 1, WorldAxis::Z, {}, {}};
   for (const std::string& name : poses.texts({"names"})) {
     FOURDVT_ASSIGN(out.cameras.emplace_back(), easyMocapCamera(lenses, poses, name, path));
   }

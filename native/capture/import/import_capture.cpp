@@ -83,18 +83,26 @@ Status checkFolder(const ImportOptions& options) {
   return {};
 }
 
-std::vector<Take> takesOf(const ImportOptions& options, const ImportedCalibration& calibration) {
+std::vector<Take> takesOf(const ImportOptions& options) {
   std::error_code ignored;
   const fs::path source = options.source;
   const fs::path base = fs::is_directory(source, ignored) ? source : source.parent_path();
   std::vector<Take> takes;
   for (const auto& [name, folder] : options.sequences) takes.push_back({name, (base / folder).string()});
   if (takes.empty()) takes.push_back({kOnlyTake, base.empty() ? "." : base.string()});
-  for (Take& take : takes) {
-    findViews(calibration, take);
+  for (Take& take : takes)
     take.loop = std::find(options.loops.begin(), options.loops.end(), take.name) != options.loops.end();
-  }
   return takes;
+}
+
+// Cameras that are called otherwise than their files are.
+void noteNames(const ImportedCalibration& calibration, ImportSummary& summary) {
+  std::string list;
+  for (const ImportedCamera& imported : calibration.cameras) {
+    const std::string& name = imported.camera.pinhole.name;
+    if (name != imported.fileName()) list += (list.empty() ? "\"" : ", \"") + imported.fileName() + "\" is " + name;
+  }
+  if (!list.empty()) summary.done.push_back("names of files and cameras: " + list);
 }
 
 // Plates lie beside the calibration's pictures, or in one of the takes.
@@ -104,9 +112,9 @@ Status importPlates(const ImportedCalibration& calibration, const std::vector<Ta
   std::string missing;
   for (const ImportedCamera& imported : calibration.cameras) {
     const std::string& name = imported.camera.pinhole.name;
-    std::optional<View> plates = findPlates(base, name);
+    std::optional<View> plates = findPlates(base, imported.fileName());
     for (const Take& take : takes)
-      if (!plates) plates = findPlates(take.folder, name);
+      if (!plates) plates = findPlates(take.folder, imported.fileName());
     if (plates) FOURDVT_TRY(writePlates(*plates, imported.camera, open_video, folder));
     found += plates.has_value();
     if (!plates && !takes.front().mattes.count(name)) missing += (missing.empty() ? "" : ", ") + name;
@@ -184,7 +192,11 @@ Result<ImportSummary> importCapture(const ImportOptions& given, const OpenVideo&
   ImportSummary summary;
   summary.done.push_back(calibration.path + ": " + calibration.kind + ", " +
                          std::to_string(calibration.cameras.size()) + " cameras");
-  std::vector<Take> takes = takesOf(options, calibration);
+  summary.warnings = calibration.warnings;
+  summary.details = calibration.details;
+  std::vector<Take> takes = takesOf(options);
+  findViews(calibration, takes);
+  noteNames(calibration, summary);
   FOURDVT_TRY(keepSeenCameras(takes, calibration, summary.warnings));
   ViewMeasures measures{options.cropped, options.fps, options.orientation, !options.ignore_time_codes, {}};
   ClipNotes notes;

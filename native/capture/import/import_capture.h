@@ -32,6 +32,7 @@ struct ImportOptions {
 struct ImportSummary {
   std::vector<std::string> done;      // what was found and turned, a line each
   std::vector<std::string> warnings;  // what was not found, or had to be assumed
+  std::vector<std::string> details;   // what was passed over, and does not matter
 };
 
 // The folder appears when it is complete. Errors: those of readCalibration; CameraMissingVideo (no camera has

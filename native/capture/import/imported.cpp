@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/import/imported.h"
 
+#include <algorithm>
 #include <array>
 
 namespace fourdvt::capture {
@@ -16,6 +17,22 @@ std::optional<WorldAxis> axisNamed(std::string_view name) {
   for (size_t i = 0; i < kAxisNames.size(); ++i)
     if (name == kAxisNames[i]) return static_cast<WorldAxis>(i);
   return std::nullopt;
+}
+
+void setLens(const RelativeLens& lens, PinholeCamera& camera) {
+  const int longer = std::max(camera.width, camera.height);
+  const double unit = lens.unit == RelativeLens::Unit::Width ? camera.width : longer;
+  if (lens.focal > 0) camera.fx = camera.fy = lens.focal * unit;
+  if (lens.focal_y > 0) camera.fy = lens.focal_y * camera.height;
+  if (!lens.principal) return;
+  camera.cx = camera.width / 2.0 + lens.principal->x * unit;
+  camera.cy = camera.height / 2.0 + lens.principal->y * unit;
+}
+
+std::string plainName(std::string name) {
+  for (char& c : name)
+    if (std::string_view(" \t()[]{}<>&;|,'\"?*#%$!`=+~^@:").find(c) != std::string_view::npos) c = '_';
+  return name;
 }
 
 glm::dmat3 turnToY(WorldAxis up) {

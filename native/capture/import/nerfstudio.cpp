@@ -6,7 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "capture/camera_names.h"
 #include "capture/import/camera_numbers.h"
+#include "capture/import/key_notes.h"
 #include "capture/import/readers.h"
 #include "capture/json_text.h"
 
@@ -14,6 +16,7 @@ namespace fourdvt::capture {
 namespace {
 
 using Json = nlohmann::json;
+constexpr double kHalfTurn = 3.14159;  // radians
 
 // A frame's own value, or the one that all frames share.
 class FrameValues {
@@ -49,6 +52,11 @@ class FrameValues {
   const Json &frame_, &shared_;
 };
 
+std::string withSlashes(std::string path) {
+  std::replace(path.begin(), path.end(), '\\', '/');  // as written on Windows
+  return path;
+}
+
 Error badFrame(const std::string& where, const std::string& what) {
   return {ErrorId::CameraPose, where + ": " + what + "; export the calibration again"};
 }
@@ -68,21 +76,40 @@ Result<Distortion> nerfstudioLens(const FrameValues& values, const std::string& 
   return Distortion{k1, k2, values.orZero("p1"), values.orZero("p2"), k3};
 }
 
-Status nerfstudioFocals(const FrameValues& values, PinholeCamera& camera, const std::string& where) {
+// An angle of view in radians, as half of a side in focal lengths; nothing where there is none.
+Result<double> focalOfAngle(const FrameValues& values, const char* key, const std::string& where) {
+  const auto angle = values.number(key);
+  if (!angle) return 0.0;
+  const double focal = 0.5 / std::tan(*angle / 2);
+  if (*angle > 0 && *angle < kHalfTurn && std::isfinite(focal)) return focal;
+  return badFrame(where, std::string(key) + " must be an angle in radians, above 0 and below pi");
+}
+
+// Focal lengths and principal point, or how they follow from a size that is not given.
+Status nerfstudioFocals(const FrameValues& values, ImportedCamera& imported, const std::string& where) {
   if (!values.holdsNumbers({"w", "h", "fl_x", "fl_y", "cx", "cy", "k1", "k2", "k3", "k4", "p1", "p2"}))
     return badFrame(where, "w, h, fl_x, fl_y, cx, cy and coefficients must be numbers");
+  PinholeCamera& camera = imported.camera.pinhole;
   const auto side = [&](const char* key) { return std::clamp(values.orZero(key), -1.0, 1e6); };
   camera.width = static_cast<int>(side("w"));
   camera.height = static_cast<int>(side("h"));
-  auto fx = values.number("fl_x");
-  if (const auto angle = values.number("camera_angle_x"); !fx && angle && camera.width > 0)
-    fx = camera.width / 2.0 / std::tan(*angle / 2);
-  if (!fx) return badFrame(where, "no fl_x, and no camera_angle_x with w");
-  if (camera.width < 1 && !values.number("cx")) return badFrame(where, "no w, h and no cx, cy");
-  camera.fx = *fx;
-  camera.fy = values.number("fl_y").value_or(*fx);
-  camera.cx = values.number("cx").value_or(camera.width / 2.0);
-  camera.cy = values.number("cy").value_or(camera.height / 2.0);
+  RelativeLens lens;
+  const auto fx = values.number("fl_x"), cx = values.number("cx"), cy = values.number("cy");
+  if (!fx) {
+    FOURDVT_ASSIGN(lens.focal, focalOfAngle(values, "camera_angle_x", where));
+    FOURDVT_ASSIGN(lens.focal_y, focalOfAngle(values, "camera_angle_y", where));
+    if (lens.focal == 0) return badFrame(where, "no fl_x and no camera_angle_x");
+  }
+  camera.fx = fx.value_or(1);
+  camera.fy = values.number("fl_y").value_or(camera.fx);
+  if (cx && cy)
+    camera.cx = *cx, camera.cy = *cy;
+  else
+    lens.principal = glm::dvec2(0);
+  if (camera.width > 0 && camera.height > 0)
+    setLens(lens, camera);
+  else if (!fx || lens.principal)
+    imported.relative = lens;
   return {};
 }
 
@@ -114,28 +141,76 @@ Result<ImportedCamera> nerfstudioCamera(const Json& frame, const Json& root, con
   if (!frame.is_object()) return badFrame(where, "is no object");
   const FrameValues values(frame, root);
   ImportedCamera out;
-  out.pictures = values.text("file_path");
-  std::replace(out.pictures.begin(), out.pictures.end(), '\\', '/');  // as written on Windows
+  out.pictures = withSlashes(values.text("file_path"));
+  out.mattes = withSlashes(values.text("mask_path"));
   if (out.pictures.empty()) return badFrame(where, "no file_path, which names the camera");
-  FOURDVT_TRY(nerfstudioFocals(values, out.camera.pinhole, where));
+  FOURDVT_TRY(nerfstudioFocals(values, out, where));
   FOURDVT_ASSIGN(out.camera.distortion, nerfstudioLens(values, where));
   FOURDVT_TRY(nerfstudioPose(frame, out.camera, where));
   FOURDVT_TRY(checkCameraNumbers(out.camera, where));
   return out;
 }
 
-void nameByPictures(std::vector<ImportedCamera>& cameras) {
-  std::set<std::string> stems;
-  for (ImportedCamera& imported : cameras) {
-    imported.camera.pinhole.name = std::filesystem::path(imported.pictures).stem().string();
-    stems.insert(imported.camera.pinhole.name);
+// "mask_path" names the matte of one picture: the folder in which it lies holds those of the camera alone, or is that
+// of all cameras.
+std::string mattesOf(const std::vector<ImportedCamera>& frames, size_t first, bool folder) {
+  const std::filesystem::path path = frames[first].mattes;
+  const auto shares = [&](const ImportedCamera& other) {
+    return std::filesystem::path(other.mattes).parent_path() == path.parent_path() && other.mattes != path &&
+           other.pictures != frames[first].pictures;
+  };
+  const std::string ending = path.extension().string();
+  const bool picture =
+      ending == ".png" || ending == ".jpg" || ending == ".jpeg" || ending == ".PNG" || ending == ".JPG";
+  const bool own = folder || std::none_of(frames.begin(), frames.end(), shares);
+  return picture && own && path.has_parent_path() ? path.parent_path().string() : path.string();
+}
+
+// Frames of one camera at several instants become one.
+Result<std::vector<ImportedCamera>> withoutInstants(const std::vector<ImportedCamera>& frames,
+                                                    const std::string& path) {
+  std::vector<ListedPicture> pictures;
+  for (const ImportedCamera& frame : frames)
+    pictures.push_back({frame.camera, frame.pictures, path + ": frame " + std::to_string(pictures.size()) + ": "});
+  FOURDVT_ASSIGN(const auto listed, camerasOfPictures(pictures));
+  std::vector<ImportedCamera> out;
+  for (const ListedCamera& one : listed) {
+    ImportedCamera& camera = out.emplace_back(frames[one.first]);
+    if (!camera.mattes.empty()) camera.mattes = mattesOf(frames, one.first, one.folder);
+    camera.camera.pinhole.name = one.camera.pinhole.name;
+    camera.pictures = one.pictures;
   }
-  if (stems.size() == cameras.size()) return;
-  for (ImportedCamera& imported : cameras) {
-    const std::filesystem::path folder = std::filesystem::path(imported.pictures).parent_path();
-    imported.camera.pinhole.name = folder.filename().string();
-    imported.pictures = folder.string();
-  }
+  return out;
+}
+
+// Keys that bear on cameras or pictures and are not read, and those that do not.
+void noteKeys(const Json& root, ImportedCalibration& out) {
+  KeyNotes notes({"frames",
+                  "file_path",
+                  "mask_path",
+                  "transform_matrix",
+                  "w",
+                  "h",
+                  "fl_x",
+                  "fl_y",
+                  "cx",
+                  "cy",
+                  "k1",
+                  "k2",
+                  "k3",
+                  "k4",
+                  "p1",
+                  "p2",
+                  "camera_model",
+                  "is_fisheye",
+                  "camera_angle_x",
+                  "camera_angle_y"},
+                 {"applied_scale", "applied_transform", "depth_file_path", "fisheye_crop_radius", "lidar_file_path",
+                  "rolling_shutter", "time", "test_filenames", "train_filenames", "val_filenames"});
+  for (const auto& [key, value] : root.items()) notes.see(key);
+  for (const Json& frame : root["frames"])
+    for (const auto& [key, value] : frame.items()) notes.see(key);
+  notes.finish(out);
 }
 
 }  // namespace
@@ -146,12 +221,14 @@ Result<ImportedCalibration> parseNerfstudio(const std::string& text, const std::
     return Error{ErrorId::FileUnreadable,
                  path + ": not nerfstudio's JSON with a list \"frames\"; export the calibration again"};
   }
-  ImportedCalibration out{"nerfstudio", path, {}, {}, WorldAxis::Z};
+  ImportedCalibration out{"nerfstudio", path, {}, {}, WorldAxis::Z, {}, {}};
+  std::vector<ImportedCamera> frames;
   for (const Json& frame : root["frames"]) {
-    const std::string where = path + ": frame " + std::to_string(out.cameras.size());
-    FOURDVT_ASSIGN(out.cameras.emplace_back(), nerfstudioCamera(frame, root, where));
+    const std::string where = path + ": frame " + std::to_string(frames.size());
+    FOURDVT_ASSIGN(frames.emplace_back(), nerfstudioCamera(frame, root, where));
   }
-  nameByPictures(out.cameras);
+  FOURDVT_ASSIGN(out.cameras, withoutInstants(frames, path));
+  noteKeys(root, out);
   return out;
 }
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Qualisys .qca.txt: r11…r33 are the camera's axes as rows, which looks along -z with y up; its position is in the
 // world.
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <pugixml.hpp>
 
 #include "capture/import/camera_numbers.h"
 #include "capture/import/readers.h"
+#include "capture/import/xml.h"
 #include "capture/text.h"
 
 namespace fourdvt::capture {
@@ -63,8 +62,7 @@ Status setQualisysPose(Attributes& pose, CaptureCamera& camera, const std::strin
 Result<ImportedCamera> qualisysCamera(const pugi::xml_node& node, const std::string& text, const std::string& path) {
   ImportedCamera out;
   out.camera.pinhole.name = node.attribute("serial").as_string();
-  const int line = lineOfByte(text, static_cast<size_t>(std::max<ptrdiff_t>(node.offset_debug(), 0)));
-  const std::string where = atLine(path, line) + "camera " + out.camera.pinhole.name;
+  const std::string where = placeOf(node, text, path) + "camera " + out.camera.pinhole.name;
   Attributes field(node.child("fov_video") ? node.child("fov_video") : node.child("fov_marker"));
   Attributes lens(node.child("intrinsic")), pose(node.child("transform"));
   setQualisysLens(field, lens, out.camera);
@@ -82,13 +80,8 @@ Result<ImportedCamera> qualisysCamera(const pugi::xml_node& node, const std::str
 
 Result<ImportedCalibration> parseQualisys(const std::string& text, const std::string& path) {
   pugi::xml_document document;
-  const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size());
-  if (!parsed) {
-    const int line = lineOfByte(text, static_cast<size_t>(std::max<ptrdiff_t>(parsed.offset, 0)));
-    return Error{ErrorId::FileUnreadable,
-                 atLine(path, line) + "not valid XML (" + parsed.description() + "); export the calibration again"};
-  }
-  ImportedCalibration out{"Qualisys", path, {}, 0.001, WorldAxis::Z};
+  FOURDVT_TRY(loadXml(text, path, document));
+  ImportedCalibration out{"Qualisys", path, {}, 0.001, WorldAxis::Z, {}, {}};
   for (const pugi::xml_node& node : document.child("calibration").child("cameras").children("camera")) {
     FOURDVT_ASSIGN(out.cameras.emplace_back(), qualisysCamera(node, text, path));
   }

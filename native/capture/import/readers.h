@@ -13,8 +13,8 @@ Result<ImportedCalibration> parseQualisys(const std::string& text, const std::st
 // One camera of OpenCV's FileStorage (XML, YAML or JSON), whose nodes have one of the usual names.
 Result<ImportedCamera> parseOpenCvCamera(const std::string& text, const std::string& name, const std::string& path);
 
-// nerfstudio's transforms.json: camera to world, x right, y up, z back; Z up; no unit. One camera a frame; the name is
-// that of its picture, or of the picture's folder where pictures have the same names.
+// nerfstudio's, instant-ngp's and Blender's transforms.json: camera to world, x right, y up, z back; Z up; no unit. One
+// camera a frame, named by its picture or that one's folder (camerasOfPictures).
 Result<ImportedCalibration> parseNerfstudio(const std::string& text, const std::string& path);
 
 // EasyMocap's intri.yml and extri.yml. Z up, metres.
@@ -24,7 +24,7 @@ Result<ImportedCalibration> parseEasyMocap(const std::string& intri, const std::
 // and principal point as fractions of width and height. No axis is defined as up.
 Result<ImportedCalibration> parseActorsHq(const std::string& text, const std::string& path);
 
-// The .toml of Pose2Sim and Caliscope: a table a camera; world to camera, metres, Z up.
+// The .toml of Pose2Sim and Caliscope: a table a camera, of Caliscope's own [cameras.N]; world to camera, metres, Z up.
 Result<ImportedCalibration> parseToml(const std::string& text, const std::string& path);
 
 // Twelve numbers, a projection matrix row by row, or 21: K, R row by row, and t. "CONTOUR" may stand before them. No

@@ -118,25 +118,49 @@ class Unread {
 
   Files hidden_, tracks_;
 };
+// Of several names that the camera's files may have, the first one that is there.
+void chooseFileName(const std::vector<Take>& takes, ImportedCamera& imported) {
+  const auto found = std::find_if(imported.file_names.begin(), imported.file_names.end(), [&](const auto& name) {
+    return std::any_of(takes.begin(), takes.end(), [&](const Take& take) { return findView(take.folder, name); });
+  });
+  if (found == imported.file_names.end()) return;
+  const std::string name = *found;
+  imported.file_names = {name};
+  imported.camera.pinhole.name = plainName(name);
+}
+
+std::optional<View> viewOf(const ImportedCamera& imported, const std::string& folder) {
+  if (!imported.pictures.empty())
+    if (auto view = viewNear((std::filesystem::path(folder) / imported.pictures).string())) return view;
+  if (auto view = findView(folder, imported.fileName())) return view;
+  return findListed(folder, imported.listed);
+}
+
+std::optional<View> mattesOf(const ImportedCamera& imported, const std::string& folder) {
+  if (!imported.mattes.empty())
+    if (auto view = viewAt((std::filesystem::path(folder) / imported.mattes).string())) return view;
+  return findMattes(folder, imported.fileName(), imported.listed);
+}
 
 }  // namespace
 
-void findViews(const ImportedCalibration& calibration, Take& take) {
-  for (const ImportedCamera& imported : calibration.cameras) {
+void findViews(ImportedCalibration& calibration, std::vector<Take>& takes) {
+  for (ImportedCamera& imported : calibration.cameras) {
+    chooseFileName(takes, imported);
     const std::string& name = imported.camera.pinhole.name;
-    std::optional<View> view;
-    if (!imported.pictures.empty()) view = viewAt((std::filesystem::path(take.folder) / imported.pictures).string());
-    if (!view) view = findView(take.folder, name);
-    if (!view) continue;
-    take.views[name] = *view;
-    if (auto mattes = findMattes(take.folder, name)) take.mattes[name] = *mattes;
+    for (Take& take : takes) {
+      const std::optional<View> view = viewOf(imported, take.folder);
+      if (!view) continue;
+      take.views[name] = *view;
+      if (auto mattes = mattesOf(imported, take.folder)) take.mattes[name] = *mattes;
+    }
   }
 }
 
 Status keepSeenCameras(const std::vector<Take>& takes, ImportedCalibration& calibration,
                        std::vector<std::string>& warnings) {
   std::vector<std::string> names;
-  for (const ImportedCamera& imported : calibration.cameras) names.push_back(imported.camera.pinhole.name);
+  for (const ImportedCamera& imported : calibration.cameras) names.push_back(imported.fileName());
   const auto unseen = [&](const ImportedCamera& imported) {
     const std::string& name = imported.camera.pinhole.name;
     for (const Take& take : takes) {
@@ -191,6 +215,7 @@ Status useMeasured(const Measured& measured, ImportedCamera& imported, ViewMeasu
   done.insert(done.end(), measured.conversions.begin(), measured.conversions.end());
   for (const std::string& what : done) measures.done[what].insert(pinhole.name);
   double& fps = measures.fps;
+  if (imported.relative) setLens(*imported.relative, imported.camera.pinhole);
   if (fps == 0 && measured.fps) fps = *measured.fps;
   if (measured.fps && std::abs(*measured.fps - fps) > 0.01 * fps)
     notes.warnings.push_back(view.video + ": its container says " + std::to_string(*measured.fps) +

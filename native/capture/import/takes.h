@@ -26,8 +26,9 @@ struct Take {
   std::map<std::string, int64_t> offset_frames;
 };
 
-// Sets take.views and mattes by the cameras' names, or by the pictures that the calibration names.
-void findViews(const ImportedCalibration& calibration, Take& take);
+// Sets each take's views and mattes by the pictures that the calibration names, or else by the names of the cameras'
+// files; of several names, keeps the one that is there and names the camera by it.
+void findViews(ImportedCalibration& calibration, std::vector<Take>& takes);
 
 // Removes the cameras that have no pictures in one of the takes, with a warning for each; warns of videos without a
 // camera. Errors: CameraMissingVideo (none is left).

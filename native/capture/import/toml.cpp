@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "capture/import/camera_numbers.h"
+#include "capture/import/key_notes.h"
 #include "capture/import/readers.h"
 #include "capture/text.h"
 
@@ -11,6 +12,7 @@ namespace fourdvt::capture {
 namespace {
 
 constexpr size_t kMaxTomlNumbers = 64;
+const std::string kOfCaliscope = "cameras.";
 
 // Numbers of an array, or of an array of arrays, row by row; empty if it is anything else.
 std::vector<double> tomlNumbers(const toml::table& table, const char* key) {
@@ -29,10 +31,28 @@ std::vector<double> tomlNumbers(const toml::table& table, const char* key) {
   return out;
 }
 
+// Names under which a camera's clips lie: those that Caliscope gives by number, and what Pose2Sim's folder of pictures
+// for the lens, "int_cam01_img", is named after.
+std::vector<std::string> fileNamesOf(const std::string& key, const std::string& name) {
+  if (key.starts_with(kOfCaliscope)) {
+    const std::string number = key.substr(kOfCaliscope.size());
+    std::vector<std::string> out{"port_" + number, "cam_" + number, "port" + number, "cam" + number, number};
+    if (name != key) out.insert(out.begin(), name);
+    return out;
+  }
+  std::string inner = name;
+  if (inner.starts_with("int_")) inner = inner.substr(4);
+  if (inner.ends_with("_img")) inner.resize(inner.size() - 4);
+  if (inner == name || inner.empty()) return {};
+  return {name, inner};
+}
+
 Result<ImportedCamera> tomlCamera(const std::string& key, const toml::table& table, const std::string& path) {
   ImportedCamera out;
   PinholeCamera& pinhole = out.camera.pinhole;
-  pinhole.name = table["name"].value_or(key);
+  const std::string name = table["name"].value_or(key);
+  out.file_names = fileNamesOf(key, name);
+  pinhole.name = out.file_names.empty() ? name : out.file_names.front();
   const std::string where = path + ": [" + key + "]";
   const auto size = tomlNumbers(table, "size"), rotation = tomlNumbers(table, "rotation");
   const auto translation = tomlNumbers(table, "translation"), coefficients = tomlNumbers(table, "distortions");
@@ -57,6 +77,24 @@ Result<ImportedCamera> tomlCamera(const std::string& key, const toml::table& tab
   return out;
 }
 
+// Tables with a "matrix": at the top, or in Caliscope's "cameras", where they have numbers for names.
+std::vector<std::pair<std::string, const toml::table*>> cameraTables(const toml::table& root) {
+  std::vector<std::pair<std::string, const toml::table*>> out;
+  const auto add = [&](const toml::table& tables, const std::string& before) {
+    for (const auto& [key, node] : tables)
+      if (const toml::table* table = node.as_table(); table && table->contains("matrix"))
+        out.emplace_back(before + std::string(key.str()), table);
+  };
+  add(root, "");
+  if (const toml::table* cameras = root["cameras"].as_table()) add(*cameras, kOfCaliscope);
+  return out;
+}
+
+// Caliscope keeps cameras that have no place yet.
+bool isUnposed(const std::string& key, const toml::table& table) {
+  return key.starts_with(kOfCaliscope) && !table.contains("rotation") && !table.contains("translation");
+}
+
 }  // namespace
 
 Result<ImportedCalibration> parseToml(const std::string& text, const std::string& path) {
@@ -68,12 +106,22 @@ Result<ImportedCalibration> parseToml(const std::string& text, const std::string
     return Error{ErrorId::FileUnreadable, atLine(path, line) + "not valid TOML (" + std::string(error.description()) +
                                               "); export the calibration again"};
   }
-  ImportedCalibration out{"Pose2Sim or Caliscope", path, {}, 1, WorldAxis::Z};
-  for (const auto& [key, node] : root) {
-    const toml::table* table = node.as_table();
-    if (!table || !table->contains("matrix")) continue;
-    FOURDVT_ASSIGN(out.cameras.emplace_back(), tomlCamera(std::string(key.str()), *table, path));
+  ImportedCalibration out{"Pose2Sim or Caliscope", path, {}, 1, WorldAxis::Z, {}, {}};
+  KeyNotes notes(
+      {"name", "size", "matrix", "distortions", "rotation", "translation", "fisheye", "port", "cam_id", "ignore"},
+      {"skew", "tilt"});
+  std::string left_out;
+  for (const auto& [key, table] : cameraTables(root)) {
+    for (const auto& [own, value] : *table) notes.see(std::string(own.str()));
+    if ((*table)["ignore"].value_or(false) || isUnposed(key, *table)) {
+      left_out += (left_out.empty() ? "" : ", ") + key;
+      continue;
+    }
+    FOURDVT_ASSIGN(out.cameras.emplace_back(), tomlCamera(key, *table, path));
   }
+  if (!left_out.empty())
+    out.warnings.push_back(path + ": cameras without a pose, or to be ignored, are left out: " + left_out);
+  notes.finish(out);
   if (!out.cameras.empty()) return out;
   return Error{ErrorId::FileUnreadable, path + ": no table with \"matrix\", which a camera has; export a calibration"};
 }

@@ -34,10 +34,15 @@ bool isFolder(const fs::path& path) {
   return fs::is_directory(path, ignored);
 }
 
+// Name without extension, and without the other one of COLMAP's mattes (000000.jpg.png).
+std::string pictureStem(const fs::path& path) {
+  return (isPicture(path.stem()) ? path.stem().stem() : path.stem()).string();
+}
+
 // Pictures in the order of the numbers in their names.
 View numberedView(const std::vector<std::string>& pictures) {
   std::vector<std::string> names;
-  for (const std::string& path : pictures) names.push_back(fs::path(path).stem().string());
+  for (const std::string& path : pictures) names.push_back(pictureStem(path));
   const std::vector<int64_t> numbers = pictureNumbers(names);
   std::vector<size_t> order(pictures.size());
   std::iota(order.begin(), order.end(), 0);
@@ -52,7 +57,7 @@ std::optional<View> viewInFolder(const fs::path& folder, bool all) {
   std::vector<std::string> numbered, videos, others;
   for (const fs::path& path : sortedEntries(folder)) {
     if ((!all && isAside(stemOf(path))) || isFolder(path)) continue;
-    const bool has_number = path.stem().string().find_first_of("0123456789") != std::string::npos;
+    const bool has_number = pictureStem(path).find_first_of("0123456789") != std::string::npos;
     if (isVideo(path))
       videos.push_back(path.string());
     else if (isPicture(path) && has_number)
@@ -66,10 +71,16 @@ std::optional<View> viewInFolder(const fs::path& folder, bool all) {
   return std::nullopt;
 }
 
+// "cam00.jpg.png", COLMAP's name of the matte of cam00.jpg.
+bool isMatteOf(const fs::path& path, const std::string& name) {
+  const fs::path inner = path.stem();
+  return isPicture(path) && isPicture(inner) && inner.stem().string() == name;
+}
+
 std::optional<View> viewNamed(const fs::path& folder, const std::string& name, bool all) {
   std::optional<View> picture;
   for (const fs::path& path : sortedEntries(folder)) {
-    if (isFolder(path) || path.stem().string() != name) continue;
+    if (isFolder(path) || !(path.stem().string() == name || isMatteOf(path, name))) continue;
     if (isVideo(path)) return View{path.string(), {}, {}};
     if (isPicture(path) && !picture) picture = View{{}, {path.string()}, {}};
   }
@@ -135,8 +146,26 @@ std::optional<View> findView(const std::string& folder, const std::string& name)
   return std::nullopt;
 }
 
-std::optional<View> findMattes(const std::string& folder, const std::string& name) {
+std::optional<View> viewNear(const std::string& path) {
+  if (auto view = viewAt(path)) return view;
+  return viewNamed(fs::path(path).parent_path(), fs::path(path).filename().string(), false);
+}
+
+std::optional<View> findListed(const std::string& folder, const std::string& listed) {
+  if (listed.empty()) return std::nullopt;
+  for (const char* inner : kViewFolders) {
+    if (auto view = viewNear((fs::path(folder) / inner / listed).string())) return view;
+  }
+  return std::nullopt;
+}
+
+std::optional<View> findMattes(const std::string& folder, const std::string& name, const std::string& listed) {
   if (auto named = viewNamed(folder, matteStem(name), true)) return named;
+  if (!listed.empty()) {
+    for (const fs::path& path : entriesNamed(folder, kMatteNames))
+      for (const std::string& own : {listed + ".png", listed})
+        if (auto view = viewAt((path / own).string())) return view;
+  }
   return findAside(folder, name, kMatteNames);
 }
 

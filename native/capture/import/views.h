@@ -24,10 +24,14 @@ struct View {
 std::optional<View> findView(const std::string& folder, const std::string& name);
 // A file or folder that a calibration names.
 std::optional<View> viewAt(const std::string& path);
+// The same, where the extension may be left out.
+std::optional<View> viewNear(const std::string& path);
+// What a calibration lists, with or without its extension, in `folder` or its folders as above.
+std::optional<View> findListed(const std::string& folder, const std::string& listed);
 
-// maskNN for camNN, as captures call them; or NAME in `folder`'s folder masks, mask or mattes; or mask.mp4, mask/ … in
-// the camera's own folder.
-std::optional<View> findMattes(const std::string& folder, const std::string& name);
+// maskNN for camNN, as captures call them; or NAME, or what the calibration lists, in `folder`'s folder masks, mask or
+// mattes, where pictures may be called NAME.jpg.png as COLMAP does; or mask.mp4, mask/ … in the camera's own folder.
+std::optional<View> findMattes(const std::string& folder, const std::string& name, const std::string& listed = {});
 // Pictures of the empty studio: called background, bg, plate, empty or clean, in the camera's folder, or folders of
 // that name with NAME.png …, or NAME_background.png ….
 std::optional<View> findPlates(const std::string& folder, const std::string& name);
