@@ -125,6 +125,39 @@ Found findEasyMocap(const fs::path& source, std::string&) {
   return kNone;
 }
 
+// Middlebury's NAME_par.txt.
+Found findMiddlebury(const fs::path& source, std::string&) {
+  for (const fs::path& file : filesWith(source, {"_par.txt"})) return readOne(file, parseMiddlebury);
+  return kNone;
+}
+
+Found findMetashape(const fs::path& source, std::string&) {
+  for (const fs::path& file : filesWith(source, {".xml"})) {
+    FOURDVT_ASSIGN(const std::string text, readSmall(file));
+    if (looksLikeMetashape(text)) return readOne(file, parseMetashape);
+  }
+  return kNone;
+}
+
+Found findRealityCapture(const fs::path& source, std::string&) {
+  for (const fs::path& file : filesWith(source, {".csv"})) {
+    FOURDVT_ASSIGN(const std::string text, readSmall(file));
+    if (text.starts_with("#") && text.find("#name") < text.find("heading"))
+      return readOne(file, parseRealityCaptureCsv);
+  }
+  ImportedCalibration out{"RealityCapture", source.string(), {}, {}, WorldAxis::Z, {}, {}};
+  for (const char* inner : {"", "images"}) {
+    if (isPlainFile(source) && *inner) continue;
+    for (const fs::path& file : filesWith(*inner ? source / inner : source, {".xmp"})) {
+      FOURDVT_ASSIGN(const std::string text, readSmall(file));
+      if (!looksLikeRealityCaptureXmp(text)) continue;
+      FOURDVT_ASSIGN(out.cameras.emplace_back(), parseRealityCaptureXmp(text, file.stem().string(), file.string()));
+    }
+    if (!out.cameras.empty()) return std::optional(std::move(out));
+  }
+  return kNone;
+}
+
 Found findActorsHq(const fs::path& source, std::string&) {
   for (const fs::path& file : filesWith(source, {".csv"})) {
     FOURDVT_ASSIGN(const std::string text, readSmall(file));
@@ -227,6 +260,9 @@ constexpr CalibrationKind kCalibrationKinds[] = {
     {"EasyMocap (intri.yml and extri.yml)", findEasyMocap},
     {"ActorsHQ (calibration.csv)", findActorsHq},
     {"Qualisys (NAME.qca.txt)", findQualisys},
+    {"Middlebury (NAME_par.txt)", findMiddlebury},
+    {"Metashape (NAME.xml)", findMetashape},
+    {"RealityCapture (NAME.csv, CAMERA.xmp)", findRealityCapture},
     {"Pose2Sim and Caliscope (NAME.toml)", findToml},
     {"OpenCV FileStorage (CAMERA.xml, .yml or .json, or CAMERA/ with one)", findOpenCv},
     {"projection matrices (CAMERA.txt)", findProjections},

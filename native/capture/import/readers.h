@@ -33,4 +33,21 @@ Result<ImportedCamera> parseProjection(const std::string& text, const std::strin
 // Returns true for what parseProjection can be given.
 bool looksLikeProjection(const std::string& text);
 
+// Middlebury's NAME_par.txt: a count, then lines of a picture's name, K, R (row by row) and t. No unit, no axis.
+Result<ImportedCalibration> parseMiddlebury(const std::string& text, const std::string& path);
+
+// Agisoft Metashape's cameras (File, Export, Export Cameras): camera to world, x right, y down, z forward. The
+// transform of the chunk gives the unit and, in a local system, the world.
+Result<ImportedCalibration> parseMetashape(const std::string& text, const std::string& path);
+// Returns true for what parseMetashape can be given.
+bool looksLikeMetashape(const std::string& text);
+
+// RealityCapture's "Internal/External camera parameters" (.csv, first column #name). Z up, no unit.
+Result<ImportedCalibration> parseRealityCaptureCsv(const std::string& text, const std::string& path);
+// One camera of RealityCapture's XMP files, which lie beside the pictures.
+Result<ImportedCamera> parseRealityCaptureXmp(const std::string& text, const std::string& name,
+                                              const std::string& path);
+// Returns true for what parseRealityCaptureXmp can be given: an XMP file with a pose.
+bool looksLikeRealityCaptureXmp(const std::string& text);
+
 }  // namespace fourdvt::capture
