@@ -10,6 +10,7 @@
 #include <string>
 
 #include "capture/capture.h"
+#include "matte_with.h"
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
 
@@ -53,12 +54,7 @@ inline std::string numbered(int frame, const char* extension) {
 }
 
 // Keeps all but the outermost pixels.
-inline Image framedMatte(int width, int height) {
-  Image out(width, height, 1);
-  for (int y = 1; y + 1 < height; ++y)
-    for (int x = 1; x + 1 < width; ++x) *out.at(x, y) = 255;
-  return out;
-}
+inline Image framedMatte(int width, int height) { return matteWith(255, width, height); }
 
 // A unit quad at z = depth.
 inline std::string quadObj(double depth) {

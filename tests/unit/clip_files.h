@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "matte_with.h"
 #include "platform/ffmpeg_handles.h"
 #include "platform/video_writer.h"
 
@@ -61,7 +62,7 @@ inline void writeTracks(const std::string& path, const std::vector<std::string>&
   for (AVFormatContext*& file : in) avformat_close_input(&file);
 }
 
-// Writes plain pictures of one grey each, at constant intervals.
+// Writes plain pictures of one grey each, or mattes, at constant intervals.
 inline void writePlainClip(const std::string& path, const ClipFile& clip) {
   std::filesystem::create_directories(std::filesystem::path(path).parent_path());
   platform::VideoFormat format{.width = clip.width, .height = clip.height, .channels = clip.channels, .fps = clip.fps};
@@ -70,7 +71,9 @@ inline void writePlainClip(const std::string& path, const ClipFile& clip) {
   ASSERT_TRUE(writer.ok()) << writer.error().message;
   for (int i = 0; i < clip.pictures; ++i) {
     const auto grey = static_cast<uint8_t>(clip.grey ? clip.grey(i) : 10 * i);
-    ASSERT_TRUE(writer.value()->write(Image(clip.width, clip.height, clip.channels, grey)).ok());
+    const Image picture = clip.channels == 1 ? matteWith(grey, clip.width, clip.height)
+                                             : Image(clip.width, clip.height, clip.channels, grey);
+    ASSERT_TRUE(writer.value()->write(picture).ok());
   }
   ASSERT_TRUE(writer.value()->finish().ok());
 }

@@ -11,6 +11,7 @@
 #include "capture/import/key_notes.h"
 #include "capture/import/readers.h"
 #include "capture/json_text.h"
+#include "capture/text.h"
 
 namespace fourdvt::capture {
 namespace {

@@ -76,8 +76,8 @@ TEST(DialectNerfstudio, KeysThatAreNotReadAreNamedOnce) {
 }
 
 // `width` x 12 pixels, all of one grey.
-Image plain(int level, int width = 16, int channels = 3) {
-  return Image(width, 12, channels, static_cast<uint8_t>(level));
+Image plain(int level, int width = 16) {
+  return Image(width, 12, 3, static_cast<uint8_t>(level));
 }
 
 struct Imported : TempFolder {
@@ -108,7 +108,7 @@ TEST(DialectNerfstudio, MattesAreWhereMaskPathNamesThem) {
   for (const char* name : {"cam00", "cam01"}) {
     for (const char* number : {"0", "1"}) {
       files.write(std::string("in/") + name + "/" + number + ".png", plain(50));
-      files.write(std::string("in/seg/") + name + "_fg/" + number + ".png", plain(255, 16, 1));
+      files.write(std::string("in/seg/") + name + "_fg/" + number + ".png", framedMatte(16, 12));
     }
   }
   auto summary = files.run();
@@ -132,7 +132,7 @@ TEST(DialectColmap, RigFoldersMasksAndBlanks) {
     for (const char* number : {"1", "2"}) {
       const std::string picture = std::string("rig 1/") + name + "/image000" + number + ".jpg";
       files.write("in/images/" + picture, plain(50));
-      files.write("in/masks/" + picture + ".png", plain(255, 16, 1));
+      files.write("in/masks/" + picture + ".png", framedMatte(16, 12));
     }
   }
   auto summary = files.run();
@@ -149,7 +149,7 @@ TEST(DialectColmap, MasksOfStills) {
   files.write("in/images.txt", std::string("1 1 0 0 0 0 0 3 1 cam00.jpg\n\n2 1 0 0 0 1 0 3 1 cam01.jpg\n\n"));
   for (const char* name : {"cam00", "cam01"}) {
     files.write(std::string("in/images/") + name + ".jpg", plain(50));
-    files.write(std::string("in/masks/") + name + ".jpg.png", plain(255, 16, 1));
+    files.write(std::string("in/masks/") + name + ".jpg.png", framedMatte(16, 12));
   }
   auto summary = files.run();
   ASSERT_TRUE(summary.ok()) << summary.error().message;

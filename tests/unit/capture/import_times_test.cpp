@@ -23,10 +23,12 @@ class TimedFolder : public TempFolder {
   void clips(const ClipFile& clip, const std::string& ending = ".mp4") const {
     for (int c = 0; c < 3; ++c) writeClip(*this / ("in/cam" + std::to_string(c) + ending), clip);
   }
-  // Pictures of grey 10 times their number; those of `without` are not there.
+  // Pictures of grey 10 times their number, or mattes that have it at (3, 3); that of `without` is not there.
   void pictures(const std::string& folder, int first, int end, int without = -1, int channels = 3) const {
     for (int i = first; i < end; ++i)
-      if (i != without) write(folder + "/" + numbered(i, ".png"), Image(16, 12, channels, uint8_t(10 * i)));
+      if (i != without)
+        write(folder + "/" + numbered(i, ".png"),
+              channels == 1 ? matteWith(uint8_t(10 * i), 16, 12) : Image(16, 12, channels, uint8_t(10 * i)));
   }
   Result<ImportSummary> run() {
     std::filesystem::remove_all(options.folder);
