@@ -54,6 +54,12 @@ TEST(CameraBake, IsChosenForMeshesOfPerFrameTopologyAndSaysSo) {
   EXPECT_NE(inspect.output.find("from the pictures of 4 cameras"), std::string::npos) << inspect.output;
   EXPECT_NE(inspect.output.find("everything decodes"), std::string::npos) << inspect.output;
 
+  const Outcome score = lab("score " + out + "/box --capture " + capture + " --yardstick");
+  ASSERT_EQ(score.code, 0) << score.output;
+  for (const char* said : {"Held-out cameras", "Input cameras", "yardst. dB", "flicker is not measured"})
+    EXPECT_NE(score.output.find(said), std::string::npos) << score.output;
+  EXPECT_EQ(score.output.find("nan"), std::string::npos) << score.output;
+
   const json report = reportOf(out + "/box");
   EXPECT_EQ(report["options"]["appearance"], "cameras");
   EXPECT_EQ(report["options"]["refine"], "none");

@@ -7,8 +7,8 @@
 
 #include "lab/measure/appearance_score.h"
 #include "lab/measure/held_out_truth.h"
-#include "measure/metrics.h"
 #include "lab/measure/projective.h"
+#include "measure/metrics.h"
 #include "platform/files.h"
 
 namespace fourdvt::measure {
@@ -122,9 +122,8 @@ class Evaluation {
     for (const PinholeCamera& camera : test_cameras_) {
       FOURDVT_ASSIGN(auto truth, heldOutTruth(sequence, camera, input.index));
       Image yardstick;
-      if (options_.yardstick)
-        yardstick =
-            renderProjective(camera, cameras_, input.pictures, capture_.topology.face_vertices, input.positions);
+      const auto& faces = input.faces.empty() ? capture_.topology.face_vertices : input.faces;
+      if (options_.yardstick) yardstick = renderProjective(camera, cameras_, input.pictures, faces, input.positions);
       FOURDVT_TRY(score({sequence.name, camera.name, input.index, true}, camera, truth, yardstick));
     }
     return {};

@@ -7,6 +7,7 @@
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "tools/args.h"
+#include "tools/log.h"
 #include "tools/session.h"
 
 namespace fourdvt::lab {
@@ -66,13 +67,16 @@ Status score(const Arguments& arguments) {
   FOURDVT_ASSIGN(auto session, tools::openCharacter(arguments.character, arguments.rendition));
   if (!arguments.method.empty()) FOURDVT_TRY(tools::useMethod(session, arguments.method));
   if (arguments.closest) session.player->player().setMethod({.closest = *arguments.closest});
-  FOURDVT_ASSIGN(auto capture,
-                 capture::openCapture(arguments.capture, tools::videoOpener(), arguments.held_out.sequences));
+  FOURDVT_ASSIGN(auto capture, capture::openCapture(arguments.capture, tools::videoOpener(),
+                                                    arguments.held_out.sequences, capture::MeshNeed::AnySurface));
   const FrameLine line;
   auto report = measure::evaluateHeldOut(capture, tools::videoOpener(), *session.player, arguments.held_out, line);
   line.end();
   if (!report) return report.error();
   std::fputs(measure::scoreTable(report.value()).c_str(), stdout);
+  const bool follows = capture.meshes == capture::CaptureMeshes::ConstantTopology;
+  if (arguments.held_out.flicker_cameras > 0 && !follows)
+    tools::note("flicker is not measured: meshes of per-frame topology do not show where a point goes");
   return arguments.output.empty() ? Status() : writeReport(arguments.output, report.value());
 }
 
