@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <set>
 
+#include "base/warning_lines.h"
 #include "capture/import/calibration_files.h"
 #include "capture/import/class_option.h"
 #include "capture/import/layout.h"
@@ -58,14 +59,15 @@ void toMetresYUp(const ImportOptions& options, ImportedCalibration& calibration,
                                             : std::string("the world is turned: ") + axisName(up) + " becomes Y" +
                                                   (options.up ? "" : " (" + by_format + ")"));
   if (!options.up && !calibration.up)
-    summary.warnings.push_back(calibration.kind + " defines no axis that is up; Y is assumed: else give --up");
+    summary.warnings.push_back(calibration.path + ": " + calibration.kind +
+                               " defines no axis that is up; Y is assumed: else give --up");
   summary.done.push_back("one unit is " + shortNumber(scale) + " m" +
                          (options.metres_per_unit || !calibration.metres_per_unit ? "" : " (" + by_format + ")"));
   const double widest = widestDistance(calibration);
   const std::string apart = "cameras stand up to " + shortNumber(widest) + " m apart";
   summary.done.push_back(apart);
   if (!options.metres_per_unit && widest > kLargeRig)
-    summary.warnings.push_back(apart + "; if the unit is a millimetre, give --scale 0.001");
+    summary.warnings.push_back(calibration.path + ": " + apart + "; if the unit is a millimetre, give --scale 0.001");
   if (meshes != ImportedMeshes::None && (up != WorldAxis::Y || scale != 1))
     summary.warnings.push_back(
         "meshes are neither turned nor scaled, as the cameras were; export them in metres with "
@@ -109,7 +111,6 @@ void noteNames(const ImportedCalibration& calibration, ImportSummary& summary) {
 Status importPlates(const ImportedCalibration& calibration, const std::vector<Take>& takes, const std::string& base,
                     const OpenVideo& open_video, const std::string& folder, ImportSummary& summary) {
   size_t found = 0;
-  std::string missing;
   for (const ImportedCamera& imported : calibration.cameras) {
     const std::string& name = imported.camera.pinhole.name;
     std::optional<View> plates = findPlates(base, imported.fileName());
@@ -117,12 +118,13 @@ Status importPlates(const ImportedCalibration& calibration, const std::vector<Ta
       if (!plates) plates = findPlates(take.folder, imported.fileName());
     if (plates) FOURDVT_TRY(writePlates(*plates, imported.camera, open_video, folder));
     found += plates.has_value();
-    if (!plates && !takes.front().mattes.count(name)) missing += (missing.empty() ? "" : ", ") + name;
+    if (!plates && !takes.front().mattes.count(name) && !takes.front().alphas.count(name))
+      summary.warnings.push_back("camera " + name +
+                                 ": no mattes and no plates of the empty studio (looked for CAMERA/background.png, "
+                                 "background/CAMERA.png and the like); add some, or its clips alone have to show what "
+                                 "is background");
   }
   summary.done.push_back("plates of " + std::to_string(found) + " cameras");
-  if (!missing.empty())
-    summary.warnings.push_back("no plates of the empty studio and no mattes for " + missing +
-                               " (looked for CAMERA/background.png, background/CAMERA.png and the like)");
   return {};
 }
 
@@ -131,9 +133,11 @@ void describeTakes(const ImportOptions& options, const std::vector<Take>& takes,
                    ImportSummary& summary) {
   for (const Take& take : takes) {
     const std::string with_meshes = take.meshes.empty() ? "" : ", " + std::to_string(take.meshes.size()) + " meshes";
+    const std::string alphas =
+        take.alphas.empty() ? "" : ", " + std::to_string(take.alphas.size()) + " with mattes in their alpha";
     summary.done.push_back("sequence " + take.name + ": " + std::to_string(take.frames) + " frames" +
                            (take.loop ? ", a loop" : "") + ", " + std::to_string(take.mattes.size()) +
-                           " cameras with mattes" + with_meshes);
+                           " cameras with mattes" + alphas + with_meshes);
   }
   if (meshes == ImportedMeshes::ConstantTopology) summary.done.push_back("meshes: one that moves, with UVs");
   if (meshes == ImportedMeshes::PerFrame)
@@ -146,11 +150,14 @@ void describeTakes(const ImportOptions& options, const std::vector<Take>& takes,
   }
 }
 
-Status writeAll(const ImportOptions& options, const ImportedCalibration& calibration, const std::vector<Take>& takes,
+Status writeAll(const ImportOptions& options, const ImportedCalibration& calibration, std::vector<Take>& takes,
                 ImportedMeshes meshes, double fps, const OpenVideo& open_video, ImportSummary& summary) {
   const std::string part = options.folder + ".part";
   FOURDVT_TRY(platform::makeFolder(part));
-  for (const Take& take : takes) FOURDVT_TRY(linkTake(calibration, take, part));
+  for (Take& take : takes) {
+    FOURDVT_TRY(linkTake(calibration, take, part));
+    FOURDVT_TRY(findAlphas(calibration, part + "/" + take.name, open_video, take));
+  }
   describeTakes(options, takes, meshes, summary);
   std::error_code failed;
   const fs::path source = options.source;
@@ -212,15 +219,15 @@ Result<ImportSummary> importCapture(const ImportOptions& given, const OpenVideo&
   double fps = measures.fps;
   if (fps == 0) {
     fps = kAssumedFps;
-    summary.warnings.push_back("pictures have no frame rate; " + shortNumber(fps) +
-                               " frames a second are assumed: else "
-                               "give --fps");
+    summary.warnings.push_back(takes.front().folder + ": pictures have no frame rate; " + shortNumber(fps) +
+                               " frames a second are assumed: else give --fps");
   }
   FOURDVT_ASSIGN(const ImportedMeshes meshes, findMeshes(takes, summary.warnings));
   toMetresYUp(options, calibration, meshes, summary);
   const Status written = writeAll(options, calibration, takes, meshes, fps, open_video, summary);
   if (!written.ok()) platform::removeFolder(options.folder + ".part");
   FOURDVT_TRY(written);
+  summary.warnings = joinedWarnings(summary.warnings);
   return summary;
 }
 

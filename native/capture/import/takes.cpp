@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "capture/import/pairing.h"
+#include "capture/matted_pictures.h"
 #include "capture/picture_clock.h"
 #include "capture/picture_report.h"
 #include "capture/pictures.h"
@@ -118,6 +119,7 @@ class Unread {
 
   Files hidden_, tracks_;
 };
+
 // Of several names that the camera's files may have, the first one that is there.
 void chooseFileName(const std::vector<Take>& takes, ImportedCamera& imported) {
   const auto found = std::find_if(imported.file_names.begin(), imported.file_names.end(), [&](const auto& name) {
@@ -142,6 +144,26 @@ std::optional<View> mattesOf(const ImportedCamera& imported, const std::string& 
   return findMattes(folder, imported.fileName(), imported.listed);
 }
 
+// A file, or a folder with one, that the take has.
+bool uses(const Take& take, const std::string& path) {
+  const auto is = [&](const auto& view) {
+    const std::string& first = view.second.first();
+    return first == path || first.starts_with(path + "/");
+  };
+  return std::any_of(take.views.begin(), take.views.end(), is) ||
+         std::any_of(take.mattes.begin(), take.mattes.end(), is);
+}
+
+// Cameras of a capture's test pictures: cameras_test beside its calibration.
+std::vector<std::string> heldOutCameras(const ImportedCalibration& calibration) {
+  const std::filesystem::path beside = std::filesystem::path(calibration.path).parent_path() / "cameras_test";
+  const auto cameras = readColmapCameras(beside.string());
+  std::vector<std::string> out;
+  if (cameras.ok())
+    for (const CaptureCamera& camera : cameras.value()) out.push_back(camera.pinhole.name);
+  return out;
+}
+
 }  // namespace
 
 void findViews(ImportedCalibration& calibration, std::vector<Take>& takes) {
@@ -157,28 +179,39 @@ void findViews(ImportedCalibration& calibration, std::vector<Take>& takes) {
   }
 }
 
+Status findAlphas(const ImportedCalibration& calibration, const std::string& folder, const OpenVideo& open_video,
+                  Take& take) {
+  CaptureSequence sequence;
+  sequence.folder = folder;
+  sequence.frame_count = take.frames;
+  for (const ImportedCamera& imported : calibration.cameras) {
+    FOURDVT_ASSIGN(const MatteOrigin origin, matteOrigin(sequence, imported.camera, open_video));
+    if (origin == MatteOrigin::ColourAlpha) take.alphas.insert(imported.camera.pinhole.name);
+  }
+  return {};
+}
+
 Status keepSeenCameras(const std::vector<Take>& takes, ImportedCalibration& calibration,
                        std::vector<std::string>& warnings) {
   std::vector<std::string> names;
   for (const ImportedCamera& imported : calibration.cameras) names.push_back(imported.fileName());
+  std::vector<std::string> known = heldOutCameras(calibration);
+  known.insert(known.end(), names.begin(), names.end());
   const auto unseen = [&](const ImportedCamera& imported) {
     const std::string& name = imported.camera.pinhole.name;
     for (const Take& take : takes) {
       if (take.views.count(name)) continue;
-      warnings.push_back("camera " + name + " has no video and no pictures in " + take.folder +
-                         "; the camera is left out");
+      warnings.push_back("camera " + name + ": no video and no pictures in " + take.folder +
+                         "; it is left out: else name them like the camera");
       return true;
     }
     return false;
   };
   std::erase_if(calibration.cameras, unseen);
   for (const Take& take : takes) {
-    std::vector<std::string> named;
-    for (const auto& [name, view] : take.views) named.push_back(view.first());
-    for (const std::string& path : viewsWithoutCamera(take.folder, names)) {
-      const bool used = std::any_of(named.begin(), named.end(), [&](const auto& n) { return n.starts_with(path); });
-      if (!used) warnings.push_back(path + ": no camera of the calibration has this name; it is left out");
-    }
+    for (const std::string& path : viewsWithoutCamera(take.folder, known))
+      if (!uses(take, path))
+        warnings.push_back(path + ": no camera of the calibration has this name; it is left out: else rename it");
   }
   if (!calibration.cameras.empty()) return {};
   std::string list;
@@ -219,7 +252,7 @@ Status useMeasured(const Measured& measured, ImportedCamera& imported, ViewMeasu
   if (fps == 0 && measured.fps) fps = *measured.fps;
   if (measured.fps && std::abs(*measured.fps - fps) > 0.01 * fps)
     notes.warnings.push_back(view.video + ": its container says " + std::to_string(*measured.fps) +
-                             " frames a second; " + std::to_string(fps) + " are written");
+                             " frames a second; " + std::to_string(fps) + " are written: else give --fps");
   return {};
 }
 

@@ -19,6 +19,7 @@ struct Take {
   std::string name, folder;
   std::map<std::string, View> views;   // by camera's name
   std::map<std::string, View> mattes;  // of those that have some
+  std::set<std::string> alphas;        // of those whose pictures' alpha is the matte
   std::vector<std::string> meshes;     // one file a frame, or none
   bool loop = false;                   // the frame after the last one is the first
   uint32_t frames = 0;                 // that all cameras have
@@ -49,6 +50,10 @@ struct ViewMeasures {
 // VideoTooShort, those of `open_video`.
 Status measureViews(const OpenVideo& open_video, ImportedCalibration& calibration, Take& take, ViewMeasures& measures,
                     ClipNotes& notes);
+
+// Sets take.alphas from the pictures as they are linked in `folder`, the sequence's. Errors: those of matteOrigin.
+Status findAlphas(const ImportedCalibration& calibration, const std::string& folder, const OpenVideo& open_video,
+                  Take& take);
 
 // A stored picture as the camera is calibrated for it. Errors: those of asCalibrated, with the options of an import.
 Result<Image> importedPicture(const Image& stored, const PictureMarks& marks, const CaptureCamera& camera,

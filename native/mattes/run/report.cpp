@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "base/warning_lines.h"
 #include "capture/pictures.h"
 #include "platform/files.h"
 #include "report/document.h"
@@ -116,17 +117,20 @@ std::vector<std::string> warningsOf(const capture::Capture& capture, const Matte
   std::vector<std::string> out;
   for (const SequenceFigures& s : summary.sequences)
     for (size_t c = 0; c < capture.cameras.size(); ++c) {
-      const std::string camera = s.name + ": camera \"" + capture.cameras[c].pinhole.name + "\"";
+      const std::string camera = s.name + ", camera \"" + capture.cameras[c].pinhole.name + "\"";
       const Spread supported = spreadOf(s, c, &CameraFigures::supported);
       if (1 - supported.mean > kContradicted)
-        out.push_back(camera + " had " + fixedText(100 * (1 - supported.mean), 0) +
-                      " % in its own key that the other cameras contradict (most in frame " +
-                      std::to_string(supported.low_frame) + "); look at the red in its contact sheet");
+        out.push_back(camera + " (" + fixedText(100 * (1 - supported.mean), 0) + " %, most in frame " +
+                      std::to_string(supported.low_frame) +
+                      "): had that much in its own key that the other cameras contradict; look at the red in its "
+                      "contact sheet");
       const Spread shift = spreadOf(s, c, &CameraFigures::shift_pixels);
       if (shift.high > kShift_pixels)
-        out.push_back(camera + " stands up to " + fixedText(shift.high, 1) +
-                      " pixels off its plate; it was moved after its plate was taken, or after its calibration");
-      if (spreadOf(s, c, &CameraFigures::share).high == 0) out.push_back(camera + " sees nothing of the performer");
+        out.push_back(camera + " (" + fixedText(shift.high, 1) +
+                      " pixels): stands up to so far off its plate; it was moved after its plate was taken, or after "
+                      "its calibration: calibrate it again");
+      if (spreadOf(s, c, &CameraFigures::share).high == 0)
+        out.push_back(camera + ": sees nothing of the performer; check its plate and where it looks");
     }
   if (std::all_of(summary.sources.begin(), summary.sources.end(),
                   [](const std::string& s) { return s == kGivenMattes; }))
@@ -134,9 +138,9 @@ std::vector<std::string> warningsOf(const capture::Capture& capture, const Matte
   for (size_t c = 0; c < capture.cameras.size(); ++c)
     if (summary.sources[c] == "clips")
       out.push_back("camera \"" + capture.cameras[c].pinhole.name +
-                    "\" has no plate: its background was made from its clips, which is a guess; look at its contact "
-                    "sheet, and paint hints where it is wrong");
-  return out;
+                    "\": has no plate, so that its background was made from its clips, which is a guess; look at its "
+                    "contact sheet, and paint hints where it is wrong");
+  return joinedWarnings(out);
 }
 
 Status writeReport(const std::string& folder, const std::string& cells_folder, const capture::Capture& capture,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruct/run/finish.h"
 
+#include "base/warning_lines.h"
+
 namespace fourdvt::reconstruct {
 
 Status drawKept(const Prepared& job, const FrameStore& store, const capture::CaptureSequence& sequence, uint32_t frame,
@@ -37,6 +39,7 @@ Result<ReconstructSummary> writeResult(const Prepared& job, const FrameStore& st
   ReconstructSummary summary = summarise(job.capture, done);
   summary.frames_kept = run ? run->frames_kept : 0;
   summary.warnings.insert(summary.warnings.begin(), job.warnings.begin(), job.warnings.end());
+  summary.warnings = joinedWarnings(summary.warnings);
   summary.wall_s = run ? run->wall_s : frames_s;
   FOURDVT_TRY(writeReport(resultFolder(job.options).partFolder(), job.options, job.capture, done, pictures, summary));
   return summary;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/warning_lines.h"
 #include "capture/matted_pictures.h"
 #include "refine/outline_picture.h"
 #include "refine/robust.h"
@@ -272,9 +273,9 @@ class Calibrator {
         const CameraTime& time = camera.times[s];
         if (time.known && std::abs(time.offset_frames) > options_.most_frames - 0.5) {
           std::snprintf(text, sizeof text,
-                        "camera \"%s\" in \"%s\" is off by %.1f frames or more, the most that is searched; search "
+                        "%s, camera \"%s\" (%.1f frames): is off by that or more, the most that is searched; search "
                         "further (--most-offset)",
-                        camera.name.c_str(), out_.sequences[s].c_str(), time.offset_frames);
+                        out_.sequences[s].c_str(), camera.name.c_str(), time.offset_frames);
           out_.warnings.push_back(text);
         }
       }
@@ -297,7 +298,9 @@ class Calibrator {
     };
     for (size_t s = 0; s < out_.sequences.size() && options_.times; ++s)
       if (still(s))
-        out_.warnings.push_back("too little moves in \"" + out_.sequences[s] + "\" to compare the cameras' times");
+        out_.warnings.push_back(out_.sequences[s] +
+                                ": too little moves to compare the cameras' times; they stay as given");
+    out_.warnings = joinedWarnings(out_.warnings);
   }
 
   const capture::Capture& capture_;

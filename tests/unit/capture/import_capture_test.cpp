@@ -101,7 +101,7 @@ TEST(ImportCapture, SaysWhatItDidNotFind) {
   auto summary = files.run();
   ASSERT_TRUE(summary.ok()) << summary.error().message;
   const auto& warnings = summary.value().warnings;
-  EXPECT_TRUE(mentions(warnings, "camera cam2 has no video and no pictures"));
+  EXPECT_TRUE(mentions(warnings, "camera cam2: no video and no pictures"));
   EXPECT_TRUE(mentions(warnings, "in/cam7: no camera of the calibration has this name"));
   EXPECT_TRUE(mentions(warnings, "no axis that is up"));
   EXPECT_TRUE(mentions(warnings, "25 frames a second are assumed"));
@@ -153,6 +153,46 @@ TEST(ImportCapture, SequencesHaveFoldersAndMattes) {
   EXPECT_EQ(capture.value().find("run")->frame_count, 2u);
   EXPECT_TRUE(std::filesystem::is_symlink(files.options.folder + "/run/cam1/000001.jpg"));
   EXPECT_TRUE(std::filesystem::is_symlink(files.options.folder + "/run/mask2/000001.png"));
+}
+
+// Two cameras' warnings are one line.
+TEST(ImportCapture, SameWarningsAreOne) {
+  ImportFolder files;
+  for (const char* name : {"in/cam1/background.png", "in/cam2/background.png"}) files.remove(name);
+  auto summary = files.run();
+  ASSERT_TRUE(summary.ok()) << summary.error().message;
+  EXPECT_TRUE(mentions(summary.value().warnings, "camera cam1, cam2: no mattes and no plates"));
+  EXPECT_EQ(summary.value().warnings.size(), 1u);
+}
+
+// Mattes beside the pictures, and test pictures, belong to the capture.
+TEST(ImportCapture, FilesThatAreUsedGiveNoWarning) {
+  ImportFolder files;
+  files.options.source = kSample;
+  files.options.up = WorldAxis::Y;
+  files.options.metres_per_unit.reset();
+  files.options.fps = 0;
+  files.options.sequences = {{"walk", "walk"}};
+  auto summary = files.run();
+  ASSERT_TRUE(summary.ok()) << summary.error().message;
+  EXPECT_EQ(summary.value().warnings, std::vector<std::string>{});
+  EXPECT_TRUE(mentions(summary.value().done, "8 cameras with mattes"));
+}
+
+// Cut-outs: the pictures' alpha is the matte.
+TEST(ImportCapture, AlphaOfPicturesIsAMatte) {
+  ImportFolder files;
+  Image cut_out = Image(16, 12, 4, 90);
+  for (int x = 3; x < 9; ++x) cut_out.at(x, 5)[3] = 255;
+  for (const char* name : {"in/cam1/background.png", "in/cam2/background.png"}) files.remove(name);
+  for (int frame = 8; frame < 11; ++frame)
+    for (const char* camera : {"in/cam1/shot_", "in/cam2/shot_"})
+      files.write(camera + std::to_string(frame) + ".png", cut_out);
+  auto summary = files.run();
+  ASSERT_TRUE(summary.ok()) << summary.error().message;
+  EXPECT_EQ(summary.value().warnings, std::vector<std::string>{});
+  EXPECT_TRUE(mentions(summary.value().done, "2 with mattes in their alpha"));
+  EXPECT_TRUE(openCapture(files.options.folder, platform::openVideoFile, {}, MeshNeed::Nothing).ok());
 }
 
 TEST(ImportCapture, FoldersInUseStay) {

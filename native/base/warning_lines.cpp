@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/warning_lines.h"
+
+#include <algorithm>
+
+namespace fourdvt {
+namespace {
+
+struct Line {
+  std::string subjects, last, rest;  // `last`: of the subjects, in full
+};
+
+// Without a subject, the rest is all.
+Line split(const std::string& warning) {
+  const size_t end = warning.find(": ");
+  if (end == std::string::npos) return {"", "", warning};
+  const std::string subject = warning.substr(0, end);
+  return {subject, subject, warning.substr(end)};
+}
+
+std::string unlike(const std::string& subject, const std::string& before) {
+  const auto common =
+      size_t(std::mismatch(subject.begin(), subject.end(), before.begin(), before.end()).first - subject.begin());
+  const size_t at = common == 0 ? std::string::npos : subject.find_last_of("/ ", common - 1);
+  return at == std::string::npos ? subject : subject.substr(at + 1);
+}
+
+}  // namespace
+
+std::vector<std::string> joinedWarnings(const std::vector<std::string>& warnings) {
+  std::vector<Line> lines;
+  for (const std::string& warning : warnings) {
+    const Line line = split(warning);
+    const auto same = std::find_if(lines.begin(), lines.end(), [&](const Line& other) {
+      return !line.subjects.empty() && !other.subjects.empty() && other.rest == line.rest;
+    });
+    if (same == lines.end()) {
+      lines.push_back(line);
+    } else if (same->last != line.last) {
+      same->subjects += ", " + unlike(line.last, same->last);
+      same->last = line.last;
+    }
+  }
+  std::vector<std::string> out;
+  for (const Line& line : lines) out.push_back(line.subjects + line.rest);
+  return out;
+}
+
+}  // namespace fourdvt
