@@ -222,7 +222,7 @@ Result<ImportSummary> importCapture(const ImportOptions& given, const OpenVideo&
     summary.warnings.push_back(takes.front().folder + ": pictures have no frame rate; " + shortNumber(fps) +
                                " frames a second are assumed: else give --fps");
   }
-  FOURDVT_ASSIGN(const ImportedMeshes meshes, findMeshes(takes, summary.warnings));
+  FOURDVT_ASSIGN(const ImportedMeshes meshes, findMeshes(takes, summary.done, summary.warnings));
   toMetresYUp(options, calibration, meshes, summary);
   const Status written = writeAll(options, calibration, takes, meshes, fps, open_video, summary);
   if (!written.ok()) platform::removeFolder(options.folder + ".part");

@@ -1,20 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/import/meshes.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 
 #include "capture/mesh_folder.h"
 #include "capture/mesh_sequence.h"
+#include "capture/pictures.h"
 
 namespace fourdvt::capture {
 namespace {
 
+// Positions of a capture that are packed in one file, which its capture.json describes.
+bool holdsPackedPositions(const std::string& folder) {
+  const auto entries = sortedEntries(folder);
+  return std::any_of(entries.begin(), entries.end(), [](const auto& path) { return path.extension() == ".i16"; });
+}
+
 // Errors: those of findMeshFiles and checkMeshFiles.
-Status findMeshesOf(Take& take, std::vector<std::string>& warnings) {
+Status findMeshesOf(Take& take, std::vector<std::string>& done, std::vector<std::string>& warnings) {
   const std::string folder = take.folder + "/mesh";
   std::error_code ignored;
   if (!std::filesystem::is_directory(folder, ignored)) return {};
+  if (!holdsMeshes(folder) && holdsPackedPositions(folder)) {
+    done.push_back(folder + ": packed positions, which only their own capture.json describes; they are left out");
+    return {};
+  }
   if (!holdsMeshes(folder)) {
     warnings.push_back(folder + ": no .obj, .ply, .glb or .gltf in it; export one a frame; it is left out");
     return {};
@@ -37,8 +49,9 @@ std::optional<MeshTopology> topologyOf(const std::string& path) {
 
 }  // namespace
 
-Result<ImportedMeshes> findMeshes(std::vector<Take>& takes, std::vector<std::string>& warnings) {
-  for (Take& take : takes) FOURDVT_TRY(findMeshesOf(take, warnings));
+Result<ImportedMeshes> findMeshes(std::vector<Take>& takes, std::vector<std::string>& done,
+                                  std::vector<std::string>& warnings) {
+  for (Take& take : takes) FOURDVT_TRY(findMeshesOf(take, done, warnings));
   std::optional<MeshTopology> first;
   bool any = false, constant = true;
   for (const Take& take : takes) {
