@@ -269,8 +269,10 @@ class Parser {
       const std::string pattern = text(node);
       FOURDVT_ASSIGN(sequence.mesh_pattern, inside(where, pattern));
       const std::string other = otherMeshKind(pattern);
-      if (!other.empty())
-        return error(where + " (" + pattern + ") is " + other + ", which is not read; " + kExportReadable);
+      if (!other.empty()) {
+        return Error{ErrorId::Unsupported, file_ + ": " + where + " (" + pattern + ") is " + other +
+                                               ", which is not read; " + kExportReadable};
+      }
       const bool may_be_all = sequence.frame_count == 1 || isGltfName(pattern);
       const bool one_file = may_be_all && !pattern.empty() && pattern.find('%') == std::string::npos;
       if (one_file || !framePath(sequence.mesh_pattern, 0).empty()) return {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nodes of a glTF file at an instant of its animation. Does NOT know meshes or skins.
+// Nodes of a glTF file at an instant of its animation. Does NOT read meshes or skins.
 #pragma once
 
 #include <glm/glm.hpp>

@@ -149,7 +149,7 @@ class GltfParser {
     return weights;
   }
 
-  // Moves a skin's joints make, from the pose that it is bound in to the world.
+  // Transforms of a skin's joints, from the pose that it is bound in to the world; none without a skin.
   Result<std::vector<glm::dmat4>> jointsOf(const Json& node) {
     std::vector<glm::dmat4> out;
     if (gltfMember(node, "skin").is_null()) return out;

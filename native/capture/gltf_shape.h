@@ -17,13 +17,13 @@ class GltfShape {
   // Unsupported (a skin, but no weights of its joints).
   static Result<GltfShape> open(GltfBytes& bytes, const Json& primitive, std::span<const double> weights, bool skinned);
   uint64_t count() const { return positions_.count(); }
-  // Of a vertex before morphs, and with them.
+  // A vertex without morphs, and with them.
   glm::dvec3 rest(uint64_t i) const { return vectorAt(positions_, i); }
   glm::dvec3 morphed(uint64_t i) const;
   // A skinned vertex in world: the mean of its joints' transforms, by weight. False if it names a joint that is
   // missing.
   bool skinned(uint64_t i, std::span<const glm::dmat4> world_from_rest, glm::dvec3& out) const;
-  // Whether vertex `i` and vertex `j` of `other` are one at every instant.
+  // True if vertex `i` and vertex `j` of `other` are one at every instant.
   bool isSame(uint64_t i, const GltfShape& other, uint64_t j) const;
 
  private:

@@ -13,7 +13,7 @@
 namespace fourdvt::capture {
 namespace {
 
-// What two OBJ texts of one topology have in common, and the positions of one.
+// The lines of an OBJ text that are the same in all frames of one topology, and its positions.
 struct ObjOutline {
   size_t faces = 0;
   uint64_t connectivity = kFnv1aStart;  // hash of the vt and f lines

@@ -13,8 +13,7 @@ namespace {
 
 constexpr double kFlat = 1e-6;  // of the polygon's area: a triangle that is turned over by less has no side
 
-// Twice the area, along the mean normal (Newell's method: Tampieri, "Newell's Method for Computing the Plane Equation
-// of a Polygon", Graphics Gems III, 1992).
+// Twice the area, along the mean normal, by Newell's method.
 glm::dvec3 areaOf(std::span<const glm::vec3> corners) {
   glm::dvec3 twice(0);
   const glm::dvec3 origin = corners[0];
@@ -27,7 +26,7 @@ void addFan(size_t corners, std::vector<glm::uvec3>& triangles) {
   for (uint32_t i = 2; i < corners; ++i) triangles.emplace_back(0, i - 1, i);
 }
 
-// Whether no triangle is turned over.
+// True if no triangle is turned over.
 bool facesOneWay(std::span<const glm::vec3> corners, std::span<const glm::uvec3> triangles, const glm::dvec3& area) {
   const double least = -kFlat * glm::dot(area, area);
   return std::all_of(triangles.begin(), triangles.end(), [&](const glm::uvec3& t) {

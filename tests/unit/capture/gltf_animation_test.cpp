@@ -132,7 +132,7 @@ TEST(GltfAnimation, MorphTargetsAddUp) {
   expectNear(vertexAt(file, 0.5, 1), {2, 0, 0.25});
 }
 
-// As Blender writes shapes of which few vertices move: two of three, and a base of zeros that is not stored.
+// Shapes of which few vertices move, as Blender writes them: two of three, on a base of zeros that is not stored.
 TEST(GltfAnimation, SparseMorphTargets) {
   MovingGltf file = triangle();
   const size_t indices = file.addView(rawBytes(std::vector<uint16_t>{0, 2})),

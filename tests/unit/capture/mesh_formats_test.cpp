@@ -43,7 +43,8 @@ TEST(MeshFormats, AsciiPlyWithMoreThanItNeeds) {
   expectSame(mesh, {{{1, 2, 3}, {2, 2, 3}, {2, 3, 3}, {1, 3, 3}}, {{0, 1, 2}, {0, 2, 3}, {3, 2, 1}}});
 }
 
-// As Stanford's scans: -1 parts strips, every second triangle of one is turned, one vertex twice only joins two parts.
+// Strips as in Stanford's scans: -1 parts them, every second triangle of one is turned, one vertex twice only joins two
+// parts.
 TEST(MeshFormats, PlyStrips) {
   const std::string head =
       "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"

@@ -131,7 +131,7 @@ TEST(CaptureMeshKinds, OtherKindsAreNamed) {
   expectWords(files, ErrorId::Unsupported, "walk/mesh/performance.abc", "Alembic is not read; export one OBJ");
   for (const std::string pattern : {"walk/mesh/performance.abc", "walk/mesh/%04d.usdc"}) {
     files.declare("per-frame", R"(, "mesh": ")" + pattern + "\"");
-    expectWords(files, ErrorId::CaptureJson, "capture.json", "which is not read; export one OBJ");
+    expectWords(files, ErrorId::Unsupported, "capture.json", "which is not read; export one OBJ");
   }
   files.declare("per-frame");
   files.remove("walk/mesh/performance.abc");

@@ -61,7 +61,7 @@ TEST(Polygon, NearlyConvexOnesAreFans) {
     for (const glm::uvec3& t : split(corners)) EXPECT_EQ(t.x, 0u);
 }
 
-// Whichever corner the list begins with, and however the polygon lies in space.
+// From any first corner, in any plane.
 TEST(Polygon, ConcaveOnesAreCoveredOnce) {
   for (size_t first = 0; first < kL.size(); ++first) {
     for (const glm::vec3& scale : {glm::vec3(1), glm::vec3(-1, 1, 1), glm::vec3(1e-3f), glm::vec3(1e3f)}) {
