@@ -6,15 +6,14 @@
 #include <cmath>
 #include <opencv2/core/utility.hpp>
 
+#include "reconstruct/rig_space.h"
+
 namespace fourdvt::reconstruct {
 namespace {
 
 constexpr double kBandVoxels = 3;
 constexpr int kMaxLevels = 20;                       // 2^20 blocks along each side of space
 constexpr int kCoarseLevels = 9, kCommonLevels = 7;  // halvings after which a message's figures are counted
-constexpr double kNearReach = 4, kFarReach = 32;     // spreads of the cameras: rays that meet, rays side by side
-constexpr double kSideBySide = 0.94;                 // cosine between any two rays: they fix no distance
-constexpr double kEverywhere = 1e9;                  // pixels
 constexpr size_t kNoView = SIZE_MAX;
 
 enum class Share : uint8_t { Outside, Mixed, Inside };
@@ -71,50 +70,15 @@ class Carver {
     return seen >= needed_ ? nearest : -band;
   }
 
-  // Whether enough cameras see the sphere or part of it.
-  bool seen(const glm::dvec3& centre, double radius) const {
-    size_t count = 0;
-    for (const CarvingView& view : views_) {
-      const PinholeCamera& camera = view.silhouette->camera;
-      const glm::dvec3 p = camera.project(centre);
-      if (p.z <= -radius) continue;
-      const double reach = p.z > 1.5 * radius ? std::max(camera.fx, camera.fy) * radius / (p.z - radius) : kEverywhere;
-      count += p.x > -reach && p.y > -reach && p.x < camera.width + reach && p.y < camera.height + reach;
-    }
-    return count >= needed_;
-  }
-
  private:
   std::span<const CarvingView> views_;
   size_t without_, needed_;
 };
 
-// The point that lies closest to the rays through the middle of all pictures.
-glm::dvec3 middleOf(std::span<const CarvingView> views) {
-  glm::dmat3 a(0);
-  glm::dvec3 b(0);
-  for (const CarvingView& view : views) {
-    const glm::dvec3 axis = view.silhouette->camera.middleRayInWorld(), c = view.silhouette->camera.centreInWorld();
-    const glm::dmat3 across = glm::dmat3(1) - glm::outerProduct(axis, axis) * 0.999;
-    a += across;
-    b += across * c;
-  }
-  return glm::inverse(a) * b;
-}
-
-// The largest distance from the middle at which the performer may be; grows with the rig.
-double reachOf(std::span<const CarvingView> views, const glm::dvec3& middle) {
-  double spread = 0, from_middle = 0, least_cosine = 1;
-  for (const CarvingView& a : views) {
-    const glm::dvec3 centre = a.silhouette->camera.centreInWorld(), axis = a.silhouette->camera.middleRayInWorld();
-    from_middle = std::max(from_middle, glm::distance(middle, centre));
-    for (const CarvingView& b : views) {
-      spread = std::max(spread, glm::distance(centre, b.silhouette->camera.centreInWorld()));
-      least_cosine = std::min(least_cosine, glm::dot(axis, b.silhouette->camera.middleRayInWorld()));
-    }
-  }
-  const double reach = std::max(2 * from_middle, spread * (least_cosine > kSideBySide ? kFarReach : kNearReach));
-  return reach > 0 ? reach : 1;  // one centre for all: no distance is better than another
+std::vector<PinholeCamera> camerasOf(std::span<const CarvingView> views) {
+  std::vector<PinholeCamera> out;
+  for (const CarvingView& view : views) out.push_back(view.silhouette->camera);
+  return out;
 }
 
 // Cubes of blocks, halved again and again.
@@ -157,8 +121,9 @@ void halve(const Carver& carver, Cells& cells) {
 
 // One cell round everything that the cameras may see, aligned to the grid of blocks.
 Cells wholeSpace(std::span<const CarvingView> views, double voxel_m) {
-  const glm::dvec3 middle = middleOf(views);
-  const double reach = reachOf(views, middle);
+  const std::vector<PinholeCamera> cameras = camerasOf(views);
+  const glm::dvec3 middle = middleOf(cameras);
+  const double reach = reachOf(cameras, middle);
   Cells cells;
   cells.block_m = voxel_m * kBlock;
   cells.blocks_along = 1;
@@ -171,8 +136,9 @@ Cells wholeSpace(std::span<const CarvingView> views, double voxel_m) {
 
 // The same space with a grid of its own, which depends on the rig alone; `levels` halvings lead to single blocks.
 Cells rigSpace(std::span<const CarvingView> views, int levels) {
-  const glm::dvec3 middle = middleOf(views);
-  const double reach = reachOf(views, middle);
+  const std::vector<PinholeCamera> cameras = camerasOf(views);
+  const glm::dvec3 middle = middleOf(cameras);
+  const double reach = reachOf(cameras, middle);
   Cells cells;
   cells.origin = middle - reach;
   cells.blocks_along = 1 << levels;
@@ -197,7 +163,8 @@ Error nothingLeft(std::span<const CarvingView> views) {
                          [&](const glm::ivec3& at) { return middleHeld(carver, cells, at); });
   };
   Cells cells = rigSpace(views, kCommonLevels);
-  const Carver all(views);
+  const std::vector<PinholeCamera> cameras = camerasOf(views);
+  const size_t needed = cameras.size() / 2 + 1;
   size_t common = 0;
   while (cells.blocks_along > 1) {
     std::vector<glm::ivec3> parts;
@@ -205,11 +172,11 @@ Error nothingLeft(std::span<const CarvingView> views) {
     for (const glm::ivec3& at : cells.at)
       for (int k = 0; k < 8; ++k) {
         const glm::ivec3 part = at + cells.blocks_along * glm::ivec3(k & 1, k >> 1 & 1, k >> 2);
-        if (all.seen(centreOf(cells, part), radiusOf(cells))) parts.push_back(part);
+        if (isSeen(cameras, needed, centreOf(cells, part), radiusOf(cells))) parts.push_back(part);
       }
     cells.at = std::move(parts);
     common = size_t(std::count_if(cells.at.begin(), cells.at.end(), [&](const glm::ivec3& at) {
-      return all.seen(centreOf(cells, at), radiusOf(cells) / 32);
+      return isSeen(cameras, needed, centreOf(cells, at), radiusOf(cells) / 32);
     }));
   }
   if (common == 0) {

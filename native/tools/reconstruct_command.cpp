@@ -101,8 +101,11 @@ reconstruct::ReconstructEnvironment reconstructEnvironment(const GpuSession& gpu
 void printReconstructSummary(const std::string& folder, const reconstruct::ReconstructSummary& s) {
   for (const std::string& warning : s.warnings) warn("%s", warning.c_str());
   const uint32_t made = s.frames - s.frames_kept;
-  note("%s: %u frames, %.1f s (%.2f s per frame), overlap with the silhouettes %.4f (lowest %.4f)", folder.c_str(),
-       s.frames, s.wall_s, made ? s.wall_s / made : 0.0, s.mean_overlap, s.lowest_overlap);
+  note(
+      "%s: %u frames, %.1f s (%.2f s per frame), overlap with the silhouettes %.4f (lowest %.4f), which cover "
+      "%.1f %% of the pictures; %.3g of the %.3g m³ that the cameras see",
+      folder.c_str(), s.frames, s.wall_s, made ? s.wall_s / made : 0.0, s.mean_overlap, s.lowest_overlap,
+      100 * s.mean_cover, s.volume_m3, s.seen_m3);
   note("figures: %s/reconstruct.html", folder.c_str());
 }
 

@@ -357,7 +357,7 @@ TEST(Reconstruct, AnEmptySilhouetteIsLeftOutWithAWarning) {
   fillMatte(capture, "01", "000001", 0);
   const Outcome made = fourdvt("reconstruct " + capture + " -o " + out + "/hull" + kCoarse);
   ASSERT_EQ(made.code, 0) << made.output;
-  EXPECT_NE(made.output.find("\"cam01\" sees nothing of the performer in 1 of 3 frames (first 1)"), std::string::npos)
+  EXPECT_NE(made.output.find("\"cam01\": sees nothing of the performer in 1 of 3 frames (first 1)"), std::string::npos)
       << made.output;
   EXPECT_GT(fs::file_size(out + "/hull/turn/mesh/000001.ply"), 5000u);
 }

@@ -11,11 +11,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::pair<const char*, std::vector<double> FrameFigures::*> kLists[] = {
-    {"overlap", &FrameFigures::overlap},
-    {"outline_px", &FrameFigures::outline_px},
-    {"hull_overlap", &FrameFigures::hull_overlap},
-    {"believed", &FrameFigures::believed},
-    {"moved", &FrameFigures::moved}};
+    {"cover", &FrameFigures::cover},           {"overlap", &FrameFigures::overlap},
+    {"outline_px", &FrameFigures::outline_px}, {"hull_overlap", &FrameFigures::hull_overlap},
+    {"believed", &FrameFigures::believed},     {"moved", &FrameFigures::moved}};
 
 }  // namespace
 
@@ -28,6 +26,8 @@ std::string figuresText(const FrameFigures& f) {
               {"voxel_m", f.voxel_m},
               {"parts_left_out", f.parts_left_out},
               {"fallback", f.fallback},
+              {"volume_m3", f.volume_m3},
+              {"seen_m3", f.seen_m3},
               {"read_ms", f.read_ms},
               {"silhouettes_ms", f.silhouettes_ms},
               {"hull_ms", f.hull_ms},
@@ -57,6 +57,8 @@ Result<FrameFigures> parseFigures(const std::string& text, const std::string& pa
   f.person_metre_m = number("person_metre_m");
   f.voxel_m = number("voxel_m");
   f.parts_left_out = uint32_t(number("parts_left_out"));
+  f.volume_m3 = number("volume_m3");
+  f.seen_m3 = number("seen_m3");
   f.fallback = json.value("fallback", "");
   for (const auto& [name, list] : kLists) {
     const auto values = json.find(name);  // frames of an earlier version lack some

@@ -19,6 +19,9 @@ struct FrameFigures {
   double footprint_m = 0, person_metre_m = 0, voxel_m = 0;
   uint32_t parts_left_out = 0;     // components that were left out
   std::string fallback;            // why the polyhedral hull was not taken; empty: it was, or was not asked for
+  double volume_m3 = 0;            // of the surface
+  double seen_m3 = 0;              // that more than half of the cameras see; 0: unknown
+  std::vector<double> cover;       // per camera: share of the picture that the silhouette covers
   std::vector<double> overlap;     // per camera: intersection over union of mesh and silhouette; NaN: no silhouette
   std::vector<double> outline_px;  // per camera: median distance of the silhouette's outline from the mesh's; NaN: none
   // With stereo, per camera, else empty. Overlap as above; shares of the hull in the camera's picture.

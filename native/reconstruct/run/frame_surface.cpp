@@ -14,6 +14,7 @@
 #include "reconstruct/fairing.h"
 #include "reconstruct/mesh_checks.h"
 #include "reconstruct/polyhedral_hull.h"
+#include "reconstruct/rig_space.h"
 #include "reconstruct/run/silhouette_match.h"
 #include "reconstruct/scale.h"
 #include "reconstruct/simplify.h"
@@ -46,10 +47,24 @@ Silhouette silhouetteOf(const PinholeCamera& camera, const Image& rgba) {
   return out;
 }
 
-bool saysNothing(const Silhouette& silhouette) {
+size_t pixelsInside(const Silhouette& silhouette) {
   size_t inside = 0;
   for (uint8_t v : silhouette.coverage.pixels) inside += v > 127;
-  return inside < kFewestPixels;
+  return inside;
+}
+
+double coverOf(const Silhouette& silhouette) {
+  return double(pixelsInside(silhouette)) / double(std::max<size_t>(1, silhouette.coverage.pixels.size()));
+}
+
+// Of a closed mesh.
+double volumeOf(const TriangleMesh& mesh) {
+  double six = 0;
+  for (const glm::uvec3& f : mesh.faces) {
+    const glm::dvec3 a(mesh.positions[f.x]), b(mesh.positions[f.y]), c(mesh.positions[f.z]);
+    six += glm::dot(a, glm::cross(b, c));
+  }
+  return six / 6;
 }
 
 void inParallel(size_t count, const std::function<void(size_t)>& work) {
@@ -124,6 +139,7 @@ SurfaceMaker::SurfaceMaker(const ReconstructOptions& options, const std::vector<
     if (cameras[i].distortion.any())
       captured_[i] = capture::Undistorter(cameras[i]).apply(Image(pinhole.width, pinhole.height, 1, 255));
   }
+  seen_m3_ = seenVolume(cameras_);
 }
 
 Result<SurfaceMaker> SurfaceMaker::create(const ReconstructOptions& options,
@@ -209,7 +225,7 @@ Result<FrameSurface> SurfaceMaker::make(std::span<const Image> pictures) {
   std::vector<Silhouette> carving = out.silhouettes;
   std::vector<std::unique_ptr<SilhouetteDistance>> distances(cameras.size());
   inParallel(cameras.size(), [&](size_t i) {
-    if (saysNothing(carving[i])) return;
+    if (pixelsInside(carving[i]) < kFewestPixels) return;
     for (size_t k = 0; k < captured_[i].pixels.size(); ++k)
       if (captured_[i].pixels[k] < 128) carving[i].coverage.pixels[k] = 255;  // not seen is not carved
     distances[i] = std::make_unique<SilhouetteDistance>(carving[i].coverage);
@@ -267,6 +283,9 @@ Result<FrameSurface> SurfaceMaker::make(std::span<const Image> pictures) {
   compareWithSilhouettes(sees, out);
   for (TriangleMesh* mesh : {&out.mesh, &out.hull})
     for (glm::vec3& p : mesh->positions) p = glm::vec3(glm::dvec3(p) * scale_->person_metre_m);
+  out.figures.volume_m3 = volumeOf(out.mesh);
+  out.figures.seen_m3 = seen_m3_;
+  for (const Silhouette& silhouette : out.silhouettes) out.figures.cover.push_back(coverOf(silhouette));
   out.figures.check_ms = watch.lap();
   return out;
 }

@@ -67,6 +67,7 @@ class SurfaceMaker {
   ReconstructOptions options_;
   gpu::Device* device_ = nullptr;
   std::vector<PinholeCamera> cameras_;  // of the capture
+  double seen_m3_ = 0;                  // by more than half of them
   std::vector<PinholeCamera> working_;  // of the scene with a performer as thick as a person
   std::optional<SequenceScale> scale_;
   std::vector<Image>

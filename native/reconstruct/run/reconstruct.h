@@ -22,6 +22,8 @@ struct ReconstructSummary {
   uint32_t frames = 0, frames_kept = 0;  // kept: finished by an earlier run
   double wall_s = 0;
   double lowest_overlap = 1, mean_overlap = 1;
+  double mean_cover = 0;              // share of the pictures that silhouettes cover
+  double volume_m3 = 0, seen_m3 = 0;  // of the surface, mean; that more than half of the cameras see
   std::vector<std::string> warnings;  // one line each
 };
 

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "platform/files.h"
 #include "platform/folders.h"
@@ -22,7 +24,8 @@ using report::fixedText;
 constexpr size_t kColumns = 8;     // cameras side by side
 constexpr int kSheetHeight = 420;  // pixels of one picture
 constexpr double kLowOverlap = 0.95;
-constexpr double kDeep_m = 0.03;  // of a person: as far behind the hull pictures tell depths apart
+constexpr double kMostCover = 0.9, kMostFilled = 0.7;  // above, mattes hardly show an outline
+constexpr double kDeep_m = 0.03;                       // of a person: as far behind the hull pictures tell depths apart
 
 struct Stage {
   const char* name;
@@ -94,6 +97,63 @@ double meanOf(const ReconstructedSequence& sequence, std::vector<double> FrameFi
   for (const FrameFigures& f : sequence.frames)
     if (camera < (f.*list).size() && !std::isnan((f.*list)[camera])) sum += (f.*list)[camera], ++count;
   return count ? sum / double(count) : std::numeric_limits<double>::quiet_NaN();
+}
+
+// With every digit that counts, of a figurine and of a hall.
+std::string volumeText(double m3) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g m³", m3);
+  return text;
+}
+
+// Share of the space that more than half of the cameras see; 0: unknown.
+double filledShare(const ReconstructedSequence& sequence) {
+  double sum = 0, seen = 0;
+  for (const FrameFigures& f : sequence.frames) sum += f.volume_m3, seen += f.seen_m3;
+  return seen > 0 ? sum / seen : 0;
+}
+
+report::Table coverTable(const capture::Capture& capture, const std::vector<ReconstructedSequence>& sequences) {
+  report::Table table{
+      "Cover and volume",
+      "Share of the camera's picture that its silhouette covers, mean over the frames; and the surface's "
+      "volume, mean over the frames, with its share of the space that more than half of the cameras "
+      "see. Where mattes cover nearly all, overlap says nothing: the surface is what the cameras see.",
+      {"camera"},
+      {}};
+  for (const auto& s : sequences) table.columns.push_back(s.name);
+  for (size_t camera = 0; camera < capture.cameras.size(); ++camera) {
+    std::vector<std::string> row{capture.cameras[camera].pinhole.name};
+    for (const auto& s : sequences) {
+      const double cover = meanOf(s, &FrameFigures::cover, camera);
+      row.push_back(std::isnan(cover) ? "–" : fixedText(100 * cover, 1) + " %");
+    }
+    table.rows.push_back(std::move(row));
+  }
+  std::vector<std::string> volumes{"volume of the surface"}, shares{"of the space seen"};
+  for (const auto& s : sequences) {
+    volumes.push_back(volumeText(meanOver({s}, [](const FrameFigures& f) { return f.volume_m3; })));
+    shares.push_back(fixedText(100 * filledShare(s), 1) + " %");
+  }
+  table.rows.push_back(std::move(volumes));
+  table.rows.push_back(std::move(shares));
+  return table;
+}
+
+// Warnings of one sequence: silhouettes and a surface that cover nearly all that there is.
+std::vector<std::string> coverWarnings(const capture::Capture& capture, const ReconstructedSequence& s) {
+  std::vector<std::string> out;
+  for (size_t camera = 0; camera < capture.cameras.size(); ++camera)
+    if (const double cover = meanOf(s, &FrameFigures::cover, camera); cover > kMostCover)
+      out.push_back(s.name + ", camera \"" + capture.cameras[camera].pinhole.name + "\" (" + fixedText(100 * cover, 0) +
+                    " %): the mattes cover nearly the whole picture, so that overlap says nothing; check them, white "
+                    "is the object");
+  if (const double share = filledShare(s); share > kMostFilled)
+    out.push_back(s.name + ": the surface fills " + fixedText(100 * share, 0) + " % of the " +
+                  volumeText(s.frames.front().seen_m3) +
+                  " that more than half of the cameras see, as if mattes covered their pictures; check them, white is "
+                  "the object");
+  return out;
 }
 
 report::Table stereoTable(const capture::Capture& capture, const std::vector<ReconstructedSequence>& sequences) {
@@ -221,7 +281,14 @@ ReconstructSummary summarise(const capture::Capture& capture, const std::vector<
   ReconstructSummary out;
   double sum = 0;
   size_t count = 0;
+  out.volume_m3 = meanOver(sequences, [](const FrameFigures& f) { return f.volume_m3; });
+  out.seen_m3 = meanOver(sequences, [](const FrameFigures& f) { return f.seen_m3; });
+  out.mean_cover = meanOver(sequences, [](const FrameFigures& f) {
+    return std::accumulate(f.cover.begin(), f.cover.end(), 0.0) / double(std::max<size_t>(1, f.cover.size()));
+  });
   for (const auto& s : sequences) {
+    const auto covers = coverWarnings(capture, s);
+    out.warnings.insert(out.warnings.end(), covers.begin(), covers.end());
     out.frames += uint32_t(s.frames.size());
     size_t fallbacks = 0;
     std::string reason;  // of the first one
@@ -239,15 +306,17 @@ ReconstructSummary summarise(const capture::Capture& capture, const std::vector<
       sum += o.mean * double(o.frames);
       count += o.frames;
       if (o.frames) out.lowest_overlap = std::min(out.lowest_overlap, o.lowest);
+      const std::string camera_name = s.name + ", camera \"" + name + "\"";
       if (o.empty > 0) {
-        out.warnings.push_back(s.name + ": camera \"" + name + "\" sees nothing of the performer in " +
-                               std::to_string(o.empty) + " of " + std::to_string(s.frames.size()) + " frames (first " +
-                               std::to_string(o.first_empty) + ") and is left out there; check " + "its matte");
+        out.warnings.push_back(camera_name + ": sees nothing of the performer in " + std::to_string(o.empty) + " of " +
+                               std::to_string(s.frames.size()) + " frames (first " + std::to_string(o.first_empty) +
+                               ") and is left out there; check its matte");
       }
       if (o.frames && o.mean < kLowOverlap) {
-        out.warnings.push_back(s.name + ": camera \"" + name + "\" agrees with the surface in only " +
-                               fixedText(100 * o.mean, 1) +
-                               " % of its silhouette; check its calibration, matte and synchronisation");
+        out.warnings.push_back(camera_name + " (" + fixedText(100 * o.mean, 1) + " %): less than " +
+                               fixedText(100 * kLowOverlap, 0) +
+                               " % of the silhouette agrees with the surface; check calibration, matte and "
+                               "synchronisation");
       }
     }
   }
@@ -266,6 +335,9 @@ Result<ReconstructSummary> readSummary(const std::string& folder) {
     json.at("wall_s").get_to(out.wall_s);
     json.at("mean_overlap").get_to(out.mean_overlap);
     json.at("lowest_overlap").get_to(out.lowest_overlap);
+    json.at("mean_cover").get_to(out.mean_cover);
+    json.at("volume_m3").get_to(out.volume_m3);
+    json.at("seen_m3").get_to(out.seen_m3);
     json.at("warnings").get_to(out.warnings);
     return out;
   } catch (const std::exception&) {
@@ -287,9 +359,12 @@ Status writeReport(const std::string& folder, const ReconstructOptions& options,
   const double triangles = meanOver(sequences, [](const FrameFigures& f) { return double(f.triangles); });
   overview.tiles = {{fixedText(summary.mean_overlap, 4), "mean overlap of surface and silhouettes"},
                     {fixedText(summary.lowest_overlap, 4), "lowest overlap, any camera and frame"},
+                    {fixedText(100 * summary.mean_cover, 1) + " %", "of the pictures are covered by silhouettes"},
+                    {volumeText(summary.volume_m3),
+                     "volume of the surface, of " + volumeText(summary.seen_m3) + " that the cameras see"},
                     {fixedText(triangles, 0), "triangles a frame"},
                     {std::to_string(summary.frames), "frames"}};
-  overview.tables = {sequenceTable(sequences), overlapTable(capture, sequences)};
+  overview.tables = {sequenceTable(sequences), overlapTable(capture, sequences), coverTable(capture, sequences)};
   if (options.stereo) overview.tables.push_back(stereoTable(capture, sequences));
   overview.bar_charts = {stageChart(sequences)};
   overview.plots = {overlapPlot(sequences), trianglePlot(sequences)};
@@ -328,6 +403,9 @@ Status writeReport(const std::string& folder, const ReconstructOptions& options,
   json["wall_s"] = summary.wall_s;
   json["mean_overlap"] = summary.mean_overlap;
   json["lowest_overlap"] = summary.lowest_overlap;
+  json["mean_cover"] = summary.mean_cover;
+  json["volume_m3"] = summary.volume_m3;
+  json["seen_m3"] = summary.seen_m3;
   json["warnings"] = summary.warnings;
   for (const auto& s : sequences) {
     Json frames = Json::array();

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "capture/undistort.h"
+#include "reconstruct/run/report.h"
 #include "silhouette_fixture.h"
 
 namespace fourdvt::reconstruct {
@@ -73,6 +74,46 @@ TEST(FrameSurface, WhatTheLensDidNotShowCarvesNothing) {
   const FrameSurface carved = surfaceOf(cameras, pictures);
   EXPECT_FALSE(meshHolds(carved.mesh, unseen));
   EXPECT_TRUE(meshHolds(carved.mesh, first.centreInWorld() + rayInWorld(first, {35, 120}) * 2.1));
+}
+
+// A ball is a small part of what the cameras see; mattes that cover their pictures leave all of it.
+TEST(FrameSurface, VolumeIsThatOfTheBallOrOfAllThatIsSeen) {
+  const auto cameras = camerasOfStage();
+  std::vector<Image> pictures = picturesOf(cameras, {0, 0, 0});
+  const FrameFigures ball = surfaceOf(cameras, pictures).figures;
+  const double truth_m3 = 4.0 / 3 * 3.14159265 * std::pow(kBall_m, 3);
+  EXPECT_GT(ball.volume_m3, truth_m3);
+  EXPECT_LT(ball.volume_m3, 1.2 * truth_m3);
+  EXPECT_LT(ball.volume_m3, 0.1 * ball.seen_m3);
+  ASSERT_EQ(ball.cover.size(), cameras.size());
+  EXPECT_LT(ball.cover[1], 0.3);
+  EXPECT_GT(ball.cover[1], 0.01);
+  for (Image& picture : pictures)
+    for (size_t i = 3; i < picture.pixels.size(); i += 4) picture.pixels[i] = 255;
+  const FrameFigures all = surfaceOf(cameras, pictures).figures;
+  EXPECT_EQ(all.cover[1], 1);
+  EXPECT_EQ(all.seen_m3, ball.seen_m3);
+  EXPECT_NEAR(all.volume_m3 / all.seen_m3, 1, 0.1);
+}
+
+TEST(ReconstructReport, WarnsOfMattesThatShowNoOutline) {
+  capture::Capture capture;
+  capture.cameras = camerasOfStage();
+  FrameFigures figures;
+  figures.overlap.assign(6, 0.99), figures.cover.assign(6, 0.2);
+  figures.volume_m3 = 0.1, figures.seen_m3 = 10;
+  const ReconstructSummary usual = summarise(capture, {{"walk", {figures}}});
+  EXPECT_EQ(usual.warnings, std::vector<std::string>{});
+  EXPECT_DOUBLE_EQ(usual.mean_cover, 0.2);
+  EXPECT_EQ(usual.volume_m3, 0.1);
+  EXPECT_EQ(usual.seen_m3, 10);
+  figures.cover[2] = 0.97, figures.volume_m3 = 9;
+  const std::vector<std::string> warnings = summarise(capture, {{"walk", {figures}}}).warnings;
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_NE(warnings[0].find("walk, camera \"cam02\" (97 %): the mattes cover"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[1].find("walk: the surface fills 90 % of the 10 m³"), std::string::npos) << warnings[1];
+  figures.cover.clear(), figures.volume_m3 = figures.seen_m3 = 0;  // of an earlier version
+  EXPECT_EQ(summarise(capture, {{"walk", {figures}}}).warnings, std::vector<std::string>{});
 }
 
 TEST(FrameSurface, ACameraThatSeesNobodyIsLeftOut) {
