@@ -185,8 +185,14 @@ Status findAlphas(const ImportedCalibration& calibration, const std::string& fol
   sequence.folder = folder;
   sequence.frame_count = take.frames;
   for (const ImportedCamera& imported : calibration.cameras) {
-    FOURDVT_ASSIGN(const MatteOrigin origin, matteOrigin(sequence, imported.camera, open_video));
-    if (origin == MatteOrigin::ColourAlpha) take.alphas.insert(imported.camera.pinhole.name);
+    const std::string& name = imported.camera.pinhole.name;
+    const auto origin = matteOrigin(sequence, imported.camera, open_video);
+    if (!origin.ok()) {  // names the user's file, not the link
+      const std::string& message = origin.error().message;
+      const size_t what = message.find(": ");
+      return Error{origin.error().id, take.views.at(name).first() + message.substr(std::min(what, message.size()))};
+    }
+    if (origin.value() == MatteOrigin::ColourAlpha) take.alphas.insert(name);
   }
   return {};
 }

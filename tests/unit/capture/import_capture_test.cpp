@@ -195,6 +195,27 @@ TEST(ImportCapture, AlphaOfPicturesIsAMatte) {
   EXPECT_TRUE(openCapture(files.options.folder, platform::openVideoFile, {}, MeshNeed::Nothing).ok());
 }
 
+// The message names the user's clip, not the link to it.
+TEST(ImportCapture, AlphaThatDoesNotDecodeIsRefused) {
+  struct Clip final : VideoSource {
+    Result<std::optional<Image>> next() override {
+      return left-- > 0 ? std::optional<Image>(ImportFolder::grey(90)) : std::nullopt;
+    }
+    bool hasAlpha() const override { return true; }
+    int left = 3;
+  };
+  const OpenVideo video = [](const std::string& path, int channels) -> Result<std::unique_ptr<VideoSource>> {
+    if (channels != 3) return Error{ErrorId::FileUnreadable, path + ": alpha is not decoded; export it again"};
+    return std::unique_ptr<VideoSource>(std::make_unique<Clip>());
+  };
+  ImportFolder files;
+  for (const char* name : {"cam1", "cam2"}) {
+    for (const char* frame : {"8", "9", "10"}) files.remove(std::string("in/") + name + "/shot_" + frame + ".png");
+    files.write(std::string("in/") + name + "/clip.mov", std::string("x"));
+  }
+  expectError(importCapture(files.options, video), ErrorId::FileUnreadable, files / "in/cam1/clip.mov: alpha is not");
+}
+
 TEST(ImportCapture, FoldersInUseStay) {
   ImportFolder files;
   files.write("out/precious.txt", std::string("mine"));
