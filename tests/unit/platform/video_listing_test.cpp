@@ -58,6 +58,8 @@ TEST_F(VideoList, PicturesBeforeACutAreNotCounted) {
   const std::vector<int> shown = greys(path);
   ASSERT_EQ(shown.size(), 10u);
   EXPECT_NEAR(shown[0], 60, 3);
+  writeClip(path, {.pictures = 16, .time_s = [](int i) { return (i < 12 ? i - 6 : i - 4) / 25.0; }});
+  EXPECT_EQ(list(path).pictures, 10u) << "with a gap, from the packets";
 }
 
 TEST_F(VideoList, SeeksCountNoHiddenPictures) {
