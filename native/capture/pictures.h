@@ -45,7 +45,7 @@ Result<Image> readPicture(const std::string& path, int channels, PictureMarks* m
 // The same, as the camera is calibrated for it. Errors: those of readPicture; FrameSize.
 Result<Image> readCalibrated(const std::string& path, int channels, const CaptureCamera& camera);
 
-// How many pictures a camera must have for a sequence, those before its first frame included.
+// Count of the pictures that a camera must have for a sequence, those before its first frame included.
 struct NeededPictures {
   NeededPictures(const CaptureSequence& sequence, const std::string& camera);
   Error tooFew(const std::string& path, const std::string& has) const;  // VideoTooShort

@@ -88,7 +88,7 @@ bool loadStamps(const std::string& path, VideoStamps& out) {
   return true;
 }
 
-// Where that fails, the next one reads the video again.
+// Failures are ignored: the next one reads the video again.
 void keepStamps(const std::string& path, const VideoStamps& stamps) {
   ByteWriter out;
   out.u64((stamps.presentation ? kPresentation : 0) | (stamps.cut_off ? kCutOff : 0));

@@ -89,7 +89,7 @@ class Report {
   Report(const std::vector<Camera>& cameras, const std::vector<int64_t>& instants, double fps, ClipNotes& notes)
       : cameras_(cameras), instants_(instants), fps_(fps), notes_(notes) {}
 
-  // What each camera lacks in the time that all have filmed.
+  // Warns of pictures and mattes that a camera lacks in the time that all have filmed.
   void lacking() const {
     for (const Camera& camera : cameras_) {
       std::vector<std::string> lost, without;
