@@ -23,28 +23,21 @@ struct Source {
   package::Member member;
 };
 
-Error impossible(const capture::CaptureClass& source, const std::string& what) {
-  return {ErrorId::CaptureJson, "capture.json: class '" + source.name + "': " + what};
+// The class in messages.
+std::string placeOf(const capture::Capture& capture, const capture::CaptureClass& source) {
+  return capture.folder + "/capture.json: class '" + source.name + "'";
 }
 
-Status checkClass(const capture::Capture& capture, const capture::CaptureClass& source) {
-  const size_t parameters = source.parameters.size();
-  if (parameters < 1 || parameters > size_t(package::kMaxParameters))
-    return impossible(source, "give it one parameter or two");
-  if (source.members.size() < 2 || source.members.size() > size_t(package::kMaxMembers))
-    return impossible(source, "a class has 2 to " + std::to_string(package::kMaxMembers) + " members");
-  for (const auto& member : source.members) {
-    const capture::CaptureSequence* sequence = capture.find(member.sequence);
-    if (!sequence || sequence->frame_count == 0) return impossible(source, "no sequence '" + member.sequence + "'");
-    if (sequence->loop != capture.find(source.members[0].sequence)->loop)
-      return impossible(source, "'" + member.sequence + "' and '" + source.members[0].sequence +
-                                    "' are not both loops; leave one out");
-    if (!member.parameter.empty() && member.parameter.size() != parameters)
-      return impossible(source, "'" + member.sequence + "' needs one value per parameter");
-    if (member.parameter.empty() && (parameters != 1 || source.parameters[0] != capture::kMeasuredParameter))
-      return impossible(source, "only " + std::string(capture::kMeasuredParameter) + " is measured: give '" +
-                                    member.sequence + "' its value of every parameter");
+// Given values must differ, and those of two parameters span triangles; what is measured is known later.
+Status checkGivenValues(const capture::Capture& capture, const capture::CaptureClass& source) {
+  std::vector<package::Member> members;
+  for (const auto& declared : source.members) {
+    if (declared.parameter.empty()) return {};
+    package::Member& member = members.emplace_back();
+    member.name = declared.sequence;
+    member.parameter = declared.parameter;
   }
+  FOURDVT_TRY(classSimplices(members, placeOf(capture, source)));
   return {};
 }
 
@@ -231,6 +224,29 @@ void planTime(const std::vector<Source>& sources, ClassPlan& plan) {
 
 }  // namespace
 
+Status checkClass(const capture::Capture& capture, const capture::CaptureClass& source) {
+  const auto impossible = [&](const std::string& what) {
+    return Error{ErrorId::CaptureJson, placeOf(capture, source) + ": " + what};
+  };
+  const size_t parameters = source.parameters.size();
+  if (parameters < 1 || parameters > size_t(package::kMaxParameters)) return impossible("give it one parameter or two");
+  if (source.members.size() < 2 || source.members.size() > size_t(package::kMaxMembers))
+    return impossible("a class has 2 to " + std::to_string(package::kMaxMembers) + " members");
+  for (const auto& member : source.members) {
+    const capture::CaptureSequence* sequence = capture.find(member.sequence);
+    if (!sequence || sequence->frame_count == 0) return impossible("no sequence '" + member.sequence + "'");
+    if (sequence->loop != capture.find(source.members[0].sequence)->loop)
+      return impossible("'" + member.sequence + "' and '" + source.members[0].sequence +
+                        "' are not both loops; leave one out");
+    if (!member.parameter.empty() && member.parameter.size() != parameters)
+      return impossible("'" + member.sequence + "' needs one value per parameter");
+    if (member.parameter.empty() && (parameters != 1 || source.parameters[0] != capture::kMeasuredParameter))
+      return impossible("only " + std::string(capture::kMeasuredParameter) + " is measured: give '" + member.sequence +
+                        "' its value of every parameter");
+  }
+  return checkGivenValues(capture, source);
+}
+
 Result<ClassPlan> planClass(const capture::Capture& capture, const capture::CaptureClass& source,
                             const CapturedMeshes& meshes, const ClassOptions& options,
                             const std::function<bool(double)>& progress) {
@@ -240,7 +256,7 @@ Result<ClassPlan> planClass(const capture::Capture& capture, const capture::Capt
   plan.source = &source;
   FOURDVT_ASSIGN(auto sources, openSources(capture, source, read, plan));
   planTime(sources, plan);
-  FOURDVT_ASSIGN(auto simplices, classSimplices(plan.manifest, source.name));
+  FOURDVT_ASSIGN(auto simplices, classSimplices(plan.manifest, placeOf(capture, source)));
   FOURDVT_ASSIGN(auto pose, memberPositions(plan.members[0], 0, read));
   FOURDVT_ASSIGN(auto blend, NonlinearBlend::create(meshes.topology, pose));
   ReferenceChooser chooser(std::move(simplices), options, plan.members.size());

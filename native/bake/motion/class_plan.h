@@ -49,9 +49,12 @@ struct ClassPlan {
   std::vector<std::string> notes;  // what the report says, one sentence each
 };
 
+// Error CaptureJson of an impossible class, as far as it shows without meshes: a bake checks it before it reads
+// pictures.
+Status checkClass(const capture::Capture& capture, const capture::CaptureClass& source);
+
 // `progress` hears the share that is done, 0…1, and returns false to stop. Neighbouring phases read the same frames.
-// Errors: CaptureJson (an impossible class, e.g. loops mixed with other motions, or no values of a parameter that is
-// not measured), those of meshes.read, Interrupted.
+// Errors: those of checkClass, CaptureJson (two members have the same speed), those of meshes.read, Interrupted.
 Result<ClassPlan> planClass(const capture::Capture& capture, const capture::CaptureClass& source,
                             const CapturedMeshes& meshes, const ClassOptions& options,
                             const std::function<bool(double)>& progress);

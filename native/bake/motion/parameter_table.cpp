@@ -14,8 +14,8 @@ using package::ParameterSpace;
 
 constexpr int kIntervalSteps = 32, kTriangleSteps = 12;  // steps of the table per simplex
 
-Error impossible(const std::string& name, const std::string& what) {
-  return {ErrorId::CaptureJson, "capture.json: class '" + name + "': " + what};
+Error impossible(const std::string& place, const std::string& what) {
+  return {ErrorId::CaptureJson, place + ": " + what};
 }
 
 double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
@@ -97,7 +97,7 @@ HybridMix mixOf(const BlendSimplex& simplex) {
   return simplex.interval() ? HybridMix::Polynomial : HybridMix::Straight;
 }
 
-Result<std::vector<BlendSimplex>> classSimplices(const std::vector<Member>& members, const std::string& name) {
+Result<std::vector<BlendSimplex>> classSimplices(const std::vector<Member>& members, const std::string& place) {
   std::vector<BlendSimplex> simplices;
   if (members[0].parameter.size() == 1) {
     std::vector<int> order(members.size());
@@ -107,19 +107,19 @@ Result<std::vector<BlendSimplex>> classSimplices(const std::vector<Member>& memb
     for (size_t i = 0; i + 1 < order.size(); ++i) {
       const int a = order[i], b = order[i + 1];
       if (value(b) - value(a) < 1e-6 * std::max(1.0, std::abs(value(b))))
-        return impossible(name, "'" + members[size_t(a)].name + "' and '" + members[size_t(b)].name +
-                                    "' have the same parameter; leave one out");
+        return impossible(place, "'" + members[size_t(a)].name + "' and '" + members[size_t(b)].name +
+                                     "' have the same parameter; leave one out");
       simplices.push_back({{a, b, b}});
     }
     return simplices;
   }
-  if (members.size() < 3) return impossible(name, "two parameters need three or four members");
+  if (members.size() < 3) return impossible(place, "two parameters need three or four members");
   const std::vector<glm::dvec2> points = scaledPoints(members);
   simplices = members.size() == 3 ? std::vector<BlendSimplex>{{{0, 1, 2}}} : quadTriangles(points);
   for (const BlendSimplex& s : simplices) {
     const glm::dvec2 a = points[size_t(s.members[0])];
     if (std::abs(cross(points[size_t(s.members[1])] - a, points[size_t(s.members[2])] - a)) < 1e-3)
-      return impossible(name, "members' parameters lie on a line; give it one parameter, or leave one member out");
+      return impossible(place, "members' parameters lie on a line; give it one parameter, or leave one member out");
   }
   return simplices;
 }

@@ -18,9 +18,9 @@ struct HybridSimplex {
   std::vector<size_t> references;  // [node] index in ClassPlan::reference_weights
 };
 
-// Simplices of members by Member::parameter: intervals between neighbours, or triangles. Errors: CaptureJson (members
-// with equal or collinear parameters).
-Result<std::vector<BlendSimplex>> classSimplices(const std::vector<package::Member>& members, const std::string& name);
+// Simplices of members by Member::parameter: intervals between neighbours, or triangles. place: "capture.json: class
+// 'x'", for messages. Errors: CaptureJson (members with equal or collinear parameters).
+Result<std::vector<BlendSimplex>> classSimplices(const std::vector<package::Member>& members, const std::string& place);
 
 HybridMix mixOf(const BlendSimplex& simplex);
 // measured: [parameter] true for a speed that follows from travel and duration; other values mix linearly.

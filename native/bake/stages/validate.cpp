@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "bake/cameras/camera_choice.h"
+#include "bake/motion/class_plan.h"
 #include "bake/run/describe.h"
 #include "bake/run/lengths.h"
 #include "bake/run/renditions.h"
@@ -207,6 +208,8 @@ Status openCapture(Job& job, const BakeEnvironment& environment) {
 }
 
 Status checkClasses(const Job& job) {
+  if (!job.fromCameras())
+    for (const capture::CaptureClass* c : bakedClasses(job)) FOURDVT_TRY(checkClass(job.capture, *c));
   if (!job.fromCameras() || bakedClasses(job).empty()) return {};
   return bad(job.capture.folder + "/capture.json: class '" + bakedClasses(job)[0]->name +
              "': classes need layers; leave them out with --no-classes");

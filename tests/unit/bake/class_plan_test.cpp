@@ -221,6 +221,26 @@ TEST(ClassPlan, ImpossibleClassesAreRefused) {
   });
 }
 
+// A bake refuses them before it reads a picture.
+TEST(ClassPlan, WhatShowsWithoutMeshesIsCheckedWithoutThem) {
+  const auto problem = [](const std::vector<std::string>& parameters, const std::vector<std::vector<double>>& values) {
+    Walkers walkers = walkAndRun();
+    walkers.capture.folder = "studio";
+    walkers.locomotion.parameters = parameters;
+    for (size_t m = 0; m < values.size(); ++m) walkers.locomotion.members[m].parameter = values[m];
+    const Status status = checkClass(walkers.capture, walkers.locomotion);
+    return status.ok() ? std::string() : status.error().message;
+  };
+  EXPECT_EQ(problem({"speed_mps"}, {}), "");
+  EXPECT_EQ(problem({"speed_mps"}, {{1}}), "") << "the other one is measured";
+  EXPECT_EQ(problem({"height_m"}, {{1}, {2}}), "");
+  EXPECT_EQ(problem({"height_m"}, {{2}, {2}}),
+            "studio/capture.json: class 'locomotion': 'walk' and 'run' have the same parameter; leave one out");
+  EXPECT_NE(problem({"height_m"}, {{2}}).find("studio/capture.json: class 'locomotion': only speed_mps is measured"),
+            std::string::npos);
+  EXPECT_NE(problem({"a", "b"}, {{1, 2}, {2, 1}}).find("two parameters need three or four members"), std::string::npos);
+}
+
 TEST(ClassPlan, StopsWhenAsked) {
   const Walkers walkers = walkAndRun();
   const auto plan = planClass(walkers.capture, walkers.locomotion, {walkers.capture.topology, walkers.read()}, {},
