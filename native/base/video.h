@@ -49,7 +49,7 @@ class VideoSource {
   // Lists the whole file, which may be read for it, and goes back to the first picture. Errors: those of opening it;
   // Unsupported by default.
   virtual Result<VideoListing> list() { return Error{ErrorId::Unsupported, "this video cannot be listed"}; }
-  // How pictures are to be shown; next() gives them as they are stored.
+  // Marks of how pictures are to be shown; next() gives them as they are stored.
   virtual PictureMarks marks() const { return {}; }
   // Conversions that next() makes by other marks of the file, for reports; known once a picture has been read.
   virtual std::vector<std::string> conversions() const { return {}; }

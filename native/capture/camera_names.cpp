@@ -80,7 +80,7 @@ bool sameCamera(const CaptureCamera& a, const CaptureCamera& b, double extent) {
   return glm::length(p.centreInWorld() - q.centreInWorld()) <= kSamePlace * extent && lens <= kSameLens * p.fx;
 }
 
-// Of "top/cam1.png", "top/cam2.png", "below/cam1.png" …, files are cameras and folders are not.
+// Files are cameras and folders are not in "top/cam1.png", "top/cam2.png", "below/cam1.png" ….
 bool namesCameras(std::string file) {
   std::transform(file.begin(), file.end(), file.begin(), [](unsigned char c) { return std::tolower(c); });
   return file.find("cam") != std::string::npos;
@@ -107,7 +107,7 @@ Status refuseMotion(const std::map<Parts, std::vector<size_t>>& folders, const s
   return {};
 }
 
-// Of "cam00_0001", which may be one of a series: "cam00". The whole name where nothing parts the number from the rest.
+// Name without the number of a picture in a series: "cam00" of "cam00_0001". The whole name where nothing parts them.
 std::string seriesName(const std::string& stem) {
   std::string name = withoutLastNumber(stem);
   const size_t number = name.find('#');

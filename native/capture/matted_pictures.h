@@ -10,7 +10,7 @@
 
 namespace fourdvt::capture {
 
-// Where a camera's mattes of its own are.
+// Place of a camera's own mattes.
 enum class MatteOrigin { None, Files, ColourAlpha };
 
 // Looks into colour pictures that may have an alpha channel: at the first one, the one in the middle and the last one.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a camera's files hold, and what reading makes of it, for people. Reads one picture of each.
+// Contents of a camera's files, and what reading makes of them, for people. Reads one picture of each.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a JPEG or PNG file has beside its pixels: EXIF orientation and colour profile. Does NOT decode pictures.
+// Marks of a JPEG or PNG beside its pixels: EXIF orientation and colour profile. Does NOT decode pictures.
 #pragma once
 
 #include <string>

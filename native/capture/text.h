@@ -57,7 +57,7 @@ std::optional<T> toNumber(std::string_view word) {
 
 // Returns true for "1,5" and the like: a number with a decimal comma.
 bool hasDecimalComma(std::string_view word);
-// What makes a word no finite number, with the remedy: "1,5" has a decimal comma (write 1.5, not 1,5).
+// The reason why a word is no finite number, with the remedy: "1,5" has a decimal comma (write 1.5, not 1,5).
 std::string numberProblem(std::string_view word);
 
 // Remark for a list that has too many numbers: "1,5" in it is two of them. Empty if `count` is at most `wanted`.
@@ -66,7 +66,7 @@ std::string tooManyNumbers(size_t count, size_t wanted);
 // Number of the line, from 1, in which this byte of the text lies.
 int lineOfByte(std::string_view text, size_t byte);
 
-// What is wrong in line `number` of a file: "path:number: ".
+// Beginning of a message about line `number` of a file: "path:number: ".
 std::string atLine(const std::string& path, int number);
 
 // The words of one line, one after the other.
@@ -85,7 +85,7 @@ class Fields {
     if (problem_.empty()) problem_ = numberProblem(given);
     return {};
   }
-  // What is left, blanks within it included.
+  // The rest of the line, blanks within it included.
   std::string_view rest() const { return trimmed(rest_); }
   // Why the first word that is no number is none; empty if all were.
   const std::string& problem() const { return problem_; }
@@ -108,7 +108,7 @@ class TextLines {
   explicit TextLines(std::string_view text) : TextLines(text, Rules()) {}
   // Takes the next line; false at the end of the text. It is valid until the next call.
   bool next(std::string_view& line);
-  // Of the line that next() returned, from 1; of a continued one that of its beginning.
+  // Number of the line that next() returned, from 1; of a continued one that of its beginning.
   int number() const { return number_; }
 
  private:

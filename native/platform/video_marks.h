@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a video's header and its decoded pictures give beside the pixels. Private to the files that link FFmpeg.
+// Marks in a video's header and its decoded pictures. Private to the files that link FFmpeg.
 #pragma once
 
 #include <optional>

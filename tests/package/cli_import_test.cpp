@@ -49,8 +49,7 @@ TEST(Import, TurnsScalesAndSaysWhatIsMissing) {
   ASSERT_EQ(done.code, 0) << done.output;
   EXPECT_NE(done.output.find("Z becomes Y (Pose2Sim or Caliscope defines it)"), std::string::npos) << done.output;
   EXPECT_NE(done.output.find("one unit is 2 m"), std::string::npos) << done.output;
-  EXPECT_NE(done.output.find("no camera of the calibration has this name"), std::string::npos)
-      << done.output;
+  EXPECT_NE(done.output.find("no camera of the calibration has this name"), std::string::npos) << done.output;
   const std::string cameras = readText(out + "/cameras/cameras.txt");
   EXPECT_NE(cameras.find("1 OPENCV 160 160 200.000000000 200.000000000 80.000000000 80.000000000 -0.1 0 0 0"),
             std::string::npos)

@@ -63,7 +63,7 @@ test('every command of the chapter does what it says', () => {
     const movie = words.some((word) => word.endsWith('.mp4')) ? ['--seconds', '0.2'] : [];
     return run([name, ...words, ...(kQuick[name] ?? []), ...movie]);
   });
-  // What import printed for all cameras stands in the chapter.
+  // Lines that import printed for all cameras stand in the chapter.
   for (const line of printed[0].trim().split('\n').filter((text) => /^(sequence|meshes|class) /.test(text)))
     assert.ok(chapter.includes(`    ${line.replace(`${kCameras} cameras`, '8 cameras')}\n`), line);
   const { classes, sequences } = JSON.parse(readFileSync(join(folder, 'performer/capture.json'), 'utf8'));

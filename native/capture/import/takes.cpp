@@ -120,7 +120,7 @@ class Unread {
   Files hidden_, tracks_;
 };
 
-// Of several names that the camera's files may have, the first one that is there.
+// Keeps the first of the names that the camera's files may have which is there.
 void chooseFileName(const std::vector<Take>& takes, ImportedCamera& imported) {
   const auto found = std::find_if(imported.file_names.begin(), imported.file_names.end(), [&](const auto& name) {
     return std::any_of(takes.begin(), takes.end(), [&](const Take& take) { return findView(take.folder, name); });

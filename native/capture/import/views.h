@@ -26,7 +26,7 @@ std::optional<View> findView(const std::string& folder, const std::string& name)
 std::optional<View> viewAt(const std::string& path);
 // The same, where the extension may be left out.
 std::optional<View> viewNear(const std::string& path);
-// What a calibration lists, with or without its extension, in `folder` or its folders as above.
+// A picture that a calibration lists, with or without its extension, in `folder` or its folders as above.
 std::optional<View> findListed(const std::string& folder, const std::string& listed);
 
 // maskNN for camNN, as captures call them; or NAME, or what the calibration lists, in `folder`'s folder masks, mask or

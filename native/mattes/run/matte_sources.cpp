@@ -39,8 +39,7 @@ Status readSamples(const capture::CaptureCamera& camera, const std::vector<Insta
       return Error{ErrorId::Interrupted, "stopped while clips were read; nothing is lost, run the command again"};
     if (at.sequence != open) {
       FOURDVT_ASSIGN(const auto place, capture::colourPlace(*at.sequence, camera));
-      FOURDVT_ASSIGN(stream,
-                     capture::PictureStream::open(place, *at.sequence, camera, 3, environment.open_video));
+      FOURDVT_ASSIGN(stream, capture::PictureStream::open(place, *at.sequence, camera, 3, environment.open_video));
       open = at.sequence;
     }
     FOURDVT_ASSIGN(auto picture, stream->read(at.frame));

@@ -57,7 +57,7 @@ double coverOf(const Silhouette& silhouette) {
   return double(pixelsInside(silhouette)) / double(std::max<size_t>(1, silhouette.coverage.pixels.size()));
 }
 
-// Of a closed mesh.
+// Volume of a closed mesh.
 double volumeOf(const TriangleMesh& mesh) {
   double six = 0;
   for (const glm::uvec3& f : mesh.faces) {

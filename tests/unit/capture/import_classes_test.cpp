@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `fourdvt import` writes beside cameras and pictures: classes, loops and meshes.
+// Classes, loops and meshes that `fourdvt import` writes beside cameras and pictures.
 #include <algorithm>
 
 #include "capture/import/class_option.h"

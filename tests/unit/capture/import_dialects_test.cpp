@@ -76,9 +76,7 @@ TEST(DialectNerfstudio, KeysThatAreNotReadAreNamedOnce) {
 }
 
 // `width` x 12 pixels, all of one grey.
-Image plain(int level, int width = 16) {
-  return Image(width, 12, 3, static_cast<uint8_t>(level));
-}
+Image plain(int level, int width = 16) { return Image(width, 12, 3, static_cast<uint8_t>(level)); }
 
 struct Imported : TempFolder {
   Imported() {

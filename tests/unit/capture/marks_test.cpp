@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pictures that their files mark as turned, mirrored, stretched or of other colours, and the report of it.
-#include "capture/upright.h"
-
 #include <lcms2.h>
 
 #include "capture/picture_report.h"
 #include "capture/pictures.h"
 #include "capture/still_marks.h"
+#include "capture/upright.h"
 #include "capture_fixture.h"
 #include "png_marks.h"
 

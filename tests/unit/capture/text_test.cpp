@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What all readers of text have in common: lines, words, numbers, and places of errors.
+// Lines, words, numbers and places of errors, for all readers of text.
 #include "capture/text.h"
 
 #include <clocale>
