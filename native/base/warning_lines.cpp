@@ -2,6 +2,7 @@
 #include "base/warning_lines.h"
 
 #include <algorithm>
+#include <string_view>
 
 namespace fourdvt {
 namespace {
@@ -37,6 +38,7 @@ std::vector<std::string> joinedWarnings(const std::vector<std::string>& warnings
     if (same == lines.end()) {
       lines.push_back(line);
     } else if (same->last != line.last) {
+      if (same->subjects.starts_with("camera ")) same->subjects.insert(std::string_view("camera").size(), "s");
       same->subjects += ", " + unlike(line.last, same->last);
       same->last = line.last;
     }

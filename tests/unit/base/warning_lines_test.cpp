@@ -23,6 +23,11 @@ TEST(WarningLines, NameWhatDiffersInFull) {
             (Lines{"walk, camera \"cam00\" (81 %), \"cam01\" (82 %), run, camera \"cam01\" (82 %): look"}));
 }
 
+TEST(WarningLines, NameCamerasOnce) {
+  EXPECT_EQ(joinedWarnings({"camera cam1: none", "camera cam2: none", "camera cam3: none"}),
+            (Lines{"cameras cam1, cam2, cam3: none"}));
+}
+
 TEST(WarningLines, ThatDifferStay) {
   const Lines lines{"cam00: 30 frames", "cam01: 25 frames", "no subject", "no subject", ": nothing", ""};
   EXPECT_EQ(joinedWarnings(lines), lines);

@@ -161,7 +161,7 @@ TEST(ImportCapture, SameWarningsAreOne) {
   for (const char* name : {"in/cam1/background.png", "in/cam2/background.png"}) files.remove(name);
   auto summary = files.run();
   ASSERT_TRUE(summary.ok()) << summary.error().message;
-  EXPECT_TRUE(mentions(summary.value().warnings, "camera cam1, cam2: no mattes and no plates"));
+  EXPECT_TRUE(mentions(summary.value().warnings, "cameras cam1, cam2: no mattes and no plates"));
   EXPECT_EQ(summary.value().warnings.size(), 1u);
 }
 
