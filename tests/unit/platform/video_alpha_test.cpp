@@ -33,7 +33,7 @@ class AlphaFile {
   }
   ~AlphaFile() { std::filesystem::remove(path_); }
   const std::string& path() const { return path_; }
-  bool written() const { return written_; }  // false: this build lacks the encoder
+  bool written() const { return written_; }
 
   Image read(int channels) const {
     auto video = openVideoFile(path_, channels);
@@ -74,7 +74,7 @@ class AlphaFile {
     AVDictionary* options = nullptr;
     av_dict_set(&options, "auto-alt-ref", "0", 0);
     av_dict_set(&options, "crf", "4", 0);
-    av_dict_set(&options, "profile", "4444", 0);
+    if (codec.id == AV_CODEC_ID_PRORES) av_dict_set(&options, "profile", "4444", 0);
     const bool opened = avcodec_open2(encoder.get(), &codec, &options) >= 0;
     av_dict_free(&options);
     AVStream* stream = avformat_new_stream(&file, nullptr);
@@ -122,7 +122,7 @@ TEST(VideoAlpha, IsReadAsTheMatte) {
   for (const Kind& kind : kKinds) {
     SCOPED_TRACE(std::string(kind.encoder) + kind.ending);
     const AlphaFile file(kind.encoder, kind.format, kind.ending);
-    if (!file.written()) continue;
+    ASSERT_TRUE(file.written());
     const Image matte = file.read(1), rgba = file.read(4), rgb = file.read(3);
     ASSERT_EQ(matte.channels, 1);
     ASSERT_EQ(rgba.channels, 4);
@@ -138,7 +138,7 @@ TEST(VideoAlpha, ThatIsOpaqueIsNoMatte) {
   for (const Kind& kind : kKinds) {
     SCOPED_TRACE(std::string(kind.encoder) + kind.ending);
     const AlphaFile file(kind.encoder, kind.format, kind.ending, 255);
-    if (!file.written()) continue;
+    ASSERT_TRUE(file.written());
     const Image matte = file.read(1), rgb = file.read(3);
     EXPECT_NEAR(*matte.at(30, 30), rgb.at(30, 30)[1], 2) << "its grey";
     EXPECT_EQ(file.read(4).at(30, 30)[3], 255);
