@@ -118,6 +118,21 @@ TEST(DialectNerfstudio, MattesAreWhereMaskPathNamesThem) {
   EXPECT_NEAR(capture.value().cameras[0].pinhole.fx, 8 / std::tan(0.6), 1e-6) << "by the size of the pictures";
 }
 
+TEST(DialectNerfstudio, MattesOfAllCamerasMayLieInOneFolder) {
+  Imported files;
+  files.write("in/transforms.json", "{\"camera_angle_x\": 1.2, \"frames\": [" +
+                                        frame("pics/left.png", "\"mask_path\": \"alpha/left_a.png\", ") + ", " +
+                                        frame("pics/right.png", "\"mask_path\": \"alpha/right_a.png\", ") + "]}");
+  for (const char* name : {"left", "right"}) {
+    files.write(std::string("in/pics/") + name + ".png", plain(50));
+    files.write(std::string("in/alpha/") + name + "_a.png", plain(255, 16, 1));
+  }
+  auto summary = files.run();
+  ASSERT_TRUE(summary.ok()) << summary.error().message;
+  EXPECT_TRUE(says(summary.value().done, "1 frames, 2 cameras with mattes"));
+  EXPECT_FALSE(says(summary.value().warnings, "alpha")) << "they are used";
+}
+
 TEST(DialectColmap, RigFoldersMasksAndBlanks) {
   Imported files;
   files.options.up = WorldAxis::Y;
