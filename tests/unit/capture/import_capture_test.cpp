@@ -201,6 +201,7 @@ TEST(ImportCapture, AlphaThatDoesNotDecodeIsRefused) {
     Result<std::optional<Image>> next() override {
       return left-- > 0 ? std::optional<Image>(ImportFolder::grey(90)) : std::nullopt;
     }
+    Result<VideoListing> list() override { return VideoListing{3, 3, false, {}, 0, {}, {}, {}, {}, {}}; }
     bool hasAlpha() const override { return true; }
     int left = 3;
   };
