@@ -125,7 +125,7 @@ TEST(DialectNerfstudio, MattesOfAllCamerasMayLieInOneFolder) {
                                         frame("pics/right.png", "\"mask_path\": \"alpha/right_a.png\", ") + "]}");
   for (const char* name : {"left", "right"}) {
     files.write(std::string("in/pics/") + name + ".png", plain(50));
-    files.write(std::string("in/alpha/") + name + "_a.png", plain(255, 16, 1));
+    files.write(std::string("in/alpha/") + name + "_a.png", framedMatte(16, 12));
   }
   auto summary = files.run();
   ASSERT_TRUE(summary.ok()) << summary.error().message;
