@@ -159,7 +159,7 @@ TEST(DialectColmap, RigFoldersMasksAndBlanks) {
 TEST(DialectColmap, MasksOfStills) {
   Imported files;
   files.write("in/cameras.txt", std::string("1 PINHOLE 16 12 20 20 8 6\n"));
-  files.write("in/images.txt", std::string("1 1 0 0 0 0 0 3 1 cam00.jpg\n\n2 1 0 0 0 1 0 3 1 cam01.jpg\n\n"));
+  files.write("in/images.txt", std::string("1 1 0 0 0 0 0 3 1 cam00.jpg\n\n2 1 0 0 0 1 0 3 1 cam01\n\n"));
   for (const char* name : {"cam00", "cam01"}) {
     files.write(std::string("in/images/") + name + ".jpg", plain(50));
     files.write(std::string("in/masks/") + name + ".jpg.png", framedMatte(16, 12));
