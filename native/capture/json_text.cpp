@@ -36,6 +36,12 @@ std::string reasonAt(std::string_view text, size_t at) {
 
 }  // namespace
 
+bool isUtf8(std::string_view text) {
+  using Handler = nlohmann::detail::error_handler_t;
+  const Json json(text);
+  return json.dump(-1, ' ', false, Handler::ignore) == json.dump(-1, ' ', false, Handler::replace);
+}
+
 Result<Json> parseJsonText(std::string_view text, const std::string& path, ErrorId id) {
   text = skipByteOrderMark(text);
   bool deep = false;

@@ -14,4 +14,7 @@ namespace fourdvt::capture {
 // named as such), or nested deeper than 64, which would make writers of JSON recurse as deep.
 Result<nlohmann::json> parseJsonText(std::string_view text, const std::string& path, ErrorId id);
 
+// Returns true for well-formed UTF-8, which JSON can hold.
+bool isUtf8(std::string_view text);
+
 }  // namespace fourdvt::capture

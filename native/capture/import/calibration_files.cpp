@@ -7,6 +7,7 @@
 
 #include "capture/colmap_model.h"
 #include "capture/import/readers.h"
+#include "capture/json_text.h"
 #include "capture/text.h"
 #include "platform/files.h"
 
@@ -277,7 +278,8 @@ Status checkNames(ImportedCalibration& calibration) {
       if (imported.file_names.empty()) imported.file_names.push_back(name);
       name = plain;
     }
-    const bool plain = !name.empty() && name[0] != '.' && name.find_first_of("/\\ \t\r\n") == std::string::npos;
+    const bool plain =
+        !name.empty() && name[0] != '.' && name.find_first_of("/\\ \t\r\n") == std::string::npos && isUtf8(name);
     if (!plain) {
       return Error{ErrorId::CameraPose,
                    calibration.path + ": \"" + name + "\" cannot name a camera's files; use letters and digits"};

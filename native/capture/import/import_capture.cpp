@@ -12,6 +12,7 @@
 #include "capture/import/layout.h"
 #include "capture/import/meshes.h"
 #include "capture/import/takes.h"
+#include "capture/json_text.h"
 #include "platform/folders.h"
 
 namespace fourdvt::capture {
@@ -132,7 +133,9 @@ Status importPlates(const ImportedCalibration& calibration, const std::vector<Ta
 void describeTakes(const ImportOptions& options, const std::vector<Take>& takes, ImportedMeshes meshes,
                    ImportSummary& summary) {
   for (const Take& take : takes) {
-    const std::string with_meshes = take.meshes.empty() ? "" : ", " + std::to_string(take.meshes.size()) + " meshes";
+    const std::string with_meshes = take.meshes.empty() ? ""
+                                    : take.hasOneMesh() ? ", one animated mesh"
+                                                        : ", " + std::to_string(take.meshes.size()) + " meshes";
     const std::string alphas =
         take.alphas.empty() ? "" : ", " + std::to_string(take.alphas.size()) + " with mattes in their alpha";
     summary.done.push_back("sequence " + take.name + ": " + std::to_string(take.frames) + " frames" +
@@ -177,6 +180,7 @@ std::string ImportOptions::check() const {
   for (const auto& [name, path] : sequences) {
     const bool plain = !name.empty() && name[0] != '.' && name.find_first_of("/\\") == std::string::npos;
     if (!plain || path.empty()) return "--sequences must be NAME=FOLDER,NAME=FOLDER; a name is a plain folder name";
+    if (!isUtf8(name)) return "--sequences: a name is not UTF-8; use letters and digits";
     if (name == "cameras" || name == "background") return "--sequences: \"" + name + "\" is a folder of every capture";
     if (!names.insert(name).second) return "--sequences names \"" + name + "\" twice";
   }

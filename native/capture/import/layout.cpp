@@ -70,9 +70,11 @@ Status linkTake(const ImportedCalibration& calibration, const Take& take, const 
       FOURDVT_TRY(linkView(mattes->second, own + "/" + matteStem(name)));
   }
   if (!take.meshes.empty()) FOURDVT_TRY(platform::makeFolder(own + "/mesh"));
-  for (size_t f = 0; f < take.meshes.size(); ++f)
-    FOURDVT_TRY(linkFile(take.meshes[f],
-                         framePath(own + "/mesh/%06d", static_cast<uint32_t>(f)) + lowerEnding(take.meshes[f])));
+  if (take.hasOneMesh()) return linkFile(take.meshes[0], own + "/mesh/take" + lowerEnding(take.meshes[0]));
+  for (size_t f = 0; f < take.meshes.size(); ++f) {
+    const std::string name = framePath(own + "/mesh/%06d", take.first_frame + static_cast<uint32_t>(f));
+    FOURDVT_TRY(linkFile(take.meshes[f], name + lowerEnding(take.meshes[f])));
+  }
   return {};
 }
 

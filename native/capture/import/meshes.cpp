@@ -34,10 +34,15 @@ Status findMeshesOf(Take& take, std::vector<std::string>& done, std::vector<std:
   CaptureSequence sequence;
   sequence.name = take.name;
   sequence.frame_count = take.frames;
+  sequence.first_frame = take.skipped;  // meshes begin with the first picture of all
   FOURDVT_TRY(findMeshFiles(folder, sequence));
   FOURDVT_TRY(checkMeshFiles(sequence));
   for (uint32_t frame = 0; frame < take.frames; ++frame) take.meshes.push_back(meshPath(sequence, frame));
-  return {};
+  if (!take.hasOneMesh() || take.skipped == take.first_frame) return {};
+  return Error{ErrorId::InvalidArgument,
+               take.meshes[0] + ": its animation begins " + std::to_string(take.skipped) +
+                   " frames before the first instant that all cameras have; cut it to begin " +
+                   "there, or export one mesh a frame"};
 }
 
 // The topology of an OBJ with UVs.

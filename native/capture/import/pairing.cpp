@@ -234,6 +234,7 @@ Status pairPictures(const std::vector<Clip>& clips, const std::vector<Clip>& mat
                                              "; cut them to begin together, or name pictures of an instant alike"};
   }
   setTake(cameras, stretch, take);
+  take.skipped = static_cast<uint32_t>(stretch[0] - instants.front());
   noteJumps(cameras[0], stretch, take.name, notes);
   if (stretch.size() < common.size())
     notes.warnings.push_back("sequence " + take.name + ": " + std::to_string(stretch.size()) + " of " +

@@ -20,11 +20,13 @@ struct Take {
   std::map<std::string, View> views;   // by camera's name
   std::map<std::string, View> mattes;  // of those that have some
   std::set<std::string> alphas;        // of those whose pictures' alpha is the matte
-  std::vector<std::string> meshes;     // one file a frame, or none
+  std::vector<std::string> meshes;     // one file a frame, the same one for an animation of all, or none
   bool loop = false;                   // the frame after the last one is the first
   uint32_t frames = 0;                 // that all cameras have
   uint32_t first_frame = 0;            // as in capture.json
+  uint32_t skipped = 0;                // instants of the clips before frame 0, which have meshes, too
   std::map<std::string, int64_t> offset_frames;
+  bool hasOneMesh() const { return meshes.size() > 1 && meshes.front() == meshes.back(); }
 };
 
 // Sets each take's views and mattes by the pictures that the calibration names, or else by the names of the cameras'

@@ -181,6 +181,18 @@ TEST(ImportTimes, FoldersArePairedByTheirNumbers) {
   EXPECT_EQ(files.greys(), (Greys{kept, kept, kept}));
 }
 
+// Meshes of all instants begin with the first picture of all cameras.
+TEST(ImportTimes, MeshesGoWithTheirPictures) {
+  TimedFolder files;
+  for (int c = 0; c < 3; ++c) files.pictures("in/cam" + std::to_string(c), c == 1 ? 3 : 0, 9);
+  for (int f = 0; f < 9; ++f) files.write("in/mesh/" + numbered(f, ".obj"), quadObj(f));
+  ASSERT_TRUE(files.run().ok());
+  const std::string first = files.options.folder + "/take/mesh/000000.obj";
+  EXPECT_EQ(std::filesystem::canonical(first).filename(), "000003.obj");
+  files.remove("in/mesh/000008.obj");
+  expectError(files.run(), ErrorId::FileMissing, "in/mesh/000008.obj");
+}
+
 TEST(ImportTimes, AMissingPictureOrMatteIsNamed) {
   for (const bool of_mattes : {false, true}) {
     TimedFolder files;
