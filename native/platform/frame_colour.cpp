@@ -53,6 +53,8 @@ bool isFullRange(const AVFrame& frame, const AVPixFmtDescriptor& format) {
   return isGray(format) || (format.flags & AV_PIX_FMT_FLAG_RGB);
 }
 
+bool isBt601(const AVFrame& frame) { return swsMatrix(frame) == SWS_CS_ITU601; }
+
 bool RgbConverter::convert(const AVFrame& frame, Image& out, int reduce) {
   const auto* description = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
   if (!description) return false;

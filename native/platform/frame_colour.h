@@ -10,6 +10,9 @@ namespace fourdvt::platform {
 // Unspecified range: full for gray (mattes are coverage, not luma) and RGB, limited for YUV.
 bool isFullRange(const AVFrame& frame, const AVPixFmtDescriptor& format);
 
+// The matrix of standard definition: by its mark, or unspecified and of at most 576 lines.
+bool isBt601(const AVFrame& frame);
+
 class RgbConverter {
  public:
   // fast: each chroma sample's colour is repeated, and sums are rounded less exactly.

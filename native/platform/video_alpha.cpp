@@ -68,6 +68,11 @@ AlphaKind alphaKindOf(const AVStream& stream) {
 
 Result<const AVCodec*> decoderWithAlpha(const AVStream& stream, const AVCodec* usual, const std::string& path) {
   const AlphaKind kind = alphaKindOf(stream);
+  const AVPixFmtDescriptor* pixels = av_pix_fmt_desc_get(AVPixelFormat(stream.codecpar->format));
+  if (kind == AlphaKind::InPictures && pixels->flags & AV_PIX_FMT_FLAG_FLOAT) {
+    return Error{ErrorId::FileUnreadable, path + ": alpha of floating-point numbers is not read; export it as ProRes " +
+                                              "4444, or give mattes of their own"};
+  }
   if (kind == AlphaKind::None || kind == AlphaKind::InPictures) return usual;
   const bool vp8 = stream.codecpar->codec_id == AV_CODEC_ID_VP8;
   if (kind == AlphaKind::InBlocks)
@@ -83,6 +88,7 @@ Image alphaOf(const AVFrame& frame) {
   if (!format || !(format->flags & AV_PIX_FMT_FLAG_ALPHA)) return {};
   const bool palette = format->flags & AV_PIX_FMT_FLAG_PAL;
   const int component = palette ? 3 : format->nb_components - 1;
+  if (!palette && format->comp[component].depth > 16) return {};
   const uint32_t most = palette ? 255 : (1u << format->comp[component].depth) - 1;
   const uint8_t* planes[4] = {frame.data[0], frame.data[1], frame.data[2], frame.data[3]};
   Image out(frame.width, frame.height, 1);

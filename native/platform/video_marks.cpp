@@ -62,7 +62,7 @@ Conversion toBt709(const AVFrame& frame) {
                                                                               : "bt709";
   const bool is_rgb = frame.colorspace == AVCOL_SPC_RGB;
   const bool is_2020 = frame.colorspace == AVCOL_SPC_BT2020_NCL || frame.colorspace == AVCOL_SPC_BT2020_CL;
-  const std::string matrix = is_rgb ? "gbr" : is_2020 ? "bt2020nc" : "bt709";
+  const std::string matrix = is_rgb ? "gbr" : is_2020 ? "bt2020nc" : isBt601(frame) ? "470bg" : "bt709";
   const std::string in = "zscale=tin=" + transfer + ":pin=" + primaries + ":min=" + matrix + ":rin=" + rangeOf(frame) +
                          ":t=linear:npl=203,format=gbrpf32le,zscale=p=bt709";
   const std::string tone = hlg || pq ? ",tonemap=tonemap=mobius:param=0.8:peak=5:desat=0" : "";

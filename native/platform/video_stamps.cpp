@@ -141,7 +141,8 @@ std::string describeTrack(const AVStream& stream) {
 bool endsEarly(const AVFormatContext& format, const VideoListing& listing) {
   if (format.nb_streams != 1 || format.duration <= 0 || listing.times_s.size() < 2) return false;
   const double seconds = static_cast<double>(format.duration) / AV_TIME_BASE, last = listing.times_s.back();
-  return seconds > last + 3 * last / double(listing.times_s.size() - 1);
+  const double begin = std::max<double>(0, double(format.start_time)) / AV_TIME_BASE;  // Matroska's duration has it
+  return seconds > begin + last + 3 * last / double(listing.times_s.size() - 1);
 }
 
 }  // namespace
