@@ -10,6 +10,8 @@
 namespace fourdvt::capture {
 namespace {
 
+constexpr double kRounding_s = 1e-4;  // of key times, which are stored as floats
+
 enum class Interpolation { Step, Linear, CubicSpline };
 
 std::string seconds(double s) {
@@ -42,7 +44,8 @@ class Channel {
     if (t >= time(high)) return values(high, 0);
     while (high - low > 1) (time((low + high) / 2) <= t ? low : high) = (low + high) / 2;
     const double step = time(high) - time(low), share = (t - time(low)) / step;
-    if (interpolation_ == Interpolation::Step) return values(low, 0);
+    // Times are stored as floats, instants are not: one that is a little before a key is the key's.
+    if (interpolation_ == Interpolation::Step) return values(time(high) - t < kRounding_s ? high : low, 0);
     const std::vector<double> from = values(low, 0), to = values(high, 0);
     if (interpolation_ == Interpolation::CubicSpline)
       return spline(from, values(low, 1), values(high, -1), to, share, step);

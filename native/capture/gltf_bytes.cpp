@@ -163,7 +163,11 @@ Result<GltfBytes> GltfBytes::open(std::string_view json, std::string_view glb_bu
   GltfBytes bytes(path);
   bytes.glb_buffer_ = glb_buffer;
   bytes.size_ = json.size() + glb_buffer.size();
-  bytes.root_ = Json::parse(json.begin(), json.end(), nullptr, false);
+  constexpr int kMaxDepth = 64;  // whoever writes a part of it anew recurses
+  bool deep = false;
+  const auto shallow = [&](int depth, Json::parse_event_t, const Json&) { return !(deep |= depth > kMaxDepth); };
+  bytes.root_ = Json::parse(json.begin(), json.end(), shallow, false);
+  if (deep) return bytes.unsupported("has JSON nested deeper than 64; take such fields out");
   if (!bytes.root_.is_object()) return bytes.error("its JSON cannot be read (truncated or damaged)");
   const Json& version = gltfMember(gltfMember(bytes.root_, "asset"), "version");
   if (!version.is_string() || !version.get_ref<const std::string&>().starts_with("2."))
@@ -275,8 +279,9 @@ Status GltfBytes::load(const std::string& uri, std::string& out) {
     const bool leaves = std::find(name.begin(), name.end(), "..") != name.end();
     if (name.empty() || name.is_absolute() || leaves || uri.find("://") != std::string::npos)
       return unsupported("names a buffer outside its folder; export it as .glb");
-    const std::filesystem::path file = std::filesystem::path(path_).parent_path() / name;
     std::error_code failed;
+    const std::filesystem::path real = std::filesystem::canonical(path_, failed);  // a link's buffers lie there
+    const std::filesystem::path file = (failed ? std::filesystem::path(path_) : real).parent_path() / name;
     const uint64_t bytes = std::filesystem::file_size(file, failed);
     if (!failed && bytes > kMaxBytes) return unsupported("has a buffer larger than 1 GiB; reduce the mesh's triangles");
     auto text = failed ? std::nullopt : readText(file.string());

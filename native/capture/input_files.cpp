@@ -29,9 +29,18 @@ uint64_t addPictures(uint64_t hash, const PicturePlace& place, const CaptureSequ
   return hash;
 }
 
+// A glTF, and the buffer that has its name.
+uint64_t addMesh(uint64_t hash, const fs::path& path) {
+  hash = addFile(hash, path.string());
+  if (path.extension() != ".gltf") return hash;
+  std::error_code ignored;
+  const fs::path buffer = fs::weakly_canonical(path, ignored).replace_extension(".bin");
+  return fs::exists(buffer, ignored) ? addFile(hash, buffer.string()) : hash;
+}
+
 uint64_t addMeshes(uint64_t hash, const CaptureSequence& sequence, uint32_t first, uint32_t end) {
   if (!sequence.packed_positions.empty()) return addFile(hash, sequence.packed_positions);
-  for (uint32_t f = first; f < end && !sequence.mesh_pattern.empty(); ++f) hash = addFile(hash, meshPath(sequence, f));
+  for (uint32_t f = first; f < end && !sequence.mesh_pattern.empty(); ++f) hash = addMesh(hash, meshPath(sequence, f));
   return hash;
 }
 

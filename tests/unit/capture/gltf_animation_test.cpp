@@ -97,6 +97,14 @@ TEST(GltfAnimation, StepsHoldAndSplinesBend) {
   step.animate("scale", {0, 1, 2}, {1, 1, 1, 2, 1, 1, 3, 1, 1}, "VEC3", 3, "STEP");
   expectNear(vertexAt(step, 0.99, 1), {1, 0, 0});
   expectNear(vertexAt(step, 1, 1), {2, 0, 0});
+  MovingGltf every_frame = triangle();
+  std::vector<float> times, values;
+  for (int f = 0; f < 20; ++f) {
+    times.push_back(float(f) / 25);
+    values.insert(values.end(), {float(f), 0, 0});
+  }
+  every_frame.animate("translation", times, values, "VEC3", 3, "STEP");
+  for (int f = 0; f < 20; ++f) expectNear(vertexAt(every_frame, f / 25.0), {float(f), 0, 0});
   MovingGltf spline =
       triangle();  // tangent in, value, tangent out: leaves with speed 4, arrives at rest, in two seconds
   spline.animate("translation", {0, 2}, {9, 9, 9, 0, 0, 0, 4, 0, 0, 0, 0, 0, 2, 0, 0, 9, 9, 9}, "VEC3", 3,
