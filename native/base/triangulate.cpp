@@ -36,7 +36,7 @@ size_t rightmost(const FlatLoop& loop) {
                 loop.begin());
 }
 
-// Whether the way from loop vertex i to p begins inside of the polygon.
+// True if the way from loop vertex i to p begins inside of the polygon.
 bool opensTo(const FlatLoop& loop, size_t i, const glm::dvec2& p) {
   const size_t n = loop.size();
   const glm::dvec2 &before = loop[(i + n - 1) % n].place, &at = loop[i].place, &after = loop[(i + 1) % n].place;

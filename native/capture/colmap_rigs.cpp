@@ -16,7 +16,7 @@ namespace fourdvt::capture {
 namespace {
 
 using Pose = std::array<double, 7>;
-using Sensor = std::pair<bool, uint64_t>;  // whether it is a camera, and its number
+using Sensor = std::pair<bool, uint64_t>;  // true for a camera; and its number
 
 struct Rig {
   std::optional<Sensor> reference;

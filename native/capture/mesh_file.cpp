@@ -49,7 +49,7 @@ std::string extensionOf(const std::string& path) {
   return extension;
 }
 
-// What the bytes are, as far as their beginning tells; null if it does not. An OBJ begins with anything.
+// Kind by the first bytes; null if they leave it open. An OBJ begins with anything.
 const Kind* kindOfBytes(std::string_view bytes) {
   if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return &kPly;
   if (bytes.starts_with("glTF")) return &kGlb;

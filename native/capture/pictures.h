@@ -15,7 +15,7 @@
 
 namespace fourdvt::capture {
 
-// Where a camera's colour pictures or mattes are: a video file, or a folder with 000000.png (or .jpg) ….
+// Place of a camera's colour pictures or mattes: a video file, or a folder with 000000.png (or .jpg) ….
 struct PicturePlace {
   std::string path;       // the file, or the pattern of the numbered files
   bool numbered = false;  // `path` is a pattern

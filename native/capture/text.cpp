@@ -81,7 +81,9 @@ std::string atLine(const std::string& path, int number) { return path + ":" + st
 bool TextLines::takeWhole(std::string_view& line) {
   if (!takeLine(rest_, line)) return false;
   number_ = following_++;
-  if (!rules_.continued || !line.ends_with('\\')) return true;
+  const size_t begin = line.find_first_not_of(" \t");
+  const bool comment = rules_.comment && begin != std::string_view::npos && line[begin] == rules_.comment;
+  if (!rules_.continued || comment || !line.ends_with('\\')) return true;
   joined_.clear();
   while (line.ends_with('\\')) {
     joined_.append(line.substr(0, line.size() - 1)) += ' ';

@@ -87,7 +87,7 @@ class Fields {
   }
   // The rest of the line, blanks within it included.
   std::string_view rest() const { return trimmed(rest_); }
-  // Why the first word that is no number is none; empty if all were.
+  // The reason why the first word that is no number is none; empty if all were.
   const std::string& problem() const { return problem_; }
 
  private:

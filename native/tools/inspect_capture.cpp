@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "capture/capture.h"
+#include "capture/mesh_sequence.h"
 #include "capture/picture_report.h"
 #include "tools/commands.h"
 #include "tools/log.h"
@@ -19,9 +20,10 @@ std::string joined(const std::vector<std::string>& parts) {
   return out;
 }
 
-const char* meshesOf(const std::string& folder) {
+std::string meshesOf(const std::string& folder) {
   const auto with = capture::openDescription(folder, {}, capture::MeshNeed::AnySurface);
-  if (!with.ok()) return with.error().id == ErrorId::FileMissing ? "no meshes" : "meshes that cannot be read";
+  const bool none = !with.ok() && with.error().message.find(capture::kRunReconstruct) != std::string::npos;
+  if (!with.ok()) return none ? "no meshes" : "meshes that cannot be used: " + with.error().message;
   return with.value().meshes == capture::CaptureMeshes::PerFrame ? "meshes of a topology per frame"
                                                                  : "meshes of constant topology";
 }
@@ -59,7 +61,7 @@ int inspectCapture(const std::string& folder) {
   if (!opened.ok()) return fail(opened.error());
   const capture::Capture& capture = opened.value();
   std::printf("%s: %s, %zu cameras, %g frames/s, %s\n", folder.c_str(), capture.name.c_str(), capture.cameras.size(),
-              capture.fps, meshesOf(folder));
+              capture.fps, meshesOf(folder).c_str());
   size_t unusable = 0;
   for (const capture::CaptureSequence& sequence : capture.sequences) {
     std::printf("sequence %s: %u frames%s\n", sequence.name.c_str(), sequence.frame_count,

@@ -26,13 +26,13 @@ struct ImportOptions {
   std::vector<std::pair<std::string, std::string>> sequences;
   std::vector<std::string> loops;     // names of sequences that are loops
   std::vector<CaptureClass> classes;  // of these sequences
-  std::string check() const;          // what is wrong, or empty
+  std::string check() const;          // the problem, or empty
 };
 
 struct ImportSummary {
-  std::vector<std::string> done;      // what was found and turned, a line each
-  std::vector<std::string> warnings;  // what was not found, or had to be assumed
-  std::vector<std::string> details;   // what was passed over, and does not matter
+  std::vector<std::string> done;      // findings and turns, a line each
+  std::vector<std::string> warnings;  // gaps and assumptions, each with a remedy
+  std::vector<std::string> details;   // parts that are passed over without effect
 };
 
 // The folder appears when it is complete. Errors: those of readCalibration; CameraMissingVideo (no camera has

@@ -78,6 +78,11 @@ class MetashapeReader {
     PinholeCamera& p = camera.pinhole;
     p.width = size.attribute("width").as_int();
     p.height = size.attribute("height").as_int();
+    if (p.width < 1 || p.height < 1) {
+      return Error{ErrorId::CameraModel, where +
+                                             "the sensor has no <resolution>, from whose middle its principal point "
+                                             "counts; export the cameras again"};
+    }
     p.fx = n["f"] != 0 ? n["f"] + n["b1"] : n["fx"];
     p.fy = n["f"] != 0 ? n["f"] : n["fy"];
     // Before version 1.3, <fx> and <fy> came with a principal point in pixels.
@@ -142,9 +147,14 @@ class MetashapeReader {
   }
 
   // Groups of cameras are folders of their names.
-  Status addCameras(const pugi::xml_node& list, const std::string& folder) {
+  Status addCameras(const pugi::xml_node& list, const std::string& folder, int depth = 0) {
+    constexpr int kMaxDepth = 64;
+    if (depth > kMaxDepth) {
+      return Error{ErrorId::CameraPose,
+                   placeOf(list, text_, path_) + "groups are nested deeper than 64; move the cameras out of them"};
+    }
     for (const pugi::xml_node& group : list.children("group"))
-      FOURDVT_TRY(addCameras(group, folder + group.attribute("label").as_string() + "/"));
+      FOURDVT_TRY(addCameras(group, folder + group.attribute("label").as_string() + "/", depth + 1));
     for (const pugi::xml_node& node : list.children("camera")) {
       const std::string label = folder + node.attribute("label").as_string(),
                         enabled = node.attribute("enabled").as_string("1");

@@ -19,8 +19,8 @@ class Storage {
   // The numbers of the first of these nodes that is there: of a matrix row by row, of a list, or of one number. Empty
   // if there is none or if it holds anything else, or more than 64 numbers.
   std::vector<double> numbers(const Names& names) const;
-  // Why the first of these nodes that is there is no list of `wanted` numbers, behind ": "; empty where it is not
-  // known.
+  // The reason why the first of these nodes that is there is no list of `wanted` numbers, behind ": "; empty where it
+  // is not known.
   std::string problem(const Names& names, size_t wanted) const;
   bool has(const Names& names) const;
   std::string text(const Names& names) const;                // empty if there is none

@@ -241,6 +241,10 @@ const char* const kMetashapeLens =
     "p1><p2>-0.002</p2>";
 
 TEST(DialectMetashape, FramesAndFisheyes) {
+  std::string without_size = metashape("frame", kMetashapeLens);
+  while (without_size.find("<resolution") != std::string::npos)
+    without_size.replace(without_size.find("<resolution"), 11, "<size");
+  expectError(parseMetashape(without_size, "c.xml"), ErrorId::CameraModel, "c.xml");
   auto read = parseMetashape(metashape("frame", kMetashapeLens), "c.xml");
   ASSERT_TRUE(read.ok()) << read.error().message;
   ASSERT_EQ(read.value().cameras.size(), 1u);

@@ -43,6 +43,7 @@ TEST(Text, ContinuedLinesKeepTheNumberOfTheirBeginning) {
   EXPECT_EQ(linesOf("a \\\r\nb\\\nc\nd", {.continued = true}), (Texts{"1:a  b c", "4:d"}));
   EXPECT_EQ(linesOf("a \\", {.continued = true}), Texts{"1:a  "});
   EXPECT_EQ(linesOf("a \\\nb"), (Texts{"1:a \\", "2:b"}));
+  EXPECT_EQ(linesOf("# D:\\scans\\\nb", {.continued = true}), Texts{"2:b"}) << "a comment ends with its line";
 }
 
 TEST(Text, NumbersDoNotDependOnTheLocale) {
