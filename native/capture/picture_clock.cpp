@@ -64,8 +64,13 @@ std::string constantRateCommand(const std::string& path, double fps) {
   char rate[32];
   std::snprintf(rate, sizeof rate, "%.6g", fps);
   const std::filesystem::path file(path);
-  return "ffmpeg -i " + file.filename().string() + " -vf fps=" + rate + " -an -c:v libx264 -crf 14 -pix_fmt yuv420p " +
-         file.stem().string() + "_" + rate + ".mp4";
+  const bool webm = file.extension() == ".webm";  // which may have alpha
+  const std::string name = file.filename().string(),
+                    made = file.stem().string() + "_" + rate + (webm ? ".webm" : ".mp4");
+  return std::string("ffmpeg -noautorotate ") + (webm ? "-c:v libvpx-vp9 " : "") + "-i " + name + " -vf fps=" + rate +
+         " -an " +
+         (webm ? "-c:v libvpx-vp9 -crf 14 -b:v 0 -pix_fmt yuva420p " : "-c:v libx264 -crf 14 -pix_fmt yuv420p ") +
+         made + ", and take " + name + " away";
 }
 
 }  // namespace fourdvt::capture

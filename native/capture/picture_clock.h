@@ -30,7 +30,8 @@ struct ClockGap {
 // Gaps between the pictures begin…end-1.
 std::vector<ClockGap> gapsOf(const PictureClock& clock, size_t begin, size_t end);
 
-// "ffmpeg -i cam03.mp4 -vf fps=25 …": makes a clip's rate constant; a picture that is lacking repeats the one before.
+// "ffmpeg -i cam03.mp4 -vf fps=25 …": makes a clip's rate constant; a picture that is lacking
+// repeats the one before; marks that turn pictures stay, and alpha of WebM.
 std::string constantRateCommand(const std::string& path, double fps);
 
 }  // namespace fourdvt::capture

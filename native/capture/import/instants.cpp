@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <set>
 
 #include "capture/picture_clock.h"
 
@@ -204,10 +205,10 @@ std::vector<int64_t> picturesOfMattes(const Clip& pictures, const Clip& mattes) 
   if (!ascending(numbers)) return out;
   if (own.empty()) {  // a video: its pictures are counted from 0 or from 1
     const int64_t last = int64_t(pictures.pictures()) - 1;
-    const int64_t start = numbers.front() <= 1         ? numbers.front()
-                          : numbers.back() == last     ? 0
-                          : numbers.back() == last + 1 ? 1
-                                                       : numbers.front();
+    const int64_t start = numbers.size() == pictures.pictures() ? numbers.front()
+                          : numbers.back() == last              ? 0
+                          : numbers.back() == last + 1          ? 1
+                                                                : numbers.front();
     for (const int64_t number : numbers) out.push_back(number - start);
     return out;
   }
@@ -254,11 +255,22 @@ Status setInstants(std::vector<Clip>& clips, bool time_codes, ClipNotes& notes) 
   return {};
 }
 
-void setMatteInstants(const Clip& pictures, Clip& mattes, ClipNotes& notes) {
+bool numberMattesAlike(const std::vector<Clip>& clips, const std::vector<Clip>& mattes) {
+  std::set<int64_t> shifts;
+  for (const Clip& matte : mattes)
+    for (const Clip& clip : clips)
+      if (clip.camera == matte.camera && !clip.view.numbers.empty() && !matte.view.numbers.empty())
+        shifts.insert(matte.view.numbers[0] - clip.view.numbers[0]);
+  return shifts.size() < 2;
+}
+
+void setMatteInstants(const Clip& pictures, Clip& mattes, bool alike, ClipNotes& notes) {
   mattes.shown.clear();
   const bool as_many = pictures.pictures() == mattes.pictures();
   const bool both_numbered = !pictures.view.numbers.empty() && !mattes.view.numbers.empty();
-  const bool shifted = both_numbered && differByAConstant(pictures.view.numbers, mattes.view.numbers);
+  const bool same = both_numbered && pictures.view.numbers == mattes.view.numbers;
+  const bool shifted =
+      both_numbered && (same || alike) && differByAConstant(pictures.view.numbers, mattes.view.numbers);
   if (shifted && pictures.view.numbers[0] != mattes.view.numbers[0])
     notes.done.push_back("mattes of " + pictures.camera + " are numbered otherwise (" + mattes.nameOf(0) + " for " +
                          pictures.nameOf(0) + ") and paired in order");

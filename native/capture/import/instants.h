@@ -42,7 +42,11 @@ struct ClipNotes {
 // that helps.
 Status setInstants(std::vector<Clip>& clips, bool time_codes, ClipNotes& notes);
 
-// Sets those of a camera's mattes from the instants of its pictures.
-void setMatteInstants(const Clip& pictures, Clip& mattes, ClipNotes& notes);
+// Returns true unless cameras differ in what lies between the first numbers of their pictures and their mattes.
+bool numberMattesAlike(const std::vector<Clip>& clips, const std::vector<Clip>& mattes);
+
+// Sets those of a camera's mattes from the instants of its pictures: by their numbers, or in order where all cameras
+// number their mattes `alike` and otherwise than their pictures.
+void setMatteInstants(const Clip& pictures, Clip& mattes, bool alike, ClipNotes& notes);
 
 }  // namespace fourdvt::capture

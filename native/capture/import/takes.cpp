@@ -215,6 +215,9 @@ Status keepSeenCameras(const std::vector<Take>& takes, ImportedCalibration& cali
   };
   std::erase_if(calibration.cameras, unseen);
   for (const Take& take : takes) {
+    for (const auto& [name, view] : take.views)
+      for (const std::string& path : videosBeside(view.first()))
+        warnings.push_back(path + ": not read, but " + view.first() + "; take the one that is not meant away");
     for (const std::string& path : viewsWithoutCamera(take.folder, known))
       if (!uses(take, path))
         warnings.push_back(path + ": no camera of the calibration has this name; it is left out: else rename it");
@@ -222,8 +225,10 @@ Status keepSeenCameras(const std::vector<Take>& takes, ImportedCalibration& cali
   if (!calibration.cameras.empty()) return {};
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  const auto bare = std::find_if(takes.begin(), takes.end(), [](const Take& take) { return take.views.empty(); });
   return Error{ErrorId::CameraMissingVideo,
-               takes.front().folder + ": no video (CAMERA.mp4, .mkv, .mov, .avi, .webm) and no pictures (CAMERA/, " +
+               (bare == takes.end() ? takes.front() : *bare).folder +
+                   ": no video (CAMERA.mp4, .mkv, .mov, .avi, .webm) and no pictures (CAMERA/, " +
                    "CAMERA.png) of any of the cameras " + list + "; name them like the cameras"};
 }
 
@@ -286,9 +291,10 @@ Status measureViews(const OpenVideo& open_video, ImportedCalibration& calibratio
   unread.note(notes);
   FOURDVT_TRY(setInstants(clips, measures.time_codes, notes));
   notes.warnings.insert(notes.warnings.end(), rates.warnings.begin(), rates.warnings.end());
+  const bool alike = numberMattesAlike(clips, mattes);
   for (Clip& matte : mattes)
     for (const Clip& clip : clips)
-      if (clip.camera == matte.camera) setMatteInstants(clip, matte, notes);
+      if (clip.camera == matte.camera) setMatteInstants(clip, matte, alike, notes);
   return pairPictures(clips, mattes, take, notes);
 }
 

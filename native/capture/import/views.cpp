@@ -78,12 +78,13 @@ bool isMatteOf(const fs::path& path, const std::string& name) {
 }
 
 std::optional<View> viewNamed(const fs::path& folder, const std::string& name, bool all) {
-  std::optional<View> picture;
+  std::optional<View> picture, video;
   for (const fs::path& path : sortedEntries(folder)) {
     if (isFolder(path) || !(path.stem().string() == name || isMatteOf(path, name))) continue;
-    if (isVideo(path)) return View{path.string(), {}, {}};
+    if (isVideo(path) && (!video || lower(path.extension().string()) == ".mp4")) video = View{path.string(), {}, {}};
     if (isPicture(path) && !picture) picture = View{{}, {path.string()}, {}};
   }
+  if (video) return video;
   if (isFolder(folder / name))
     if (auto inside = viewInFolder(folder / name, all)) return inside;
   return picture;
@@ -171,6 +172,15 @@ std::optional<View> findMattes(const std::string& folder, const std::string& nam
 
 std::optional<View> findPlates(const std::string& folder, const std::string& name) {
   return findAside(folder, name, kPlateNames);
+}
+
+std::vector<std::string> videosBeside(const std::string& first) {
+  const fs::path used = isVideo(first) ? fs::path(first) : fs::path(first).parent_path();
+  const std::string name = isVideo(first) ? used.stem().string() : used.filename().string();
+  std::vector<std::string> out;
+  for (const fs::path& path : sortedEntries(used.parent_path()))
+    if (path != used && isVideo(path) && !isFolder(path) && path.stem().string() == name) out.push_back(path.string());
+  return out;
 }
 
 std::vector<std::string> viewsWithoutCamera(const std::string& folder, const std::vector<std::string>& names) {

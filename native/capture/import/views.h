@@ -36,6 +36,9 @@ std::optional<View> findMattes(const std::string& folder, const std::string& nam
 // that name with NAME.png …, or NAME_background.png ….
 std::optional<View> findPlates(const std::string& folder, const std::string& name);
 
+// Videos that lie beside a camera's file, or the folder of its pictures, and have its name, too.
+std::vector<std::string> videosBeside(const std::string& first);
+
 // Videos, and folders with numbered pictures, which lie where findView looks, but none of `names` fits them.
 std::vector<std::string> viewsWithoutCamera(const std::string& folder, const std::vector<std::string>& names);
 

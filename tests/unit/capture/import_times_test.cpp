@@ -79,7 +79,7 @@ TEST(ImportTimes, AClipThatLacksAPictureIsNamedAndTheTakeIsCut) {
     ASSERT_TRUE(files.run().ok());
     EXPECT_TRUE(files.says(files.warnings,
                            std::string("in/cam1") + ending + ": lacks a picture at 0.120 s (after picture 2)",
-                           "ffmpeg -i cam1"))
+                           "ffmpeg -noautorotate -i cam1"))
         << files.all();
     EXPECT_TRUE(files.says(files.warnings, "5 of 9 frames are kept")) << files.all();
     const std::vector<int> kept{4, 5, 6, 7, 8};
@@ -162,7 +162,7 @@ TEST(ImportTimes, VariableAndDifferentRatesAreRefusedWithTheCommand) {
   const auto uneven = [](int i) { return i / 25.0 + (i % 2) * 0.02; };
   writeClip(files / "in/cam1.mp4", {.pictures = 12, .time_s = uneven});
   expectError(files.run(), ErrorId::FileUnreadable, "in/cam1.mp4: its frame rate varies");
-  expectError(files.run(), ErrorId::FileUnreadable, "ffmpeg -i cam1.mp4 -vf fps=25");
+  expectError(files.run(), ErrorId::FileUnreadable, "-i cam1.mp4 -vf fps=25");
   writeClip(files / "in/cam1.mp4", {.pictures = 12, .fps = 50});
   expectError(files.run(), ErrorId::FileUnreadable, "in/cam1.mp4: 50 frames a second, but");
   writeClip(files / "in/cam1.mp4", {.pictures = 12, .time_s = [](int i) { return i / 25.0 + (i % 2) * 0.01; }});
@@ -210,6 +210,31 @@ TEST(ImportTimes, AMissingPictureOrMatteIsNamed) {
     EXPECT_EQ(files.greys(), (Greys{kept, kept, kept}));
     EXPECT_EQ(files.greys(MatteNeed::Required), (Greys{kept, kept, kept}));
   }
+}
+
+// The other numbers show which one is missing.
+TEST(ImportTimes, AMissingFirstMatteOfAVideoIsNamed) {
+  TimedFolder files;
+  files.clips({.pictures = 8});
+  for (int c = 0; c < 3; ++c) files.pictures("in/masks/cam" + std::to_string(c), 0, 8, c == 1 ? 0 : -1, 1);
+  ASSERT_TRUE(files.run().ok());
+  EXPECT_TRUE(files.says(files.warnings, "in/masks/cam1: lacks the matte of picture 0 of cam1.mp4")) << files.all();
+  const std::vector<int> kept{1, 2, 3, 4, 5, 6, 7};
+  EXPECT_EQ(files.greys(), (Greys{kept, kept, kept}));
+  EXPECT_EQ(files.greys(MatteNeed::Required), (Greys{kept, kept, kept}));
+}
+
+TEST(ImportTimes, AMissingFirstMatteAndLastPictureAreNoShift) {
+  TimedFolder files;
+  for (int c = 0; c < 3; ++c) {
+    const std::string camera = "cam" + std::to_string(c);
+    files.pictures("in/" + camera, 0, 8, c == 1 ? 7 : -1);
+    files.pictures("in/masks/" + camera, 0, 8, c == 1 ? 0 : -1, 1);
+  }
+  ASSERT_TRUE(files.run().ok());
+  const std::vector<int> kept{1, 2, 3, 4, 5, 6};
+  EXPECT_EQ(files.greys(), (Greys{kept, kept, kept}));
+  EXPECT_EQ(files.greys(MatteNeed::Required), (Greys{kept, kept, kept}));
 }
 
 TEST(ImportTimes, MattesInAFolderBesideVideos) {
