@@ -39,6 +39,10 @@ class Parser {
     capture.folder = folder_;
     capture.name = text(member(root, "name"), std::filesystem::path(folder_).filename().string());
     capture.credit = text(member(member(root, "licence"), "credit"));
+    const Json& calibration = member(root, "calibration");
+    if (!calibration.is_null() && !calibration.is_object())
+      return error("\"calibration\" must be an object, like {\"ring\": \"cameras\"}");
+    if (root.contains("orientation")) return error("\"orientation\" belongs into \"calibration\"");
     FOURDVT_ASSIGN(capture.cameras_folder,
                    inside("\"calibration\"", text(member(member(root, "calibration"), "ring"), "cameras")));
     FOURDVT_TRY(skew(member(member(root, "calibration"), "skew")));
@@ -194,6 +198,8 @@ class Parser {
     }
     sequence.frame_count = static_cast<uint32_t>(count);
     const Json& loop = member(node, "loop");
+    if (!loop.is_null() && !loop.is_boolean())
+      return error("\"loop\" of \"" + sequence.name + "\" must be true or false");
     sequence.loop = loop.is_boolean() && loop.get<bool>();
     sequence.folder = folder_ + "/" + sequence.name;
     const Json& first = member(node, "first_frame");

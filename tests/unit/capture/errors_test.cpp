@@ -14,7 +14,12 @@ TEST(CaptureErrors, MissingCaptureJson) {
 TEST(CaptureErrors, BrokenCaptureJson) {
   SmallCapture capture;
   for (const std::string text :
-       {R"({"fps": 25,)", "", "[]", "null", R"({"fps": "x", "sequences": []})", R"({"fps": 25, "sequences": []})",
+       {R"({"fps": 25,)",
+        "",
+        "[]",
+        "null",
+        R"({"fps": "x", "sequences": []})",
+        R"({"fps": 25, "sequences": []})",
         R"({"fps": 25, "sequences": [7]})",
         R"({"fps": 25, "units": "inch", "sequences": [{"name": "walk", "frames": 3}]})",
         R"({"fps": 25, "sequences": [{"name": "", "frames": 3}]})",
@@ -23,8 +28,12 @@ TEST(CaptureErrors, BrokenCaptureJson) {
         R"({"fps": 25, "sequences": [{"name": "walk", "frames": 2.5}]})",
         R"({"fps": 25, "sequences": [{"name": "walk", "frames": 3, "mesh": "x.obj"}]})",
         R"({"fps": 25, "sequences": [{"name": "walk", "frames": 3, "test_frames": [3]}]})",
+        R"({"fps": 25, "calibration": 3, "sequences": [{"name": "walk", "frames": 3}]})",
+        R"({"fps": 25, "orientation": "marked", "sequences": [{"name": "walk", "frames": 3}]})",
+        R"({"fps": 25, "sequences": [{"name": "walk", "frames": 3, "loop": "yes"}]})",
         R"({"fps": 25, "up_axis": "Z", "sequences": [{"name": "walk", "frames": 3}]})",
-        R"({"fps": 25, "sequences": [{"name": "w", "frames": 3}, {"name": "w", "frames": 3}]})", "\xff\xfe{}"}) {
+        R"({"fps": 25, "sequences": [{"name": "w", "frames": 3}, {"name": "w", "frames": 3}]})",
+        "\xff\xfe{}"}) {
     capture.write("capture.json", text);
     expectError(capture.open(), ErrorId::CaptureJson, capture / "capture.json");
   }
