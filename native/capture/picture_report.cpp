@@ -83,6 +83,12 @@ Result<PictureReport> reportOnPictures(const CaptureSequence& sequence, const Ca
   return reportOnStills(framePath(place.path, sequence.pictureOf(camera.pinhole.name, 0)), camera);
 }
 
+Status checkMattes(const CaptureSequence& sequence, const CaptureCamera& camera, const OpenVideo& open_video) {
+  FOURDVT_ASSIGN(auto pictures, MattedPictures::open(sequence, camera, open_video, MatteNeed::Required));
+  const auto first = pictures.read(0);
+  return first.ok() ? Status() : Status(first.error());
+}
+
 std::string matteSource(const Capture& capture, const CaptureSequence& sequence, const CaptureCamera& camera,
                         const OpenVideo& open_video) {
   const auto inCapture = [&](const std::string& path) {

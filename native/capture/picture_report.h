@@ -28,6 +28,9 @@ std::vector<std::string> describeMarks(const PictureMarks& marks, const Image& s
 Result<PictureReport> reportOnPictures(const CaptureSequence& sequence, const CaptureCamera& camera,
                                        const OpenVideo& open_video);
 
+// Reads the first matte that came with a camera's pictures. Errors: those of MattedPictures; none without mattes.
+Status checkMattes(const CaptureSequence& sequence, const CaptureCamera& camera, const OpenVideo& open_video);
+
 // Source of a camera's mattes in a sequence: their file, "alpha of the pictures", "keyed against background/cam00.png",
 // or "none".
 std::string matteSource(const Capture& capture, const CaptureSequence& sequence, const CaptureCamera& camera,

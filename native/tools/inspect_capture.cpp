@@ -46,7 +46,9 @@ bool printCamera(const capture::Capture& capture, const capture::CaptureSequence
   if (!r.done.empty()) line += "; " + joined(r.done);
   std::printf("  %-10s %s; mattes: %s\n", name, line.c_str(),
               capture::matteSource(capture, sequence, camera, videoOpener()).c_str());
-  return true;
+  const Status mattes = capture::checkMattes(sequence, camera, videoOpener());
+  if (!mattes.ok()) std::printf("  %-10s %s\n", name, mattes.error().message.c_str());
+  return mattes.ok();
 }
 
 }  // namespace

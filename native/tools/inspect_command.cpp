@@ -429,6 +429,10 @@ int inspectCommand(int argc, char** argv) {
   if (const auto code = helpOrProblem(help(), args)) return *code;
   const std::string path = args.positional();
   if (isCaptureFolder(path)) return inspectCapture(path);
+  if (std::error_code ignored; fs::is_directory(path, ignored) && !fs::exists(manifestPath(path), ignored))
+    return fail(Error{
+        ErrorId::FileMissing,
+        path + ": neither a capture (capture.json) nor a character (character.gltf); name the folder that has one"});
   Inspection inspection(manifestPath(path));
   const Status status = inspection.run();
   if (!status.ok()) return fail(status.error());
