@@ -25,10 +25,10 @@ enum class ErrorId : int {
                 // images.txt
   CameraMissingVideo,  // a camera has no video and no pictures in a sequence; add them, or remove the camera from
                        // images.txt
-  VideoTooShort,  // a video or an animated mesh has fewer frames than its sequence declares; lower "frames" in
-                  // capture.json or export it again
-  FrameSize,  // a picture's size differs from the calibration's, or it is open whether a mark turns it; use the
-              // pictures that were calibrated, neither cropped nor scaled, or import with --orientation
+  VideoTooShort,       // a video or an animated mesh has fewer frames than its sequence declares; lower "frames" in
+                       // capture.json or export it again
+  FrameSize,        // a picture's size differs from the calibration's, or it is open whether a mark turns it; use the
+                    // pictures that were calibrated, neither cropped nor scaled, or import with --orientation
   MeshTopology,     // faces or UVs differ from those of the first frame; export one mesh that moves, or set "topology":
                     // "per-frame"
   MeshNoUvs,        // a mesh has no UVs, which layers need; unwrap it, or bake with --appearance cameras
