@@ -9,7 +9,7 @@
 
 namespace fourdvt {
 
-// A vertex of a polygon in its plane. `id` tells vertices apart; in a single loop, one that the loop touches twice has
+// A vertex of a polygon in its plane. Vertices differ in `id`; in a single loop, one that the loop touches twice has
 // one id.
 struct FlatVertex {
   glm::dvec2 place{0};

@@ -8,15 +8,16 @@ namespace fourdvt {
 namespace {
 
 struct Line {
-  std::string subjects, last, rest;  // `last`: of the subjects, in full
+  std::string subjects, rest;
+  std::vector<std::string> whole;  // subjects in full
 };
 
 // Without a subject, the rest is all.
 Line split(const std::string& warning) {
   const size_t end = warning.find(": ");
-  if (end == std::string::npos) return {"", "", warning};
+  if (end == std::string::npos) return {"", warning, {}};
   const std::string subject = warning.substr(0, end);
-  return {subject, subject, warning.substr(end)};
+  return {subject, warning.substr(end), {subject}};
 }
 
 std::string unlike(const std::string& subject, const std::string& before) {
@@ -37,10 +38,10 @@ std::vector<std::string> joinedWarnings(const std::vector<std::string>& warnings
     });
     if (same == lines.end()) {
       lines.push_back(line);
-    } else if (same->last != line.last) {
+    } else if (std::count(same->whole.begin(), same->whole.end(), line.whole[0]) == 0) {
       if (same->subjects.starts_with("camera ")) same->subjects.insert(std::string_view("camera").size(), "s");
-      same->subjects += ", " + unlike(line.last, same->last);
-      same->last = line.last;
+      same->subjects += ", " + unlike(line.whole[0], same->whole.back());
+      same->whole.push_back(line.whole[0]);
     }
   }
   std::vector<std::string> out;

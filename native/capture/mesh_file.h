@@ -38,7 +38,7 @@ Result<TriangleMesh> parseMesh(std::string_view bytes, const std::string& path, 
 Result<UvMesh> readUvGltf(const std::string& path, const MeshInstant& instant);
 Result<UvMesh> parseUvGltf(std::string_view bytes, const std::string& path, const MeshInstant& instant);
 
-// The file's name says that it is .obj, .ply, .glb or .gltf; or one of the latter two.
+// True for names that end in .obj, .ply, .glb or .gltf; or in one of the latter two.
 bool isMeshName(const std::string& name);
 bool isGltfName(const std::string& name);
 // The name's kind of file if it holds meshes that are not read here ("Alembic"), else empty.

@@ -35,8 +35,8 @@ Result<PictureReport> reportOnVideo(const std::string& path, const CaptureCamera
   FOURDVT_ASSIGN(auto picture, video->next());
   if (!picture) return Error{ErrorId::VideoTooShort, path + ": no picture in it; export the video again"};
   PictureReport out{path, picture->width, picture->height, std::nullopt, video->framesPerSecond(), {}};
-  FOURDVT_ASSIGN(const Image shown, asCalibrated(*picture, video->marks(), camera, path));
-  out.done = describeMarks(video->marks(), *picture, shown, camera);
+  FOURDVT_ASSIGN(const PictureMarks applied, calibratedMarks(*picture, video->marks(), camera, path));
+  out.done = describeMarks(video->marks(), applied);
   for (const std::string& conversion : video->conversions()) out.done.push_back(conversion);
   FOURDVT_ASSIGN(const VideoListing listing, video->list());
   out.pictures = listing.pictures;
@@ -48,8 +48,8 @@ Result<PictureReport> reportOnStills(const std::string& path, const CaptureCamer
   PictureMarks marks;
   FOURDVT_ASSIGN(const Image stored, readPicture(path, 3, &marks));
   PictureReport out{path, stored.width, stored.height, std::nullopt, std::nullopt, {}};
-  FOURDVT_ASSIGN(const Image shown, asCalibrated(stored, marks, camera, path));
-  out.done = describeMarks(marks, stored, shown, camera);
+  FOURDVT_ASSIGN(const PictureMarks applied, calibratedMarks(stored, marks, camera, path));
+  out.done = describeMarks(marks, applied);
   std::string name;
   if (const auto bytes = readText(path); bytes && changesColours(stillMarks(*bytes).profile, &name))
     out.done.push_back((name.empty() ? "colour profile" : name) + " → sRGB");
@@ -58,21 +58,16 @@ Result<PictureReport> reportOnStills(const std::string& path, const CaptureCamer
 
 }  // namespace
 
-// Marks that swap the sides are seen by the size; others follow the camera's orientation.
-std::vector<std::string> describeMarks(const PictureMarks& marks, const Image& stored, const Image& shown,
-                                       const CaptureCamera& camera) {
+std::vector<std::string> describeMarks(const PictureMarks& marks, const PictureMarks& applied) {
   std::vector<std::string> out;
   PictureMarks turn = marks, stretch;
   turn.pixel_aspect = 1;
   stretch.pixel_aspect = marks.pixel_aspect;
-  const bool stretched = int64_t{shown.width} * shown.height != int64_t{stored.width} * stored.height;
-  if (marks.turns()) {
-    const bool wide = stored.width > stored.height, swapped = wide != (shown.width > shown.height);
-    const bool turned = camera.orientation == Orientation::Marked ||
-                        (camera.orientation == Orientation::BySize && marks.swapsSides() && swapped);
-    out.push_back((turned ? "" : "not ") + describe(turn) + (turned ? "" : ": the calibration is of stored pictures"));
-  }
-  if (marks.stretches()) out.push_back(describe(stretch) + (stretched ? ": made square" : ": left as stored"));
+  if (turn.turns() && applied.turns()) out.push_back(describe(turn));
+  if (turn.turns() && !applied.turns())
+    out.push_back("not " + describe(turn) + ": the calibration is of stored pictures");
+  if (marks.stretches())
+    out.push_back(describe(stretch) + (applied.stretches() ? ": made square" : ": left as stored"));
   return out;
 }
 

@@ -20,9 +20,8 @@ struct PictureReport {
   std::vector<std::string> done;  // "turned by 90°", "HLG, BT.2020 → BT.709"
 };
 
-// Marks of a stored picture of which asCalibrated has made `shown`, and what became of each.
-std::vector<std::string> describeMarks(const PictureMarks& marks, const Image& stored, const Image& shown,
-                                       const CaptureCamera& camera);
+// Each of a picture's marks, and what became of it; `applied`: calibratedMarks.
+std::vector<std::string> describeMarks(const PictureMarks& marks, const PictureMarks& applied);
 
 // The colour pictures of a camera in a sequence. Errors: those of reading its first picture.
 Result<PictureReport> reportOnPictures(const CaptureSequence& sequence, const CaptureCamera& camera,

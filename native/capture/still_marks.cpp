@@ -70,12 +70,16 @@ std::string inflatedProfile(std::string_view chunk) {
   const size_t name = chunk.find('\0');
   if (name == std::string_view::npos || chunk.size() < name + 2) return {};
   const std::string_view packed = chunk.substr(name + 2);
-  std::string out(kMostProfileBytes, '\0');
-  uLongf bytes = out.size();
-  if (uncompress(reinterpret_cast<Bytef*>(out.data()), &bytes, reinterpret_cast<const Bytef*>(packed.data()),
-                 packed.size()) != Z_OK)
-    return {};
-  out.resize(bytes);
+  std::string out;
+  uLongf bytes = 0;
+  int done = Z_BUF_ERROR;
+  for (size_t room = 1 << 14; done == Z_BUF_ERROR && room <= kMostProfileBytes; room *= 4) {
+    out.resize(room);
+    bytes = room;
+    done = uncompress(reinterpret_cast<Bytef*>(out.data()), &bytes, reinterpret_cast<const Bytef*>(packed.data()),
+                      packed.size());
+  }
+  out.resize(done == Z_OK ? bytes : 0);
   return out;
 }
 
@@ -141,8 +145,10 @@ StillMarks stillMarks(std::string_view file) {
 }
 
 void toSrgb(const std::string& profile, Image& colour) {
-  if (!changesColours(profile)) return;
-  const Transform transform = transformOf(openProfile(profile), colour.channels);
+  const Profile from = openProfile(profile);
+  Transform transform = transformOf(from, 3);
+  if (!transform || largestChange(transform) <= kSrgbTolerance) return;
+  if (colour.channels == 4) transform = transformOf(from, 4);
   cmsDoTransform(transform.get(), colour.pixels.data(), colour.pixels.data(),
                  static_cast<cmsUInt32Number>(colour.pixels.size() / size_t(colour.channels)));
 }

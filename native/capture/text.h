@@ -74,7 +74,7 @@ class Fields {
  public:
   explicit Fields(std::string_view line) : rest_(line) {}
   std::string_view word() { return takeWord(rest_); }
-  // The next word, which must be a finite number: else 0, and problem() says why.
+  // The next word, which must be a finite number: else 0, and problem() has the reason.
   template <class T>
   T number() {
     const std::string_view given = word();

@@ -67,8 +67,8 @@ Image applyMarks(Image stored, const PictureMarks& marks) {
   return out;
 }
 
-Result<Image> asCalibrated(Image stored, const PictureMarks& marks, const CaptureCamera& camera,
-                           const std::string& path) {
+Result<PictureMarks> calibratedMarks(const Image& stored, const PictureMarks& marks, const CaptureCamera& camera,
+                                     const std::string& path) {
   const auto as_stored = fitting(stored, marks, camera, false);
   const auto turned = marks.turns() ? fitting(stored, marks, camera, true) : as_stored;
   if (as_stored && turned && marks.turns() && camera.orientation == Orientation::BySize)
@@ -77,13 +77,19 @@ Result<Image> asCalibrated(Image stored, const PictureMarks& marks, const Captur
   const auto& chosen = prefers_stored                                         ? as_stored
                        : camera.orientation == Orientation::BySize && !turned ? as_stored
                                                                               : turned;
-  if (chosen) return applyMarks(std::move(stored), *chosen);
+  if (chosen) return *chosen;
   const PinholeCamera& p = camera.pinhole;
   const std::string marked = describe(marks);
   return Error{ErrorId::FrameSize, path + ": " + text({stored.width, stored.height}) + " pixels" +
                                        (marked.empty() ? "" : ", marked as " + marked) + ", but camera " + p.name +
                                        " is calibrated for " + text({p.width, p.height}) +
                                        "; use the pictures that were calibrated"};
+}
+
+Result<Image> asCalibrated(Image stored, const PictureMarks& marks, const CaptureCamera& camera,
+                           const std::string& path) {
+  FOURDVT_ASSIGN(const PictureMarks chosen, calibratedMarks(stored, marks, camera, path));
+  return applyMarks(std::move(stored), chosen);
 }
 
 Error orientationIsOpen(const PictureMarks& marks, const CaptureCamera& camera, const std::string& path) {

@@ -15,8 +15,12 @@ namespace fourdvt::capture {
 // Stretches, mirrors and turns a picture of any number of channels.
 Image applyMarks(Image stored, const PictureMarks& marks);
 
-// Applies those of the marks with which the picture has the size that the camera is calibrated for. `path` is for
-// messages. Errors: FrameSize (no choice of marks gives that size, or it is open whether the picture is to be turned).
+// Those of a picture's marks with which it has the size that the camera is calibrated for. `path` is for messages.
+// Errors: FrameSize (no choice of marks gives that size, or it is open whether the picture is to be turned).
+Result<PictureMarks> calibratedMarks(const Image& stored, const PictureMarks& marks, const CaptureCamera& camera,
+                                     const std::string& path);
+
+// The picture with calibratedMarks applied. Errors: theirs.
 Result<Image> asCalibrated(Image stored, const PictureMarks& marks, const CaptureCamera& camera,
                            const std::string& path);
 

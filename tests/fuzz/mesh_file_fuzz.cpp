@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PLY, GLB, glTF and OBJ of free topology, told apart by their first bytes, and animated glTF with UVs: whatever is
+// PLY, GLB, glTF and OBJ of free topology, chosen by their first bytes, and animated glTF with UVs: whatever is
 // accepted is consistent, finite and not much larger than the input.
 #include <cmath>
 #include <cstdlib>

@@ -209,16 +209,10 @@ Result<ImportSummary> importCapture(const ImportOptions& given, const OpenVideo&
   findViews(calibration, takes);
   noteNames(calibration, summary);
   FOURDVT_TRY(keepSeenCameras(takes, calibration, summary.warnings));
-  ViewMeasures measures{options.cropped, options.fps, options.orientation, !options.ignore_time_codes, {}};
+  ViewMeasures measures{options.cropped, options.fps, options.orientation, !options.ignore_time_codes};
   ClipNotes notes;
   for (Take& take : takes) FOURDVT_TRY(measureViews(open_video, calibration, take, measures, notes));
-  for (const auto& [what, cameras] : measures.done) {
-    std::string names;
-    for (const std::string& name : cameras) names += (names.empty() ? "" : ", ") + name;
-    const bool all = cameras.size() == calibration.cameras.size();
-    summary.done.push_back("pictures of " + (all ? std::string("all cameras") : names) + ": " + what);
-  }
-  summary.done.insert(summary.done.end(), notes.done.begin(), notes.done.end());
+  for (const std::string& line : joinedWarnings(notes.done)) summary.done.push_back(line);
   summary.warnings.insert(summary.warnings.end(), notes.warnings.begin(), notes.warnings.end());
   double fps = measures.fps;
   if (fps == 0) {

@@ -8,6 +8,7 @@
 #include "capture/class_json.h"
 #include "capture/mesh_sequence.h"
 #include "capture/pictures.h"
+#include "capture/upright.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 
@@ -84,7 +85,7 @@ Status writePlates(const View& plates, const CaptureCamera& camera, const OpenVi
   if (plates.video.empty()) {
     PictureMarks marks;
     FOURDVT_ASSIGN(const Image first, readPicture(plates.first(), 3, &marks));
-    if (const auto fits = importedPicture(first, marks, camera, plates.first()); !fits.ok()) return fits.error();
+    if (const auto fits = importedMarks(first, marks, camera, plates.first()); !fits.ok()) return fits.error();
     return linkPictures(plates, own);
   }
   FOURDVT_TRY(platform::makeFolder(own));
@@ -93,11 +94,11 @@ Status writePlates(const View& plates, const CaptureCamera& camera, const OpenVi
   const uint64_t step = plateStep(listing.pictures);
   uint32_t written = 0;
   for (uint64_t frame = 0; written < kMaxDecodedPlates; ++frame) {
-    FOURDVT_ASSIGN(const std::optional<Image> picture, video->next());
+    FOURDVT_ASSIGN(std::optional<Image> picture, video->next());
     if (!picture) break;
     if (frame % step != 0) continue;
-    FOURDVT_ASSIGN(const Image plate, importedPicture(*picture, video->marks(), camera, plates.video));
-    FOURDVT_TRY(platform::writeImage(framePath(own + "/%06d.png", written++), plate));
+    FOURDVT_ASSIGN(const PictureMarks marks, importedMarks(*picture, video->marks(), camera, plates.video));
+    FOURDVT_TRY(platform::writeImage(framePath(own + "/%06d.png", written++), applyMarks(std::move(*picture), marks)));
   }
   if (written > 0) return {};
   return Error{ErrorId::FileUnreadable, plates.video + ": no picture in it; export the clip again"};

@@ -84,41 +84,20 @@ Status takeSize(const Measured& measured, const std::string& path, CaptureCamera
   return {};
 }
 
-// Pictures and tracks of videos that are not read: what all cameras have alike is one line.
-class Unread {
- public:
-  void add(const std::string& path, const VideoListing& listing, ClipNotes& notes) {
-    const std::string has = std::to_string(listing.pictures), all = std::to_string(listing.announced);
-    const bool fewer = listing.pictures < listing.announced;
-    if (listing.cut_off)
-      notes.warnings.push_back(path + ": is cut off: " + has + " pictures are there" +
-                               (fewer ? ", its header announces " + all : "") + "; copy it from the camera again");
-    else if (fewer)
-      count(hidden_, has + " of " + all, path);
-    for (const std::string& track : listing.other_tracks)
-      count(tracks_, listing.track + " is read, " + track + " is not", path);
+// Pictures and tracks of a video that are not read.
+void noteUnread(const std::string& path, const VideoListing& listing, ClipNotes& notes) {
+  const std::string has = std::to_string(listing.pictures), all = std::to_string(listing.announced);
+  const bool fewer = listing.pictures < listing.announced;
+  if (listing.cut_off) {
+    notes.warnings.push_back(path + ": is cut off: " + has + " pictures are there" +
+                             (fewer ? ", its header announces " + all : "") + "; copy it from the camera again");
+  } else if (fewer) {
+    notes.done.push_back(path + ": shows " + has + " of " + all +
+                         " pictures that its header counts, as after a cut by an edit list");
   }
-  void note(ClipNotes& notes) const {
-    for (const auto& [has, files] : hidden_)
-      notes.done.push_back(named(files) + ": shows " + has +
-                           " pictures that its header counts, as after a cut by an edit list");
-    for (const auto& [has, files] : tracks_)
-      notes.warnings.push_back(named(files) + ": has several video tracks; " + has);
-  }
-
- private:
-  using Files = std::map<std::string, std::pair<std::string, int>>;  // by a text: a file, and how many there are
-
-  static void count(Files& in, const std::string& text, const std::string& path) {
-    auto& [file, files] = in[text];
-    if (files++ == 0) file = path;
-  }
-  static std::string named(const std::pair<std::string, int>& files) {
-    return files.first + (files.second > 1 ? " and " + std::to_string(files.second - 1) + " more" : "");
-  }
-
-  Files hidden_, tracks_;
-};
+  for (const std::string& track : listing.other_tracks)
+    notes.warnings.push_back(path + ": has several video tracks; " + listing.track + " is read, " + track + " is not");
+}
 
 // Keeps the first of the names that the camera's files may have which is there.
 void chooseFileName(const std::vector<Take>& takes, ImportedCamera& imported) {
@@ -232,15 +211,15 @@ Status keepSeenCameras(const std::vector<Take>& takes, ImportedCalibration& cali
                    "CAMERA.png) of any of the cameras " + list + "; name them like the cameras"};
 }
 
-Result<Image> importedPicture(const Image& stored, const PictureMarks& marks, const CaptureCamera& camera,
-                              const std::string& path) {
-  auto picture = asCalibrated(stored, marks, camera, path);
+Result<PictureMarks> importedMarks(const Image& stored, const PictureMarks& marks, const CaptureCamera& camera,
+                                   const std::string& path) {
+  auto applied = calibratedMarks(stored, marks, camera, path);
   const PinholeCamera& p = camera.pinhole;
   const bool smaller = stored.width <= p.width && stored.height <= p.height;
-  if (picture.ok() || !smaller || (stored.width == p.width && stored.height == p.height)) return picture;
+  if (applied.ok() || !smaller || (stored.width == p.width && stored.height == p.height)) return applied;
   return Error{
-      picture.error().id,
-      picture.error().message + ", or give --cropped if they only lack columns at the right or rows at the bottom"};
+      applied.error().id,
+      applied.error().message + ", or give --cropped if they only lack columns at the right or rows at the bottom"};
 }
 
 namespace {
@@ -253,11 +232,11 @@ Status useMeasured(const Measured& measured, ImportedCamera& imported, ViewMeasu
   imported.camera.orientation = measures.orientation;
   if (pinhole.width == 0 || (measures.cropped && smaller))
     FOURDVT_TRY(takeSize(measured, view.first(), imported.camera));
-  const auto picture = importedPicture(measured.first, measured.marks, imported.camera, view.first());
-  if (!picture.ok()) return picture.error();
-  auto done = describeMarks(measured.marks, measured.first, picture.value(), imported.camera);
+  FOURDVT_ASSIGN(const PictureMarks applied,
+                 importedMarks(measured.first, measured.marks, imported.camera, view.first()));
+  auto done = describeMarks(measured.marks, applied);
   done.insert(done.end(), measured.conversions.begin(), measured.conversions.end());
-  for (const std::string& what : done) measures.done[what].insert(pinhole.name);
+  for (const std::string& what : done) notes.done.push_back("pictures of " + pinhole.name + ": " + what);
   double& fps = measures.fps;
   if (imported.relative) setLens(*imported.relative, imported.camera.pinhole);
   if (fps == 0 && measured.fps) fps = *measured.fps;
@@ -272,24 +251,23 @@ Status useMeasured(const Measured& measured, ImportedCamera& imported, ViewMeasu
 Status measureViews(const OpenVideo& open_video, ImportedCalibration& calibration, Take& take, ViewMeasures& measures,
                     ClipNotes& notes) {
   std::vector<Clip> clips, mattes;
-  Unread unread;
   ClipNotes rates;  // printed unless clips of different rates are an error
   for (ImportedCamera& imported : calibration.cameras) {
     const std::string& name = imported.camera.pinhole.name;
     FOURDVT_ASSIGN(Measured measured, measureView(open_video, take.views.at(name), 3));
     FOURDVT_TRY(useMeasured(measured, imported, measures, rates));
     measured.clip.camera = name;
-    unread.add(measured.clip.view.video, measured.clip.listing, notes);
+    noteUnread(measured.clip.view.video, measured.clip.listing, notes);
     clips.push_back(std::move(measured.clip));
     const auto matte = take.mattes.find(name);
     if (matte == take.mattes.end()) continue;
     FOURDVT_ASSIGN(Measured measured_mattes, measureView(open_video, matte->second, 1));
     measured_mattes.clip.camera = name;
-    unread.add(matte->second.video, measured_mattes.clip.listing, notes);
+    noteUnread(matte->second.video, measured_mattes.clip.listing, notes);
     mattes.push_back(std::move(measured_mattes.clip));
   }
-  unread.note(notes);
   FOURDVT_TRY(setInstants(clips, measures.time_codes, notes));
+  notes.done.insert(notes.done.end(), rates.done.begin(), rates.done.end());
   notes.warnings.insert(notes.warnings.end(), rates.warnings.begin(), rates.warnings.end());
   const bool alike = numberMattesAlike(clips, mattes);
   for (Clip& matte : mattes)

@@ -43,8 +43,7 @@ struct ViewMeasures {
       false;       // smaller pictures lack columns at the right and rows at the bottom: their size is the camera's
   double fps = 0;  // 0: that of the first video that has one
   Orientation orientation = Orientation::BySize;
-  bool time_codes = true;                             // videos begin by their time codes, if all have one
-  std::map<std::string, std::set<std::string>> done;  // by marks of files: what reading makes of them, cameras
+  bool time_codes = true;  // videos begin by their time codes, if all have one
 };
 
 // Opens every view once, reads its first and its last picture and pairs their pictures (pairing.h): sets what frames
@@ -57,8 +56,8 @@ Status measureViews(const OpenVideo& open_video, ImportedCalibration& calibratio
 Status findAlphas(const ImportedCalibration& calibration, const std::string& folder, const OpenVideo& open_video,
                   Take& take);
 
-// A stored picture as the camera is calibrated for it. Errors: those of asCalibrated, with the options of an import.
-Result<Image> importedPicture(const Image& stored, const PictureMarks& marks, const CaptureCamera& camera,
-                              const std::string& path);
+// The same as calibratedMarks; errors also name the options of an import.
+Result<PictureMarks> importedMarks(const Image& stored, const PictureMarks& marks, const CaptureCamera& camera,
+                                   const std::string& path);
 
 }  // namespace fourdvt::capture

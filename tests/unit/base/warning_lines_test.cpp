@@ -26,6 +26,7 @@ TEST(WarningLines, NameWhatDiffersInFull) {
 TEST(WarningLines, NameCamerasOnce) {
   EXPECT_EQ(joinedWarnings({"camera cam1: none", "camera cam2: none", "camera cam3: none"}),
             (Lines{"cameras cam1, cam2, cam3: none"}));
+  EXPECT_EQ(joinedWarnings({"a: none", "b: none", "a: none", "b: none"}), (Lines{"a, b: none"})) << "of two takes";
 }
 
 TEST(WarningLines, ThatDifferStay) {
