@@ -48,7 +48,12 @@ after(async () => {
   await server?.close();
 });
 
-const until = (condition, argument) => page.waitForFunction(condition, argument, { timeout: kPatienceMs, polling: 30 });
+const state = () => page.evaluate(() => {
+  const v = document.querySelector('fourdvt-viewer'), c = document.querySelector('media-controller');
+  return JSON.stringify({ heard: globalThis.heard, time: v.currentTime, duration: v.duration, seeking: v.seeking, paused: v.paused, frame: v.frame, shown: c.getAttribute('mediacurrenttime') });
+});
+const until = (condition, argument) => page.waitForFunction(condition, argument, { timeout: kPatienceMs, polling: 30 })
+  .catch(async ({ message }) => { throw new Error(`${message}: ${await state()}`); });
 const viewer = (read, argument) => page.evaluate(`(${read})(document.querySelector('fourdvt-viewer'), ${JSON.stringify(argument)})`);
 const controller = (name) => page.evaluate((name) => document.querySelector('media-controller').getAttribute(name), name);
 const heard = async () => (await page.evaluate(() => globalThis.heard)).filter((name) => name !== 'progress' && name !== 'timeupdate');
@@ -96,6 +101,7 @@ test('the play button pauses and plays', async () => {
 });
 
 test('the time range seeks, also while it is paused', async () => {
+  await until(() => document.querySelector('media-controller').hasAttribute('mediapaused'));
   await forget();
   const { x, y, width, height } = await page.locator('media-time-range').boundingBox();
   await page.mouse.click(x + width / 2, y + height / 2);
