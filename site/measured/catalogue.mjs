@@ -264,7 +264,7 @@ const perAlignmentRow = (what, prefix) => [what, ...alignments.map(([method]) =>
 export const sections = [
   {
     title: 'Against the papers',
-    text: `NO, SO, TO and “ours, 512²” have three layers of 512² at the papers’ codec setting; TO changes little against SO because
+    text: `NO, SO, TO and “ours, 512²” have three layers of 512², as in the papers, at CRF 23 (the papers give no codec settings); TO changes little against SO because
       4DVT Eq. 5 divides its temporal term by the number of faces. FVVR is the papers’ reference renderer; it reads all videos at once. “Above” and “below all rates”: FVVR from these videos scores less, or more, at every rate that was measured. Per motion: {keys:storage.joint}.`,
     run: 'study',
     columns: ['', ...methods.map(([, title]) => title)],

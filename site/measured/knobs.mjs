@@ -86,7 +86,7 @@ Measured on ${date}, commit ${git('log', '-1', '--format=%h', '--', 'native', 's
 The virtual studio's room, filmed by
 \`fourdvt-lab studio procedural ${kStudio}\`
 and the options of the row. One seed and two frames a row: differences below .01 say little. Weights of the cameras'
-help were chosen with this seed and seed 33; other seeds: native/ALGORITHMS.md, 2.1.2.
+help were chosen with this seed and seed 33; other seeds: native/algorithms/mattes.md.
 
 - each camera by itself: intersection over union of mattes and true mattes, by \`fourdvt-lab mattes\` on the studio's capture
 - cameras together: the same of the mattes that \`fourdvt mattes\` makes

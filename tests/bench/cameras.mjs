@@ -3,7 +3,7 @@
 // cameras.mjs FOURDVT FOURDVT_LAB CAPTURE OUT [SEQUENCE]: characters from cameras at the held-out cameras: hull, refined
 // hull and the capture's own mesh, textured from the raw videos and as baked, from M cameras; bytes of pictures and
 // surfaces; and layers against cameras over the bitrate, on the capture's own mesh. Writes OUT/rows.json, of which
-// site/measured/documents.mjs makes cameras.md. A run that was killed goes on after what is finished.
+// site/measured/documents.mjs makes site/measured/cameras.md. A run that was killed goes on after what is finished.
 import { existsSync, mkdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 

@@ -3,7 +3,7 @@
 // hulls.mjs FOURDVT FOURDVT_LAB CAPTURE OUT [SEQUENCES]: surfaces from silhouettes against their tolerance, and refined by
 // stereo. Hulls on one thread, stereo on all: overlap with the silhouettes, triangles, milliseconds a frame by stage,
 // fallbacks; at the test frames distances to the capture's own meshes and plain projective texturing at the held-out
-// cameras. Writes OUT/rows.json, of which site/measured/documents.mjs makes hulls.md. A run that was killed goes on after
+// cameras. Writes OUT/rows.json, of which site/measured/documents.mjs makes site/measured/hulls.md. A killed run goes on after
 // what is finished.
 import { existsSync, mkdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';

@@ -92,8 +92,8 @@ test('anchors of links in the repository exist', () => {
 
 test('links are rewritten, paths in backquotes become links, files that the site lacks become text', () => {
   const html = renderPage({ source: 'web/README.md', name: 'element', title: 'x' },
-    '# T\n\n<!-- gone -->\n[a](../native/package/FORMAT.md#character-gltf) [b](../native/base/result.h) `native/ALGORITHMS.md` [c](https://x.org) ![d](../site/layers.jpg)\n');
-  assert.match(html, /<a href="format\.html#character-gltf">a<\/a> b <a href="algorithms\.html"><code>native\/ALGORITHMS\.md<\/code><\/a> <a href="https:\/\/x\.org">c<\/a> <img src="\.\.\/layers\.jpg"/);
+    '# T\n\n<!-- gone -->\n[a](../native/package/FORMAT.md#character-gltf) [b](../native/base/result.h) `native/algorithms/README.md` [c](https://x.org) ![d](../site/layers.jpg)\n');
+  assert.match(html, /<a href="format\.html#character-gltf">a<\/a> b <a href="algorithms\.html"><code>native\/algorithms\/README\.md<\/code><\/a> <a href="https:\/\/x\.org">c<\/a> <img src="\.\.\/layers\.jpg"/);
   assert.doesNotMatch(html, /gone/);
 });
 

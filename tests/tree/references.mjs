@@ -6,14 +6,14 @@
 // short key, an author with a year, a bare equation), part (a paper's equation, figure, table or section number), file
 // (by path, or by a name that only one file has), identifier ("see someName"; in a table's row | what | `file` | `name` |
 // a name that the file must contain).
-// Papers are the rows of the table "Sources" in native/ALGORITHMS.md: | key | where it was published | parts cited |.
+// Papers are the entries of the lists "Sources" in native/algorithms/*.md: - **KEY** where it was published. Cited: parts.
 // Code of C++, GLSL, TypeScript and JavaScript is looked at in comments only, except for papers, which messages of the
 // study name as well. Does NOT check web addresses, files that a build makes (kMade) and itself: its fixtures are
 // wrong.
 import { readdirSync, readFileSync } from 'node:fs';
 import { dirname, extname, join, normalize } from 'node:path';
 
-const kAlgorithms = 'native/ALGORITHMS.md';
+const kAlgorithms = 'native/algorithms/';
 const kThis = 'tests/tree/references.mjs';
 const kFolders = ['native', 'web', 'wasm', 'shaders', 'tests', 'site', '.github'];
 const kSkipped = /(^|\/)(node_modules|dist|build|corpus|\.(?!github)[^/]+)(\/|$)/;
@@ -38,7 +38,7 @@ const kNumbers = String.raw`(${kNumber}[a-z]?(?:(?:\s*[-–,]\s*|\s+and\s+)${kNu
 const raw = String.raw;
 const kDocument = new RegExp(
   raw`((?:[\w.-]+/)*[\w-]+\.md)\b` +
-  raw`|(?<![\w./-])(ALGORITHMS|DESIGN|STYLE|TOOLCHAIN|FORMAT|CHANGELOG)(?![\w./-]*\w)`, 'g');
+  raw`|(?<![\w./-])(DESIGN|STYLE|TOOLCHAIN|FORMAT|CHANGELOG)(?![\w./-]*\w)`, 'g');
 const kFile = new RegExp(
   raw`(?<![\w.*%<>{$/-])((?:\.{1,2}/)?(?:[\w.-]+/)*` +
   raw`(?:[\w-]+(?:\.test)?\.(?:h|cpp|ts|mjs|js|frag|vert|glsl|sh|cmake|html|css)|CMakeLists\.txt))(?![\w*%{}-])`, 'g');
@@ -146,16 +146,14 @@ function headingsOf(text) {
   return { titles, numbers };
 }
 
-/** Rows { key, source, parts } of the table "Sources". */
+/** { key, source, parts } of the entries of a document's list "Sources". */
 function sourcesOf(text) {
-  const table = text.slice(Math.max(0, text.search(/^#+\s+(\d+\s+)?Sources\s*$/m)));
-  const rows = [];
-  for (const line of table.split('\n')) {
-    const cells = line.split('|').map((cell) => cell.trim());
-    if (cells.length < 5 || /^-+$/.test(cells[1]) || cells[1] === 'key') continue;
-    rows.push({ key: cells[1].replace(/[`*]/g, ''), source: cells[2], parts: cells[3] });
-  }
-  return rows;
+  const start = text.search(/^#+\s+Sources\s*$/m);
+  if (start < 0) return [];
+  return [...text.slice(start).matchAll(/^- \*\*(\w+)\*\* (.*)$/gm)].map(([, key, entry]) => {
+    const [source, parts = ''] = entry.split(' Cited: ');
+    return { key, source, parts };
+  });
 }
 
 /** "1, 3-5" → ["1", "3", "4", "5"]; letters of sub-figures are left out. */
@@ -187,7 +185,7 @@ class Checker {
     this.files = files;
     this.paths = [...files.keys()];
     this.identifiers = identifiersOf(files);
-    this.sources = sourcesOf(files.get(kAlgorithms) ?? '');
+    this.sources = this.paths.filter((path) => path.startsWith(kAlgorithms)).flatMap((path) => sourcesOf(files.get(path)));
     this.byKey = new Map(this.sources.map((row) => [row.key, { ...row, has: partsOf(row.parts) }]));
     this.failures = [];
     this.counts = Object.fromEntries(kKinds.map((kind) => [kind, 0]));
@@ -213,7 +211,7 @@ class Checker {
     this.checkDocuments(path, paragraph);
     this.checkFiles(path, paragraph);
     this.checkIdentifiers(path, paragraph);
-    if (path === kAlgorithms && /^\|/.test(paragraph.text)) return;  // the table of sources itself
+    if (path.startsWith(kAlgorithms) && /^- \*\*\w+\*\* /.test(paragraph.text)) return;  // the list of sources itself
     this.checkPapers(path, paragraph);
   }
 
@@ -254,7 +252,7 @@ class Checker {
     return this.headings.get(path);
   }
 
-  // ALGORITHMS 4.1 · native/ALGORITHMS.md, section 4 · FORMAT.md, "Labels"
+  // FORMAT 4.1 · algorithms/labels.md, section 4 · FORMAT.md, "Labels"
   checkDocuments(path, paragraph) {
     for (const match of paragraph.text.matchAll(kDocument)) {
       const mention = match[1] ?? `${match[2]}.md`;
@@ -317,7 +315,7 @@ class Checker {
       const looksLikeKey = kKeyShape.test(key) && !kNoKey.test(key);
       if (!known && !looksLikeKey && !(cited && (cited[1] || cited[2] === 'Table'))) continue;
       const line = lineAt(paragraph, match.index);
-      this.expect(known, 'paper', path, line, `${key} is not in the table of sources of ${kAlgorithms}`);
+      this.expect(known, 'paper', path, line, `${key} is no source of ${kAlgorithms}`);
       if (known && cited) this.checkParts(known, rest, path, line);
     }
   }
@@ -330,7 +328,7 @@ class Checker {
       const name = (match[1] ?? match[2] ?? 'section').toLowerCase().replace(/^sections$/, 'section');
       if (!first && !match[1] && !match[2]) return;
       for (const number of expanded(match[3])) {
-        const message = `the row of ${paper.key} in ${kAlgorithms} names no ${name} ${number}`;
+        const message = `the entry of ${paper.key} in ${kAlgorithms} names no ${name} ${number}`;
         this.expect(paper.has(name, number), 'part', path, line, message);
       }
     }
@@ -346,7 +344,7 @@ class Checker {
     for (const { index, 1: author, 3: when } of paragraph.text.matchAll(cited)) {
       if (kMonths.test(author)) continue;
       const ok = this.sources.some(({ source }) => source.includes(author) && source.includes(when));
-      const message = `${author} ${when} is not in the table of sources of ${kAlgorithms}`;
+      const message = `${author} ${when} is no source of ${kAlgorithms}`;
       this.expect(ok, 'paper', path, lineAt(paragraph, index), message);
     }
   }
@@ -377,23 +375,24 @@ function report(checker) {
 // ---- Self-test ---------------------------------------------------------------------------------------------------
 
 const kFixture = {
-  [kAlgorithms]: [
-    '# Notes', '## 1 First', '### 1.1 Inner', '## Sources', '', '| key | source | parts cited |', '|---|---|---|',
-    '| ABCD | Jane Doe, Ann Roe: A Title. A Venue, 2014 | Eq. 1–3; section 4.1; Fig. 2 |',
-    '| XYZ13 | Max Moe: B. C, 2013 | |', ''].join('\n'),
+  [`${kAlgorithms}notes.md`]: [
+    '# Notes', '## 1 First', '### 1.1 Inner', '## Sources', '',
+    '- **ABCD** Jane Doe, Ann Roe: A Title. A Venue, 2014. Cited: Eq. 1–3; section 4.1; Fig. 2.',
+    '- **XYZ13** Max Moe: B. C, 2013.', ''].join('\n'),
+  'native/FORMAT.md': '# Bytes\n## 1 First\n### 1.1 Inner\n',
   'native/base/thing.h': '#pragma once\nint someThing();\n',
   'native/base/other.h': '#pragma once\n',
   'native/gpu/twice.h': '#pragma once\n',
   'native/base/twice.h': '#pragma once\n',
 };
 const kRight = [
-  'See native/ALGORITHMS.md for it.', 'ALGORITHMS 1.1 says so', 'native/ALGORITHMS.md, section 1', 'ALGORITHMS.md, "Inner"',
+  'See algorithms/notes.md for it.', 'FORMAT 1.1 says so', 'algorithms/notes.md, section 1', 'notes.md, "Inner"',
   'ABCD Eq. 1-3 and nothing else', 'ABCD 4.1', 'XYZ13', 'Doe et al. (2014)', 'ABCD: as Eq. 2 has it', 'base/thing.h',
   'other.h', 'see someThing', 'native/base/ has it', 'H.264 at CRF 23, BT.709, 1024² and 12 mm',
 ];
 const kWrong = {
-  document: ['see native/NOTES.md', 'DESIGN says so'],
-  section: ['ALGORITHMS 2', 'native/ALGORITHMS.md, section 1.2', 'ALGORITHMS.md, "Outer"'],
+  document: ['see native/OTHER.md', 'DESIGN says so'],
+  section: ['FORMAT 2', 'algorithms/notes.md, section 1.2', 'notes.md, "Outer"'],
   paper: ['CTGH13', 'EFGH Eq. 2', 'Poe et al. (2014)', 'Doe and Roe 2013', 'by Eq. 2 alone'],
   part: ['ABCD Eq. 4', 'ABCD 4.2', 'ABCD Fig. 2, Table 1'],
   file: ['nothing.h', 'gpu/thing.h', 'twice.h', 'native/none/ has it'],
@@ -424,7 +423,7 @@ function selfTest() {
       const ok = failures.length === 1 && failures[0].includes(`: ${kind}: `);
       expect(ok, `"${comment}" should fail once, as ${kind}: [${failures}]`);
     }
-  expect(checked('int x;  // of ALGORITHMS\n        // 7.7\n').failures.length === 1, 'a reference over two lines was not found');
+  expect(checked('int x;  // of FORMAT\n        // 7.7\n').failures.length === 1, 'a reference over two lines was not found');
   expect(checked('title = "ABCD Table 9";\n').failures.length === 1, 'a reference in a message was not found');
   const readme = '| x | `native/base/thing.h` | `none` |\n';
   const lacking = new Checker(new Map(Object.entries({ ...kFixture, 'README.md': readme }))).run();
