@@ -25,7 +25,8 @@ export const groups = [
     { source: 'site/sample/actor_a/README.md', name: 'sample', title: 'The sample capture' },
   ] },
   { title: 'Inside', pages: [
-    { source: 'native/README.md', name: 'native', title: 'Folders and words' },
+    { source: 'native/README.md', name: 'native', title: 'The native code' },
+    { source: 'native/GLOSSARY.md', name: 'glossary', title: 'Glossary' },
     { source: 'site/docs/where.md', name: 'where', title: 'Where to change what' },
     { source: 'native/package/FORMAT.md', name: 'format', title: 'File format' },
     { source: 'shaders/README.md', name: 'shaders', title: 'Shaders' },
