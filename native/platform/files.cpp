@@ -188,10 +188,7 @@ Result<Image> readImage(const std::string& path) {
   }
 }
 
-Status writeImage(const std::string& path, const Image& image, int quality) {
-  if (image.empty() || (image.channels != 1 && image.channels != 3 && image.channels != 4)) {
-    return Error{ErrorId::InvalidArgument, path + ": a picture to write has 1, 3 or 4 channels and is not empty"};
-  }
+Result<std::vector<uint8_t>> encodeImage(const Image& image, const std::string& extension, int quality) {
   std::vector<uint8_t> encoded;
   try {
     const cv::Mat rgb(image.height, image.width, CV_8UC(image.channels), const_cast<uint8_t*>(image.pixels.data()));
@@ -201,13 +198,19 @@ Status writeImage(const std::string& path, const Image& image, int quality) {
     else
       cv::cvtColor(rgb, bgr, image.channels == 4 ? cv::COLOR_RGBA2BGRA : cv::COLOR_RGB2BGR);
     const std::vector<int> parameters{cv::IMWRITE_JPEG_QUALITY, quality, cv::IMWRITE_WEBP_QUALITY, quality};
-    const std::string extension = std::filesystem::path(path).extension().string();
-    if (extension.empty() || !cv::imencode(extension, bgr, encoded, parameters)) encoded.clear();
-  } catch (const cv::Exception&) {
-    encoded.clear();
+    if (cv::imencode(extension, bgr, encoded, parameters)) return encoded;
+  } catch (const cv::Exception&) {  // of an extension that it does not have
   }
-  if (encoded.empty()) return Error{ErrorId::WriteFailed, path + ": no encoder for this name; use .png, .jpg or .webp"};
-  return writeFileAtomic(path, encoded);
+  return Error{ErrorId::Internal, "OpenCV cannot encode " + extension + " pictures; install a build with it"};
+}
+
+Status writeImage(const std::string& path, const Image& image, int quality) {
+  if (image.empty() || (image.channels != 1 && image.channels != 3 && image.channels != 4)) {
+    return Error{ErrorId::InvalidArgument, path + ": a picture to write has 1, 3 or 4 channels and is not empty"};
+  }
+  const auto encoded = encodeImage(image, std::filesystem::path(path).extension().string(), quality);
+  if (!encoded) return Error{ErrorId::WriteFailed, path + ": no encoder for this name; use .png, .jpg or .webp"};
+  return writeFileAtomic(path, encoded.value());
 }
 
 }  // namespace fourdvt::platform

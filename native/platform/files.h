@@ -23,6 +23,8 @@ uint64_t fileBytes(const std::string& path);             // 0 if there is none
 Result<FlatJson> readJsonFlat(const std::string& path);  // FileMissing, ManifestInvalid
 // PNG/JPEG/WebP through OpenCV; 3- or 4-channel RGB(A).
 Result<Image> readImage(const std::string& path);
+// `extension`: ".jpg", ".webp" or another that OpenCV has an encoder for. Errors: Internal.
+Result<std::vector<uint8_t>> encodeImage(const Image& image, const std::string& extension, int quality);
 Status writeImage(const std::string& path, const Image& image, int quality = 90);
 
 }  // namespace fourdvt::platform

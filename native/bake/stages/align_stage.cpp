@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "bake/align/surface_alignment.h"
 #include "bake/run/describe.h"
 #include "bake/run/record_file.h"
 #include "bake/stages/geometry.h"
@@ -170,6 +171,14 @@ float meanCorrelation(const std::vector<AlignedFrame>& frames) {
   double sum = 0;
   for (const AlignedFrame& frame : frames) sum += frame.detail_correlation;
   return static_cast<float>(sum / double(frames.size()));
+}
+
+// Sets the alignment of `frames`, one entry per frame.
+void addAlignment(std::span<const AlignedFrame> aligned, double step_m, package::ChunkFrames& frames) {
+  frames.alignment_count = frames.member_count - 1;
+  const double step = double(float(step_m));
+  for (const AlignedFrame& frame : aligned)
+    for (const glm::vec2& d : frame.displacement_m) frames.alignment.emplace_back(glm::round(glm::dvec2(d) / step));
 }
 
 // aligned: [phase], or none.

@@ -4,7 +4,6 @@
 #include "bake/run/content_names.h"
 #include "bake/run/describe.h"
 #include "bake/run/renditions.h"
-#include "bake/stages/poster.h"
 #include "bake/stages/sound_stage.h"
 #include "bake/stages/start_stage.h"
 #include "bake/stages/stream_files.h"
@@ -14,6 +13,7 @@
 #include "package/writer.h"
 #include "platform/files.h"
 #include "platform/folders.h"
+#include "render/plain_figure.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -138,6 +138,34 @@ Result<PackedSequence> packSequence(const BakeRun& run, const StreamPlan& plan) 
   return out;
 }
 
+// Renders the still from the view that the page starts with, as RGBA with straight alpha. layout: of the still's
+// picture. `positions` are in the decoded mesh's order.
+Result<Image> renderPoster(gpu::Device& device, const package::Character& character, const package::BaseMesh& mesh,
+                           const package::Rendition& layout, const StillArtefact& still, const Positions& positions) {
+  FOURDVT_ASSIGN(auto figure, render::PlainFigure::create(device, character, mesh));
+  const I420View view = still.picture.view();
+  FOURDVT_ASSIGN(auto picture,
+                 render::createPicture(device, view.width, view.height, render::PictureTextures::Kind::I420));
+  FOURDVT_ASSIGN(auto recipe, render::Recipe::create(device));
+  gpu::TargetDesc desc;
+  desc.width = kPosterWidth;
+  desc.height = kPosterHeight;
+  desc.label = "poster";
+  FOURDVT_ASSIGN(auto target, gpu::makeTarget(device, desc));
+  render::uploadPicture(device, picture, view);
+  figure.setLayout(layout);
+  figure.setFrame(device, positions, still.labels);
+  const OrbitView orbit = defaultOrbit(character.bounds, double(kPosterWidth) / kPosterHeight);
+  const PinholeCamera camera = cameraFromOrbit(orbit, kPosterWidth, kPosterHeight);
+  const auto scale = static_cast<float>(character.length_scale);
+  FOURDVT_TRY(figure.draw(*recipe, picture, render::viewFromCamera(camera, {scale, scale}), {}, target.id()));
+  Image image(kPosterWidth, kPosterHeight, 4);
+  FOURDVT_TRY(device.readPixels(target.id(), gpu::PixelFormat::RGBA8, {.width = kPosterWidth, .height = kPosterHeight},
+                                image.pixels.data()));
+  unpremultiply(image);
+  return image;
+}
+
 // Returns the texture's name.
 Result<std::string> writeStills(const BakeRun& run, const package::Character& character) {
   const Job& job = run.job;
@@ -148,7 +176,7 @@ Result<std::string> writeStills(const BakeRun& run, const package::Character& ch
   FOURDVT_ASSIGN(auto poster,
                  renderPoster(run.device(), character, job.mesh.decoded, describeStream(job.streams[0]).renditions[0],
                               still, reordered(job.mesh, positions)));
-  FOURDVT_ASSIGN(auto webp, encodePicture(poster, ".webp", 85));
+  FOURDVT_ASSIGN(auto webp, platform::encodeImage(poster, ".webp", 85));
   FOURDVT_TRY(platform::writeFileAtomic(folder + kPosterFile, webp));
   return writeNamed(job.resultFolder(), kTexture, still.texture_jpeg);
 }
@@ -246,7 +274,7 @@ Status describeRefinement(const Job& job, ReportInput& report) {
   for (const refine::WorstPicture& view : job.refinement->worst) {
     const std::string& camera = job.cameras[view.camera].name;
     const std::string file = "report_outline_" + camera + ".jpg";
-    FOURDVT_ASSIGN(auto jpeg, encodePicture(view.picture, ".jpg", 90));
+    FOURDVT_ASSIGN(auto jpeg, platform::encodeImage(view.picture, ".jpg", 90));
     FOURDVT_TRY(platform::writeFileAtomic(folder + file, jpeg));
     report.outlines.push_back({file, view.sequence + ", frame " + std::to_string(view.frame) + ", " + camera +
                                          ", as given and refined. Green: the outlines agree; red: the mesh is too "

@@ -9,6 +9,8 @@
 
 namespace fourdvt::bake {
 
+constexpr int kPosterWidth = 720, kPosterHeight = 960;
+
 // Writes every file but the report's into job.resultFolder() and completes `report` (sequences, codec, pictures, bytes
 // by part). `graph`: bytes of the motion graph's file; empty if there is none. Errors: WriteFailed,
 // Internal, GpuFailure.

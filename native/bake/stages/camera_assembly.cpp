@@ -8,7 +8,6 @@
 #include "bake/run/describe.h"
 #include "bake/stages/assemble.h"
 #include "bake/stages/camera_colours.h"
-#include "bake/stages/poster.h"
 #include "bake/stages/sound_stage.h"
 #include "bake/stages/start_stage.h"
 #include "bake/stages/stream_files.h"
@@ -140,7 +139,7 @@ Status drawStills(BakeRun& run, const std::vector<ColourMap>& maps) {
   Job& job = run.job;
   FOURDVT_ASSIGN(const auto first, readFirstFrame(run, maps));
   FOURDVT_ASSIGN(const auto poster, drawPoster(run, first));
-  FOURDVT_ASSIGN(const auto webp, encodePicture(poster, ".webp", 85));
+  FOURDVT_ASSIGN(const auto webp, platform::encodeImage(poster, ".webp", 85));
   FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/" + kPosterFile, webp));
   const TriangleMesh surface{job.mesh.decoded.positions, job.mesh.decoded.topology.face_vertices};
   FOURDVT_ASSIGN(job.mesh, package::encodePlainMesh(surface, vertexColours(surface, job.cameras, first.pictures)));

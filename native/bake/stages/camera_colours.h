@@ -12,7 +12,4 @@ namespace fourdvt::bake {
 // and GPU, WriteFailed, Interrupted.
 Result<std::vector<ColourMap>> calibrateColours(BakeRun& run);
 
-// Applies a map to the colours; alpha stays.
-void applyColours(const ColourMap& map, Image& rgba);
-
 }  // namespace fourdvt::bake

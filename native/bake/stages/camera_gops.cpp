@@ -10,8 +10,8 @@
 #include "bake/stages/camera_tile.h"
 #include "bake/stages/ladder_encoder.h"
 #include "bake/stages/mesh_limit.h"
-#include "bake/stages/poster.h"
 #include "package/barcode.h"
+#include "platform/files.h"
 
 namespace fourdvt::bake {
 struct CameraGops::OpenGop {
@@ -125,8 +125,9 @@ Status CameraGops::encode(OpenGop& open, const StreamPlan& plan, uint32_t index,
   if (!open.encoder) {
     FOURDVT_ASSIGN(open.encoder, LadderEncoder::create(plan, open.number, lane()));
     if (index == 0) {
-      FOURDVT_ASSIGN(open.artefact.picture_jpeg,
-                     encodePicture(rgbFromTile(picture.view(), {0, 0, picture.width, picture.height}), ".jpg", 80));
+      FOURDVT_ASSIGN(
+          open.artefact.picture_jpeg,
+          platform::encodeImage(rgbFromTile(picture.view(), {0, 0, picture.width, picture.height}), ".jpg", 80));
     }
   }
   std::vector<const Image*> parts;

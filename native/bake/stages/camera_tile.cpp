@@ -5,7 +5,6 @@
 
 #include "bake/cameras/camera_layout.h"
 #include "bake/cameras/tile_fill.h"
-#include "bake/stages/camera_colours.h"
 #include "bake/texels/picture_crop.h"
 
 namespace fourdvt::bake {

@@ -6,13 +6,11 @@
 #include <memory>
 #include <vector>
 
-#include "bake/labels/labelling.h"
 #include "bake/texels/colour_calibration.h"
 #include "bake/texels/fill.h"
 #include "bake/texels/picture_crop.h"
 #include "bake/texels/resample.h"
 #include "bake/texels/visibility.h"
-#include "capture/capture.h"
 
 namespace fourdvt::bake {
 

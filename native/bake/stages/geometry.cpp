@@ -32,13 +32,6 @@ void ChunkBuilder::add(const FrameGeometry& geometry, const std::vector<uint8_t>
 
 package::ChunkFrames ChunkBuilder::finish() { return std::exchange(frames_, empty_); }
 
-void addAlignment(std::span<const AlignedFrame> aligned, double step_m, package::ChunkFrames& frames) {
-  frames.alignment_count = frames.member_count - 1;
-  const double step = double(float(step_m));
-  for (const AlignedFrame& frame : aligned)
-    for (const glm::vec2& d : frame.displacement_m) frames.alignment.emplace_back(glm::round(glm::dvec2(d) / step));
-}
-
 Status saveChunks(const BakeRun& run, const StreamPlan& plan, uint32_t gop, const package::ChunkFrames& frames,
                   const package::ChunkMesh& mesh) {
   const BakeOptions& o = run.job.options;

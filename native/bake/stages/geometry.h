@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Quantises the frames of one GOP as the package codes them, adds their alignment once it is measured, and codes them.
+// Quantises the frames of one GOP as the package codes them, and codes them.
 #pragma once
 
-#include <span>
-
-#include "bake/align/surface_alignment.h"
 #include "bake/run/bake_run.h"
 #include "package/stream_file.h"
 
@@ -36,9 +33,6 @@ class ChunkBuilder {
   double step_m_;
   package::ChunkFrames empty_, frames_;
 };
-
-// Sets the alignment of `frames`, one entry per frame.
-void addAlignment(std::span<const AlignedFrame> aligned, double step_m, package::ChunkFrames& frames);
 
 // Codes a GOP's frames into the work folder: coarsely too if a rendition goes with that, and last as they are. Errors:
 // WriteFailed, Internal.

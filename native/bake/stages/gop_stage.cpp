@@ -3,7 +3,7 @@
 
 #include "bake/run/renditions.h"
 #include "bake/stages/ladder_encoder.h"
-#include "bake/stages/poster.h"
+#include "platform/files.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -210,8 +210,9 @@ Status GopStage::encode(OpenGop& open, const StreamPlan& plan, const std::vector
   if (!open.encoder) {
     FOURDVT_ASSIGN(open.encoder, LadderEncoder::create(plan, open.number, lane()));
     if (plan.isClass()) {
-      FOURDVT_ASSIGN(open.artefact.picture_jpeg,
-                     encodePicture(rgbFromTile(picture_.view(), {0, 0, picture_.width, picture_.height}), ".jpg", 80));
+      FOURDVT_ASSIGN(
+          open.artefact.picture_jpeg,
+          platform::encodeImage(rgbFromTile(picture_.view(), {0, 0, picture_.width, picture_.height}), ".jpg", 80));
     }
   }
   return open.encoder->push(picture_.view(), layers, index);
@@ -219,9 +220,9 @@ Status GopStage::encode(OpenGop& open, const StreamPlan& plan, const std::vector
 
 Status GopStage::saveStill() {
   StageClock::Span span(run_.clock, Stage::Assemble);
-  FOURDVT_ASSIGN(auto texture, encodePicture(rgbFromTile(picture_.view(), job_.layout.layers[0]), ".jpg", 90));
+  FOURDVT_ASSIGN(auto texture, platform::encodeImage(rgbFromTile(picture_.view(), job_.layout.layers[0]), ".jpg", 90));
   const Image tiles = rgbFromTile(picture_.view(), {0, 0, picture_.width, picture_.height});
-  FOURDVT_ASSIGN(auto tile_jpeg, encodePicture(tiles, ".jpg", 80));
+  FOURDVT_ASSIGN(auto tile_jpeg, platform::encodeImage(tiles, ".jpg", 80));
   return run_.work.saveStill({picture_, looks_[0].labels, std::move(texture), std::move(tile_jpeg)});
 }
 

@@ -5,7 +5,6 @@
 
 #include "bake/method/method_costs.h"
 #include "bake/run/survey_files.h"
-#include "bake/stages/camera_colours.h"
 #include "bake/stages/camera_plan.h"
 #include "bake/stages/method_trial.h"
 #include "bake/stages/validate.h"

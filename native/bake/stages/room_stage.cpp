@@ -5,10 +5,10 @@
 #include <cstdio>
 
 #include "bake/room/room.h"
-#include "bake/stages/poster.h"
 #include "base/bytes.h"
 #include "base/hash.h"
 #include "capture/plates.h"
+#include "platform/files.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -110,7 +110,7 @@ Result<std::optional<BakedRoom>> makeRoom(BakeRun& run, const std::vector<Colour
     if (i > 0) options.texels_per_m *= 0.97 * std::sqrt(double(kLargestBytes) / double(out.picture.size()));
     RoomPicture made = makeRoomPicture(roomOf(job), plates, options);
     out.room = made.room;
-    FOURDVT_ASSIGN(out.picture, encodePicture(made.picture, ".jpg", kQuality));
+    FOURDVT_ASSIGN(out.picture, platform::encodeImage(made.picture, ".jpg", kQuality));
   }
   nameFile(out);
   FOURDVT_TRY(run.work.saveResult(kResult, roomBytes(out)));

@@ -7,7 +7,6 @@
 
 #include "bake/run/mesh_reader.h"
 #include "bake/stages/geometry.h"
-#include "bake/stages/stream_plan.h"
 #include "bake/texels/picture_crop.h"
 
 namespace fourdvt::bake {

@@ -184,4 +184,14 @@ std::vector<ColourMap> ColourCalibrator::solve() const {
   return maps;
 }
 
+void applyColours(const ColourMap& map, Image& rgba) {
+  const glm::vec3 offset = 255.0f * map.offset + 0.5f;
+  for (size_t i = 0; i < rgba.pixels.size(); i += 4) {
+    uint8_t* p = &rgba.pixels[i];
+    if (p[3] == 0) continue;
+    const glm::vec3 colour = glm::clamp(map.matrix * glm::vec3(p[0], p[1], p[2]) + offset, 0.0f, 255.0f);
+    for (int c = 0; c < 3; ++c) p[c] = static_cast<uint8_t>(colour[c]);
+  }
+}
+
 }  // namespace fourdvt::bake

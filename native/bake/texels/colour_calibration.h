@@ -23,6 +23,9 @@ struct ColourMap {
   glm::vec3 offset{0};
 };
 
+// Applies a map to the colours; alpha stays.
+void applyColours(const ColourMap& map, Image& rgba);
+
 class ColourCalibrator {
  public:
   explicit ColourCalibrator(size_t camera_count) : camera_count_(camera_count) {}
