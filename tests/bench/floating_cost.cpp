@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "bake/stages/frame_drawing.h"
+#include "bake/method/frame_drawing.h"
 #include "capture/capture.h"
 #include "or_stop.h"
 #include "platform/egl_context.h"

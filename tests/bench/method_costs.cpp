@@ -14,7 +14,7 @@
 #include <string>
 
 #include "bake/cameras/surfaces.h"
-#include "bake/stages/frame_drawing.h"
+#include "bake/method/frame_drawing.h"
 #include "capture/capture.h"
 #include "or_stop.h"
 #include "platform/egl_context.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Methods tried on cameras that are left out: a wall that stands behind the surface that is given, with exact cameras
 // and with cameras that are turned.
-#include "bake/stages/method_trial.h"
+#include "bake/method/method_trial.h"
 #include "gl_fixture.h"
 #include "look_at.h"
 #include "wall_pictures.h"

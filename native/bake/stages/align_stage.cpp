@@ -5,8 +5,8 @@
 
 #include "bake/align/surface_alignment.h"
 #include "bake/run/describe.h"
+#include "bake/run/geometry.h"
 #include "bake/run/record_file.h"
-#include "bake/stages/geometry.h"
 #include "package/chunk_mesh.h"
 #include "platform/ffmpeg_video.h"
 

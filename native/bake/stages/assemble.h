@@ -3,8 +3,8 @@
 // bake.cpp publishes.
 #pragma once
 
+#include "bake/report/report.h"
 #include "bake/run/bake_run.h"
-#include "bake/stages/report.h"
 #include "bake/stages/room_stage.h"
 
 namespace fourdvt::bake {

@@ -2,8 +2,8 @@
 // Makes the character folder of a character from cameras from finished GOPs; see assemble.h.
 #pragma once
 
+#include "bake/report/report.h"
 #include "bake/run/bake_run.h"
-#include "bake/stages/report.h"
 #include "bake/stages/room_stage.h"
 
 namespace fourdvt::bake {

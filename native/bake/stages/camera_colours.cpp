@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "bake/run/survey_files.h"
-#include "bake/stages/frame_baker.h"
 #include "bake/stages/validate.h"
+#include "bake/texels/frame_baker.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 

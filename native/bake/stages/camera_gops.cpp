@@ -5,11 +5,11 @@
 #include <atomic>
 
 #include "bake/cameras/surfaces.h"
+#include "bake/run/ladder_encoder.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/camera_plan.h"
-#include "bake/stages/camera_tile.h"
-#include "bake/stages/ladder_encoder.h"
 #include "bake/stages/mesh_limit.h"
+#include "bake/texels/camera_tile.h"
 #include "package/barcode.h"
 #include "platform/files.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bake/stages/gop_stage.h"
 
+#include "bake/run/ladder_encoder.h"
 #include "bake/run/renditions.h"
-#include "bake/stages/ladder_encoder.h"
 #include "platform/files.h"
 
 namespace fourdvt::bake {

@@ -8,9 +8,9 @@
 #include <future>
 
 #include "bake/run/bake_run.h"
-#include "bake/stages/frame_baker.h"
-#include "bake/stages/stream_reader.h"
+#include "bake/run/stream_reader.h"
 #include "bake/stages/survey.h"
+#include "bake/texels/frame_baker.h"
 #include "package/chunk_mesh.h"
 
 namespace fourdvt::bake {

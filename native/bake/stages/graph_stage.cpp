@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "bake/motion/transitions.h"
+#include "bake/run/geometry.h"
 #include "bake/run/mesh_reader.h"
-#include "bake/stages/geometry.h"
 
 namespace fourdvt::bake {
 namespace {

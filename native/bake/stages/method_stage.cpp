@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include "bake/method/method_costs.h"
+#include "bake/method/method_trial.h"
 #include "bake/run/survey_files.h"
 #include "bake/stages/camera_plan.h"
-#include "bake/stages/method_trial.h"
 #include "bake/stages/validate.h"
 #include "base/bytes.h"
 #include "platform/files.h"

@@ -3,8 +3,8 @@
 // encodes them. Holds one segment of samples at a time, and the encoded file.
 #pragma once
 
+#include "bake/report/report.h"
 #include "bake/run/bake_run.h"
-#include "bake/stages/report.h"
 #include "package/sound.h"
 
 namespace fourdvt::bake {

@@ -3,8 +3,8 @@
 // one frame's geometry.
 #pragma once
 
+#include "bake/report/report.h"
 #include "bake/run/bake_run.h"
-#include "bake/stages/report.h"
 #include "package/character.h"
 
 namespace fourdvt::bake {

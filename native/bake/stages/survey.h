@@ -12,7 +12,7 @@
 
 #include "bake/labels/schedule.h"
 #include "bake/run/bake_run.h"
-#include "bake/stages/frame_baker.h"
+#include "bake/texels/frame_baker.h"
 
 namespace fourdvt::bake {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "bake/stages/frame_drawing.h"
+#include "bake/method/frame_drawing.h"
 #include "lab/measure/held_out_truth.h"
 #include "render/cameras/camera_method.h"
 

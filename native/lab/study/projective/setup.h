@@ -7,7 +7,7 @@
 #include <map>
 #include <memory>
 
-#include "bake/stages/frame_drawing.h"
+#include "bake/method/frame_drawing.h"
 #include "lab/study/projective/conditions.h"
 #include "lab/study/projective/proxies.h"
 #include "lab/study/run/context.h"

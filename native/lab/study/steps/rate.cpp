@@ -7,7 +7,7 @@
 
 #include "bake/quality.h"
 #include "bake/run/describe.h"
-#include "bake/stages/frame_baker.h"
+#include "bake/texels/frame_baker.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/rows.h"
 #include "lab/study/run/run_steps.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/stream_files.h"
+#include "bake/run/stream_files.h"
 
 #include <algorithm>
 #include <cerrno>

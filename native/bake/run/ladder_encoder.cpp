@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/ladder_encoder.h"
+#include "bake/run/ladder_encoder.h"
 
 namespace fourdvt::bake {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/camera_tile.h"
+#include "bake/texels/camera_tile.h"
 
 #include <algorithm>
 

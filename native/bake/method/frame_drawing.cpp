@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/frame_drawing.h"
+#include "bake/method/frame_drawing.h"
 
 #include <algorithm>
 #include <cstring>
 
 #include "bake/cameras/camera_layout.h"
-#include "bake/stages/camera_tile.h"
+#include "bake/texels/camera_tile.h"
 
 namespace fourdvt::bake {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bake/method/method_choice.h"
-#include "bake/stages/frame_drawing.h"
+#include "bake/method/frame_drawing.h"
 
 namespace fourdvt::bake {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/stream_reader.h"
+#include "bake/run/stream_reader.h"
 
 namespace fourdvt::bake {
 

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "bake/run/mesh_reader.h"
-#include "bake/stages/geometry.h"
+#include "bake/run/geometry.h"
 #include "bake/texels/picture_crop.h"
 
 namespace fourdvt::bake {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/report.h"
+#include "bake/report/report.h"
 
 #include <sys/resource.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "bake/report/method_report.h"
 #include "bake/run/stage_table.h"
-#include "bake/stages/method_report.h"
 #include "report/document.h"
 #include "report/text.h"
 

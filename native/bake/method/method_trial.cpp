@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/method_trial.h"
+#include "bake/method/method_trial.h"
 
 #include <algorithm>
 #include <cmath>

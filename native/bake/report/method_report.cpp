@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/method_report.h"
+#include "bake/report/method_report.h"
 
 #include "report/text.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/geometry.h"
+#include "bake/run/geometry.h"
 
 #include <cmath>
 #include <utility>

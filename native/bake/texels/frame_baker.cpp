@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/frame_baker.h"
+#include "bake/texels/frame_baker.h"
 
 #include <algorithm>
 #include <cmath>
