@@ -9,9 +9,9 @@
 
 #include "bake/pieces.h"
 #include "bake/run/bake_run.h"
+#include "bake/run/character_files.h"
 #include "bake/run/checked_file.h"
 #include "bake/run/job_bytes.h"
-#include "bake/run/publish.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/align_stage.h"
 #include "bake/stages/assemble.h"

@@ -10,7 +10,6 @@
 // phase and further member, for the alignment over the whole motion.
 #pragma once
 
-#include "bake/run/environment.h"
 #include "bake/run/figures.h"
 #include "bake/run/options.h"
 #include "base/result.h"

@@ -13,8 +13,8 @@
 
 #include "bake/labels/face_costs.h"
 #include "bake/labels/labelling.h"
+#include "bake/texels/frame_baker.h"
 #include "bake/texels/gpu_capture.h"
-#include "bake/texels/visibility.h"
 #include "capture/capture.h"
 #include "lab/labels/paper_labellings.h"
 #include "or_stop.h"

@@ -3,8 +3,6 @@
 // frames of FVVR, on the capture's first surface simplified and split to the sizes of the table that the bake uses
 // (native/bake/method/method_costs.inc). Prints that file's rows as measured; exits with 1 where the table is off by
 // more than 30 %. Surface and picture are new for every frame; 720 × 960, 4 cameras; alternating in one run, medians.
-#include "bake/method/method_costs.h"
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -15,6 +13,7 @@
 
 #include "bake/cameras/surfaces.h"
 #include "bake/method/frame_drawing.h"
+#include "bake/method/method_choice.h"
 #include "capture/capture.h"
 #include "or_stop.h"
 #include "platform/egl_context.h"

@@ -10,7 +10,7 @@
 #include "../unit/character_files.h"
 #include "bake/bake.h"
 #include "bake/motion/class_plan.h"
-#include "bake/run/lengths.h"
+#include "bake/run/options.h"
 #include "bake/stages/graph_stage.h"
 #include "bake_environment.h"
 #include "gl_fixture.h"

@@ -6,7 +6,7 @@
 #include <functional>
 #include <utility>
 
-#include "bake/run/environment.h"
+#include "bake/run/options.h"
 #include "platform/ffmpeg_video.h"
 
 namespace fourdvt::bake {

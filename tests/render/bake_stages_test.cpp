@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Visibility and resampling against geometry that can be worked out by hand.
+#include "bake/texels/frame_baker.h"
 #include "bake/texels/gpu_capture.h"
 #include "bake/texels/resample.h"
-#include "bake/texels/visibility.h"
 #include "gl_fixture.h"
 #include "lab/labels/per_texel.h"
 

@@ -6,8 +6,8 @@
 
 #include "bake/labels/face_costs.h"
 #include "bake/texels/fill.h"
+#include "bake/texels/frame_baker.h"
 #include "bake/texels/resample.h"
-#include "bake/texels/visibility.h"
 #include "bake/video/tile.h"
 #include "capture/capture.h"
 #include "gl_fixture.h"

@@ -3,9 +3,8 @@
 // blended mesh from a ring of views. Optical flow in both directions in each view gives one tangent displacement per
 // vertex that fits all views, weighted by facing, forward-backward error and texture; it is smoothed, and 0 where
 // nothing is certain. The decoded pictures are aligned, because they are what the player shows. The displacement is
-// exact at equal weights, where both looks meet. Does NOT code or store. In order: looks.h (draws), views.h (what each
-// view sees), lift.h (flow → vertices), smooth.h, charts.h (gutters), detail.h (contrast that the blend will lack);
-// over time: steady.cpp.
+// exact at equal weights, where both looks meet. Does NOT code or store. In order: views.h (draws, and
+// what each view sees), tangent_field.h (flow → vertices → smooth field, cut at gutters).
 #pragma once
 
 #include <memory>
@@ -28,7 +27,7 @@ struct AlignmentOptions {
 struct AlignedFrame {
   std::vector<glm::vec2> displacement_m;  // [member - 1][vertex], along the tangents of base/surface_frame.h
   std::vector<float> confidence;          // likewise, 0..1
-  float detail_correlation = 1;           // of the members' looks after this displacement; see detail.h
+  float detail_correlation = 1;           // of the members' looks after this displacement; see views.h
 };
 
 class SurfaceAligner {

@@ -10,11 +10,34 @@
 #include <cstdint>
 #include <vector>
 
+#include "bake/labels/face_costs.h"
 #include "bake/labels/labelling.h"
 #include "bake/labels/max_flow.h"
-#include "bake/labels/tuple.h"
+#include "package/character.h"
 
 namespace fourdvt::bake {
+
+// One face's ordered tuple of distinct cameras.
+struct LabelTuple {
+  std::array<uint8_t, package::kMaxLayers> ranks;  // camera or package::kNoCamera
+  LabelTuple() { ranks.fill(package::kNoCamera); }
+  bool operator==(const LabelTuple& o) const { return ranks == o.ranks; }
+};
+
+// The `count` cheapest cameras of `allowed`, the cheapest first; equal penalties are ordered by camera index. The tuple
+// that the lab's "naive" rule and every start of a solve use.
+inline LabelTuple cheapestCameras(const FaceCosts& costs, size_t face, uint32_t allowed, int count) {
+  LabelTuple out;
+  const float* penalties = costs.penalty.data() + face * costs.camera_count;
+  for (int rank = 0; rank < count && allowed; ++rank) {
+    int best = -1;
+    for (int c = 0; c < costs.camera_count; ++c)
+      if ((allowed >> c & 1) && (best < 0 || penalties[c] < penalties[best])) best = c;
+    out.ranks[rank] = static_cast<uint8_t>(best);
+    allowed &= ~(1u << best);
+  }
+  return out;
+}
 
 // FaceGraph by face, κ in 2^-16.
 struct FaceLinks {
@@ -96,5 +119,16 @@ class ExpansionBlock {
   std::vector<int32_t> candidate_of_;  // [node] its candidate; -1: it stays
   LabelFlow flow_;
 };
+
+// Frame of those whose labels a rule (Labelling::solve) solves together.
+struct WindowFrame {
+  const FaceCosts* costs = nullptr;           // borrowed
+  std::vector<LabelTuple>* labels = nullptr;  // borrowed; out
+  bool frozen = false;                        // its labels do not change
+  bool solved = false;                        // its labels come from another window and are to be improved
+};
+
+// Labels every face with its cheapest cameras that see it.
+void labelByPenalty(const FaceCosts& costs, int layers, std::vector<LabelTuple>& labels);
 
 }  // namespace fourdvt::bake

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Labels: which cameras a face takes its layers from, for a whole sequence (ALGORITHMS 1; 4DVT 4.1, Eq. 1-5).
-// Does NOT measure visibility (visibility.h) or penalties (face_costs.h). Memory: a window of frames, whatever the
+// Does NOT measure visibility or penalties (face_costs.h). Memory: a window of frames, whatever the
 // sequence's length. Deterministic: the same input gives the same labels for every job count.
 #pragma once
 
@@ -22,7 +22,7 @@ struct WindowFrame;
 struct Labelling {
   const char* name;  // part of the key under which labels and GOPs are kept
   bool windowed;     // neighbouring frames are solved together; false: each by itself
-  // Solves the frames of one window (window.h). Called from several threads.
+  // Solves the frames of one window (expansion.h). Called from several threads.
   void (*solve)(const LabelOptions& options, const FaceLinks& links, std::vector<WindowFrame>& frames);
 };
 // Ordered tuples of distinct cameras, over space and time. The papers' rules, for comparison: lab/labels.
@@ -98,5 +98,34 @@ Result<LabelStatistics> solveLabels(const LabelOptions& options, const FaceGraph
 // those of costs and keeper; Interrupted once *stop.
 Status solveLabelWindows(const LabelOptions& options, const FaceGraph& graph, uint32_t frame_count,
                          const std::vector<size_t>& windows, const LabelExchange& exchange);
+
+// Seams, flips, penalties and energy of finished labels, added up frame by frame.
+class LabelMeter {
+ public:
+  LabelMeter(const LabelOptions& options, const FaceGraph& graph);
+  // Frames in ascending order; labels [layer][face].
+  void add(const FaceCosts& costs, const std::vector<uint8_t>& labels);
+  LabelStatistics statistics() const;  // without `seconds`
+
+ private:
+  // Faces, edges or steps of one layer.
+  struct Counts {
+    uint64_t seams = 0, flips = 0;                // whose two labels differ
+    uint64_t camera_seams = 0, camera_flips = 0;  // and both are cameras
+    uint64_t seen_seams = 0, seen_flips = 0;      // and both faces are seen
+    uint64_t filled = 0, filled_seen = 0;
+    double penalty = 0;  // of filled_seen
+  };
+  void addLayer(const FaceCosts& costs, const uint8_t* layer, int l, const std::vector<uint8_t>& seen);
+  double distance(const std::vector<uint8_t>& a, size_t f, const std::vector<uint8_t>& b, size_t g) const;
+
+  LabelOptions options_;
+  const FaceGraph& graph_;
+  std::vector<uint8_t> previous_, previous_seen_;  // the frame before: labels, and 1 for a face that a camera sees
+  std::vector<Counts> layers_;
+  uint64_t seen_edges_ = 0, seen_steps_ = 0;
+  uint32_t frames_ = 0;
+  double energy_ = 0;
+};
 
 }  // namespace fourdvt::bake

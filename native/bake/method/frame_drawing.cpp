@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "bake/cameras/camera_layout.h"
-#include "bake/texels/camera_tile.h"
+#include "bake/texels/picture_crop.h"
 
 namespace fourdvt::bake {
 

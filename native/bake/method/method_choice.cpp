@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-
-#include "bake/method/method_costs.h"
+#include <iterator>
+#include <limits>
 
 namespace fourdvt::bake {
 namespace {
@@ -70,6 +70,35 @@ MethodChoice chooseMethod(const std::vector<MethodScore>& scores, const LeftOut&
   for (MethodVerdict& v : out.verdicts)
     if (v.verdict.empty() && &v != taken) v.verdict = text("%.2f dB below the best", best->judged_db - v.judged_db);
   taken->verdict = taken == best ? "taken" : "taken: as good as " + best->score.method + " and no dearer";
+  return out;
+}
+
+namespace {
+
+struct Cost {
+  const char* method;
+  double at[3];  // by kFaces
+};
+
+#include "bake/method/method_costs.inc"
+
+}  // namespace
+
+double methodCost(std::string_view method, size_t faces) {
+  const auto row =
+      std::find_if(std::begin(kCosts), std::end(kCosts), [&](const Cost& c) { return method == c.method; });
+  if (row == std::end(kCosts)) return std::numeric_limits<double>::infinity();
+  const double at = std::log(double(std::clamp(faces, kFaces[0], kFaces[2])));
+  const size_t k = faces < kFaces[1] ? 0 : 1;
+  const double low = std::log(double(kFaces[k])), high = std::log(double(kFaces[k + 1]));
+  return std::max(1.0, row->at[k] + (row->at[k + 1] - row->at[k]) * (at - low) / (high - low));
+}
+
+bool trustsCalibration(std::string_view method) { return method == "sweep"; }
+
+std::vector<std::string> methodCandidates() {
+  std::vector<std::string> out;
+  for (const Cost& cost : kCosts) out.emplace_back(cost.method);
   return out;
 }
 

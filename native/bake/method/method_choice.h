@@ -2,7 +2,9 @@
 // The rule by which a method is taken. Does NOT draw or measure.
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace fourdvt::bake {
@@ -12,8 +14,8 @@ struct MethodScore {
   std::string method;
   double cost = 1;  // of a new frame, FVVR's is 1
   double psnr_db = 0,
-         ssim = 0;         // registered (registration.h), where the view is blended (shared_sight.h): these decide
-  double own_psnr_db = 0;  // the same with the view's own camera among those that are drawn from
+         ssim = 0;                     // registered, where the view is blended (view_scores.h): these decide
+  double own_psnr_db = 0;              // the same with the view's own camera among those that are drawn from
   double psnr_fg_db = 0, ssim_fg = 0;  // over all of the figure, as measure::PictureScore
 };
 
@@ -33,7 +35,7 @@ struct ChoiceRule {
   // Where cameras are off a mean of more of them is nearer to the truth, which few pixels show: taken off `linear`,
   // which blends fewer, for every pixel of shift.
   double blend_db_per_px = 0.3;
-  double most_shift_px = 2;   // beyond it no method is taken that trusts the calibration (method_costs.h)
+  double most_shift_px = 2;   // beyond it no method is taken that trusts the calibration (trustsCalibration)
   std::string check() const;  // empty, or what is wrong
 };
 
@@ -60,5 +62,20 @@ struct LeftOut {
 
 // `linear` among the scores is what others are held against; without it none is refused for being below it.
 MethodChoice chooseMethod(const std::vector<MethodScore>& scores, const LeftOut& views, const ChoiceRule& rule = {});
+
+// How long a new frame takes by each method against FVVR's on the same surface. A stated table (method_costs.inc), so
+// that the same capture gives the same character on every machine; `bench_method_costs` measures it again.
+
+// Between the table's sizes linear in their logarithm, beyond them as at the last; at least 1, so that nothing is taken
+// for being cheaper than FVVR. Infinite for a method that the table has not.
+double methodCost(std::string_view method, size_t faces);
+
+// Returns true for methods that move points along the view's rays to where the cameras agree: with cameras that lie a
+// pixel or two off it finds agreement elsewhere, and what it draws is sharp in the wrong place.
+bool trustsCalibration(std::string_view method);
+
+// Methods that a capture may be given, by cost: those that were the best of all, or within .05 dB of it, under some
+// condition of site/measured/methods.md, but for blurs, which win by PSNR alone where nothing fits.
+std::vector<std::string> methodCandidates();
 
 }  // namespace fourdvt::bake

@@ -8,9 +8,8 @@
 
 #include "bake/cameras/camera_choice.h"
 #include "bake/cameras/camera_layout.h"
-#include "bake/method/method_costs.h"
-#include "bake/method/registration.h"
-#include "bake/method/shared_sight.h"
+#include "bake/method/method_choice.h"
+#include "bake/method/view_scores.h"
 #include "bake/texels/picture_crop.h"
 #include "measure/picture_score.h"
 #include "render/cameras/camera_method.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "bake/method/method_choice.h"
 #include "bake/method/frame_drawing.h"
+#include "bake/method/method_choice.h"
 
 namespace fourdvt::bake {
 
@@ -36,7 +36,7 @@ struct TrialSums {
 // have a picture of the surface, since two must be left to blend.
 std::vector<size_t> trialCameras(const TrialFrame& frame);
 
-// `drawing` shows the frame. A view without a matte, or hardly blended anywhere (shared_sight.h), does not count.
+// `drawing` shows the frame. A view without a matte, or hardly blended anywhere (view_scores.h), does not count.
 // Method options: as the player's defaults, `closest` cameras. Errors: GpuFailure, InvalidArgument; Unsupported: a
 // method that this device cannot run.
 Result<TrialSums> tryMethods(gpu::Device& device, FrameDrawing& drawing, const TrialFrame& frame,

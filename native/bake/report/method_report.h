@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "bake/run/method_figures.h"
+#include "bake/run/figures.h"
 #include "report/document.h"
 
 namespace fourdvt::bake {

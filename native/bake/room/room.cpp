@@ -7,7 +7,6 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "bake/room/room_fill.h"
 #include "package/room_faces.h"
 
 namespace fourdvt::bake {
@@ -234,6 +233,19 @@ RoomPicture makeRoomPicture(const BoundingBox& box, std::span<const RoomPlate> p
     write(faces[size_t(f)], out.room.faces[size_t(f)], out.picture);
   }
   return out;
+}
+
+glm::vec3 RoomFill::at(const glm::vec3& point) const {
+  const float nearest2 = static_cast<float>(grain_m_ * grain_m_);
+  glm::vec3 sum(0);
+  float total = 0;
+  for (const Known& k : known_) {
+    const glm::vec3 d = k.point - point;
+    const float distance2 = glm::dot(d, d) + nearest2, weight = k.weight / (distance2 * distance2);
+    sum += weight * k.colour;
+    total += weight;
+  }
+  return total > 0 ? sum / total : glm::vec3(0.5f);
 }
 
 }  // namespace fourdvt::bake

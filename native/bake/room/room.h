@@ -4,6 +4,7 @@
 // NOT know what stands between a camera and the box, and does NOT read or write files.
 #pragma once
 
+#include <glm/glm.hpp>
 #include <memory>
 #include <span>
 #include <vector>
@@ -64,5 +65,25 @@ struct RoomPicture {
 // would be larger than package::kMaxPictureSide.
 package::Room layOutRoom(const BoundingBox& box, double texels_per_m);
 RoomPicture makeRoomPicture(const BoundingBox& box, std::span<const RoomPlate> plates, const RoomOptions& options);
+
+// Colours for the parts of a room that no camera sees.
+
+// Continues known colours over a surface: at a point the mean of all that is known, by inverse distance to the power of
+// four, so that what is near decides. Smooth in space, hence also across the edges of a box.
+class RoomFill {
+ public:
+  explicit RoomFill(double grain_m) : grain_m_(grain_m) {}  // distances below this count as this
+  // `weight`: how many texels the colour is the mean of.
+  void add(const glm::vec3& point, const glm::vec3& colour, float weight) { known_.push_back({point, colour, weight}); }
+  glm::vec3 at(const glm::vec3& point) const;  // mid-grey if nothing is known
+
+ private:
+  struct Known {
+    glm::vec3 point, colour;
+    float weight;
+  };
+  double grain_m_;
+  std::vector<Known> known_;
+};
 
 }  // namespace fourdvt::bake

@@ -1,16 +1,63 @@
 // SPDX-License-Identifier: Apache-2.0
-// One bake while it runs: what its stages share. bake.cpp makes it and hands it from stage to stage. Borrows what the
-// environment points to. Does NOT decide what is done.
+// One bake while it runs.
 #pragma once
 
-#include "bake/run/environment.h"
+#include <chrono>
+#include <string>
+
 #include "bake/run/job.h"
-#include "bake/run/progress.h"
-#include "bake/run/stage_clock.h"
+#include "bake/run/options.h"
+#include "bake/run/stage_table.h"
 #include "bake/run/work_folder.h"
 
 namespace fourdvt::bake {
 
+// The progress of one bake: stage, frames, and the time that is left, estimated from the work done so far. Does NOT
+// print.
+class ProgressReporter {
+ public:
+  using Now = std::chrono::steady_clock;
+  explicit ProgressReporter(const BakeEnvironment& environment) : environment_(environment) {}
+  uint32_t frames_done = 0, frames_total = 0;  // of the streams; frames_done includes those of earlier runs
+
+  void expect(double work) { left_ += work; }
+  void skip(double work) { left_ -= work; }
+  void worked(double work) { done_ += work, left_ -= work; }
+  double seconds() const { return std::chrono::duration<double>(Now::now() - started_).count(); }
+  void tell(const std::string& stage, double frames_per_s = 0) const {
+    if (!environment_.progress) return;
+    const double left = done_ > 0 && left_ > 0 ? seconds() * left_ / done_ : 0;
+    environment_.progress({stage, frames_done, frames_total, frames_per_s, left});
+  }
+
+ private:
+  const BakeEnvironment& environment_;
+  Now::time_point started_ = Now::now();
+  double done_ = 0, left_ = 0;
+};
+
+// One stage's share of the work while it runs. done(0…1) may be called in any steps; what was not done when the object
+// is destroyed counts as skipped.
+class StageProgress {
+ public:
+  StageProgress(ProgressReporter& reporter, double work) : reporter_(reporter), work_(work) {}
+  ~StageProgress() { reporter_.skip(work_ - done_); }
+  StageProgress(const StageProgress&) = delete;
+  StageProgress& operator=(const StageProgress&) = delete;
+  void done(double share, const std::string& stage) {
+    reporter_.worked(share * work_ - done_);
+    done_ = share * work_;
+    reporter_.tell(stage);
+  }
+
+ private:
+  ProgressReporter& reporter_;
+  const double work_;
+  double done_ = 0;
+};
+
+// What its stages share. bake.cpp makes it and hands it from stage to stage. Borrows what the environment points to.
+// Does NOT decide what is done.
 struct BakeRun {
   BakeRun(Job validated, const BakeEnvironment& given)
       : job(std::move(validated)), environment(given), progress(environment) {}

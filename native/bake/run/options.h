@@ -2,6 +2,8 @@
 // What a bake can be asked for. Named sets of these are in bake/quality.h.
 #pragma once
 
+#include <atomic>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +12,8 @@
 #include "bake/method/method_choice.h"
 #include "bake/texels/resample.h"
 #include "bake/video/encode.h"
+#include "base/video.h"
+#include "gpu/device.h"
 #include "package/character.h"
 #include "refine/refine.h"
 
@@ -19,7 +23,7 @@ namespace fourdvt::bake {
 struct MotionClassOptions {
   bool bake = true;   // each class becomes one more sequence of the character
   bool align = true;  // what the members show is aligned on the surface, at bake time
-  // Largest vertex distance of the hybrid mesh blend from the non-linear one; none: 1 mm for a person (run/lengths.h).
+  // Largest vertex distance of the hybrid mesh blend from the non-linear one; none: 1 mm for a person (kBlendError_m).
   std::optional<double> blend_error_m;
   std::optional<double> alignment_step_m;  // quantisation of the alignment; none: 0.1 mm for a person
 };
@@ -57,7 +61,7 @@ struct BakeOptions {
   int jobs = 0;         // worker threads; 0: as many as cores
   bool resume = false;  // reuse GOPs that an interrupted run with the same settings finished
   // Quantisation of streamed vertices; none: 0.25 mm from layers, 1 mm from cameras for a person, and in proportion for
-  // smaller and larger surfaces (run/lengths.h).
+  // smaller and larger surfaces.
   std::optional<double> position_step_m;
   // Likewise, for renditions with fewer texels than the highest; 0: as the others; none: 2 mm for a person.
   std::optional<double> coarse_step_m;
@@ -85,5 +89,29 @@ struct BakeOptions {
 
 // The report lies beside the character, which holds only what pages need.
 inline std::string reportFolderOf(const std::string& character_folder) { return character_folder + ".report"; }
+
+// A bake's lengths that suit a person; the surface's length scale (base/length_scale.h) multiplies them.
+
+inline constexpr double kLayersStep_m = 0.00025, kCamerasStep_m = 0.001;  // position steps
+inline constexpr double kCoarseStep_m = 0.002, kBlendError_m = 0.001, kAlignmentStep_m = 0.0001;
+
+// What a bake needs from the program that runs it: a GPU, a way to open videos, a listener, a way to be stopped.
+
+struct Progress {
+  // "warp locomotion", "survey walk 12/28", "walk 12/28", "align locomotion 12/28", "graph"
+  std::string stage;
+  uint32_t done = 0, total = 0;  // frames encoded in the whole bake; 0 until the survey ends
+  double frames_per_s = 0, left_s = 0;
+};
+
+struct BakeEnvironment {
+  gpu::Device* device = nullptr;  // GLES; current on this thread
+  OpenVideo open_video;
+  const refine::Refinement* refinement = nullptr;  // already known for this capture; null: the bake makes it
+  std::function<void(const Progress&)> progress;
+  std::function<void(const std::string&)> note;  // one line that the user should read before the work begins
+  std::string writer;  // of unfinished files (RecordFile): one of its own where several processes bake at once
+  const std::atomic<bool>* stop = nullptr;  // set by Ctrl-C: finish the frame, keep finished GOPs, return Interrupted
+};
 
 }  // namespace fourdvt::bake

@@ -3,6 +3,8 @@
 // cannot be, and what a stream encodes.
 #pragma once
 
+#include <future>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -38,5 +40,33 @@ double ladderTexels(const BakeOptions& options);
 
 // Work of one frame in the Encode stage; encoding is half of it with one rendition.
 double encodeWork(const BakeOptions& options);
+
+// Encodes one GOP of all renditions of a stream, each with an encoder of its own. Lower renditions that are smaller
+// show what the highest shows, shrunk. Memory: one picture of every smaller rendition, and the encoders' lookahead.
+
+class LadderEncoder {
+ public:
+  // `plan` outlives it. lane: how renditions run beside one another. Errors: those of GopEncoder::create.
+  static Result<std::unique_ptr<LadderEncoder>> create(const StreamPlan& plan, uint32_t gop, std::launch lane);
+  // highest: the tiled picture of the frame. parts: what is tiled in it, [member][layer], or the tiles of the cameras
+  // that have one.
+  Status push(const I420View& highest, const std::vector<const Image*>& parts, uint32_t frame);
+  // [rendition] of the plan; ends the GOP.
+  Result<std::vector<EncodedGop>> finish();
+
+ private:
+  struct Rung {
+    const RenditionPlan* plan = nullptr;
+    std::vector<package::Rect> rects;  // of the parts in `picture`
+    I420Picture picture;               // of a shrunk rendition
+    std::unique_ptr<GopEncoder> encoder;
+    EncodedGop encoded;
+  };
+  template <class Work>
+  Status forEach(const Work& work);
+
+  std::vector<Rung> rungs_;
+  std::launch lane_ = std::launch::deferred;
+};
 
 }  // namespace fourdvt::bake

@@ -1,15 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a stream's frame is made of: each member's pictures at the nearest captured frame, and the meshes at the frame's
-// own time with the corrections of their blend. Does NOT touch the GPU.
+// own time with the corrections of their blend; and how its geometry is coded. Does NOT touch the GPU.
 #pragma once
 
+#include <list>
 #include <optional>
 
-#include "bake/run/mesh_reader.h"
-#include "bake/run/geometry.h"
+#include "bake/run/bake_run.h"
+#include "bake/run/job.h"
 #include "bake/texels/picture_crop.h"
+#include "package/stream_file.h"
 
 namespace fourdvt::bake {
+
+// Reads captured meshes in the decoded mesh's order and keeps the last ones, because interpolation between frames asks
+// for each of them several times. Not thread-safe.
+class MeshReader {
+ public:
+  explicit MeshReader(const Job& job) : job_(&job) {}
+  // Errors: those of capture::readMeshFrame.
+  Result<Positions> read(const capture::CaptureSequence& sequence, uint32_t frame);
+  // The same as a function, which borrows the reader.
+  ReadPositions function() {
+    return [this](const capture::CaptureSequence& sequence, uint32_t frame) { return read(sequence, frame); };
+  }
+
+ private:
+  static constexpr size_t kKept = 24;  // four frames of each of four members, and some to spare
+  struct Entry {
+    const capture::CaptureSequence* sequence;
+    uint32_t frame;
+    Positions positions;
+  };
+  const Job* job_;
+  std::list<Entry> entries_;  // the most recently used first
+};
+
+// The meshes of one frame, in the decoded mesh's order.
+struct FrameGeometry {
+  std::vector<Positions> members;  // [member]
+  std::vector<Positions> offsets;  // [reference]: corrections of the mesh blend
+  std::vector<glm::vec3> root;     // [member]
+};
 
 // A captured frame, decoded mesh's order.
 struct SourceFrame {
@@ -56,5 +88,31 @@ class StreamReader {
   std::vector<Source> sources_;  // [member]
   std::unique_ptr<NonlinearBlend> blend_;
 };
+
+// Whole steps from the origin to the place of the grid that a point is streamed at.
+inline glm::dvec3 gridPlace(const glm::vec3& point, const glm::dvec3& origin, double step_m) {
+  return glm::round((glm::dvec3(point) - origin) / step_m);
+}
+
+// Quantises the frames of one GOP as the package codes them.
+class ChunkBuilder {
+ public:
+  ChunkBuilder(const Job& job, const StreamPlan& plan);
+  // labels: [member][layer][face].
+  void add(const FrameGeometry& geometry, const std::vector<uint8_t>& labels);
+  // The frames that were added; the builder is empty afterwards.
+  package::ChunkFrames finish();
+
+ private:
+  void quantise(const Positions& positions, const glm::dvec3& origin, std::vector<glm::ivec3>& out) const;
+  glm::dvec3 origin_;
+  double step_m_;
+  package::ChunkFrames empty_, frames_;
+};
+
+// Codes a GOP's frames into the work folder: coarsely too if a rendition goes with that, and last as they are. Errors:
+// WriteFailed, Internal.
+Status saveChunks(const BakeRun& run, const StreamPlan& plan, uint32_t gop, const package::ChunkFrames& frames,
+                  const package::ChunkMesh& mesh);
 
 }  // namespace fourdvt::bake

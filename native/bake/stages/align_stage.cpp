@@ -4,9 +4,9 @@
 #include <cstring>
 
 #include "bake/align/surface_alignment.h"
-#include "bake/run/describe.h"
-#include "bake/run/geometry.h"
+#include "bake/run/character_files.h"
 #include "bake/run/record_file.h"
+#include "bake/run/stream_reader.h"
 #include "package/chunk_mesh.h"
 #include "platform/ffmpeg_video.h"
 

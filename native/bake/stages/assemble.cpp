@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bake/stages/assemble.h"
 
+#include "bake/run/character_files.h"
 #include "bake/run/content_names.h"
-#include "bake/run/describe.h"
 #include "bake/run/renditions.h"
-#include "bake/run/stream_files.h"
 #include "bake/stages/sound_stage.h"
 #include "bake/stages/start_stage.h"
 #include "base/bytes.h"

@@ -4,9 +4,8 @@
 #include <algorithm>
 
 #include "bake/cameras/vertex_colours.h"
+#include "bake/run/character_files.h"
 #include "bake/run/content_names.h"
-#include "bake/run/describe.h"
-#include "bake/run/stream_files.h"
 #include "bake/stages/assemble.h"
 #include "bake/stages/camera_colours.h"
 #include "bake/stages/sound_stage.h"

@@ -5,15 +5,15 @@
 #include <atomic>
 
 #include "bake/cameras/surfaces.h"
-#include "bake/run/ladder_encoder.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/camera_plan.h"
 #include "bake/stages/mesh_limit.h"
-#include "bake/texels/camera_tile.h"
+#include "bake/texels/picture_crop.h"
 #include "package/barcode.h"
 #include "platform/files.h"
 
 namespace fourdvt::bake {
+
 struct CameraGops::OpenGop {
   uint32_t number = 0;
   I420Picture picture;

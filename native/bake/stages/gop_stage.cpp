@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bake/stages/gop_stage.h"
 
-#include "bake/run/ladder_encoder.h"
 #include "bake/run/renditions.h"
 #include "platform/files.h"
 

@@ -5,8 +5,7 @@
 #include <numeric>
 
 #include "bake/motion/transitions.h"
-#include "bake/run/geometry.h"
-#include "bake/run/mesh_reader.h"
+#include "bake/run/stream_reader.h"
 
 namespace fourdvt::bake {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "bake/method/method_costs.h"
+#include "bake/method/method_choice.h"
 #include "bake/method/method_trial.h"
 #include "bake/run/survey_files.h"
 #include "bake/stages/camera_plan.h"

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "bake/run/bake_run.h"
-#include "bake/run/method_figures.h"
+#include "bake/run/figures.h"
 #include "bake/texels/colour_calibration.h"
 
 namespace fourdvt::bake {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <cstdio>
 
+#include "bake/motion/class_plan.h"
 #include "bake/motion/root_track.h"
-#include "bake/motion/step_phases.h"
 #include "bake/run/content_names.h"
-#include "bake/run/mesh_reader.h"
+#include "bake/run/stream_reader.h"
 #include "bake/sound/segment_encoder.h"
 #include "bake/stages/stream_plan.h"
 #include "base/hash.h"

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/run/mesh_reader.h"
 #include "bake/run/renditions.h"
+#include "bake/run/stream_reader.h"
 
 namespace fourdvt::bake {
 namespace {

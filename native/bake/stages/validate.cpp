@@ -10,8 +10,8 @@
 
 #include "bake/cameras/camera_choice.h"
 #include "bake/motion/class_plan.h"
-#include "bake/run/describe.h"
-#include "bake/run/lengths.h"
+#include "bake/run/character_files.h"
+#include "bake/run/options.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/camera_plan.h"
 #include "bake/stages/mesh_limit.h"

@@ -2,8 +2,8 @@
 // Checks everything that can fail early: options, capture, output folder, disk space.
 #pragma once
 
-#include "bake/run/environment.h"
 #include "bake/run/job.h"
+#include "bake/run/options.h"
 
 namespace fourdvt::bake {
 

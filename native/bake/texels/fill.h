@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <utility>
 #include <vector>
 
@@ -44,5 +45,11 @@ GutterMap makeGutterMap(const MeshTopology& topology, int size, float gutter_tex
 // layers: RGBA, square; alpha 255 = resampled, 0 = empty. Layer 0 may be larger than the others (a multiple).
 // maps[l].size is the size of layers[l]. On return all alpha are 255 unless a layer and layer 0 were wholly empty.
 void fillLayers(const std::vector<const GutterMap*>& maps, std::vector<Image>& layers);
+
+// Push-pull interpolation: a smooth field through scattered valid texels (ALGORITHMS 2.4).
+
+// `field`: size × size texels, xyz = value × weight, w = weight (0 unknown, 1 known). On return every texel with
+// w < 1 has been blended towards coarser levels; w is 1 everywhere unless nothing was known. size is even.
+void pushPull(std::vector<glm::vec4>& field, int size);
 
 }  // namespace fourdvt::bake

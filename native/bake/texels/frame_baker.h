@@ -8,11 +8,27 @@
 
 #include "bake/texels/colour_calibration.h"
 #include "bake/texels/fill.h"
+#include "bake/texels/gpu_capture.h"
 #include "bake/texels/picture_crop.h"
 #include "bake/texels/resample.h"
-#include "bake/texels/visibility.h"
 
 namespace fourdvt::bake {
+
+// Measures on the GPU how much of each face each camera sees: tests seven sample points per face against depth map,
+// picture edge and matte.
+class Visibility {
+ public:
+  // Errors: GpuFailure.
+  static Result<Visibility> create(gpu::Device& device, const GpuCapture& capture);
+  // What each camera sees of each face in the capture's current frame: [camera][face], 0…1.
+  Result<std::vector<float>> measure(gpu::Device& device, const GpuCapture& capture);
+
+ private:
+  gpu::Program program_;
+  gpu::Texture table_;
+  gpu::Target target_;
+  int rows_ = 0;  // rows per camera
+};
 
 struct FrameBakerOptions {
   // Side of every layer in texels; that of layer 0 may be a multiple of the others'. Empty: visibility only.

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 
+#include "bake/cameras/camera_layout.h"
+#include "bake/cameras/tile_fill.h"
+
 namespace fourdvt::bake {
 namespace {
 
@@ -84,6 +87,17 @@ PictureCrop cropPicture(const PinholeCamera& camera, const Positions& positions,
     for (int c = 0; c < 3; ++c) p[c] = static_cast<uint8_t>((p[c] * p[3] + 127) / 255);
   }
   return crop;
+}
+
+Image drawCameraTile(const package::CameraTile& tile, const Image& picture, const ColourMap* map) {
+  const package::Rect& source = tile.source;
+  Image crop(source.width, source.height, 4);
+  for (int y = 0; y < source.height; ++y)
+    std::copy_n(picture.at(source.x, source.y + y), size_t(source.width) * 4, crop.at(0, y));
+  replaceEdgeColours(crop);
+  if (map) applyColours(*map, crop);
+  const package::Rect cells = cellsOf(tile.tile);
+  return drawTile(crop, {tile.tile.width, tile.tile.height}, {cells.width, cells.height});
 }
 
 }  // namespace fourdvt::bake

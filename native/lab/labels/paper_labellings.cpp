@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "bake/labels/window.h"
+#include "bake/labels/expansion.h"
 #include "lab/labels/per_texel.h"
 
 namespace fourdvt::lab {

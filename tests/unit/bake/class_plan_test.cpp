@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bake/motion/parameter_table.h"
+#include "bake/motion/hybrid_blend.h"
 #include "bake/motion/time_warp.h"
 #include "motion/parameter_space.h"
 #include "motion_shapes.h"

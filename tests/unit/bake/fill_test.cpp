@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/texels/push_pull.h"
-
 namespace fourdvt::bake {
 namespace {
 

@@ -7,9 +7,7 @@
 
 #include <cmath>
 
-#include "bake/method/method_costs.h"
-#include "bake/method/registration.h"
-#include "bake/method/shared_sight.h"
+#include "bake/method/view_scores.h"
 #include "look_at.h"
 
 namespace fourdvt::bake {

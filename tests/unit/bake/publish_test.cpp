@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/run/publish.h"
-
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -9,6 +7,7 @@
 #include <iterator>
 #include <map>
 
+#include "bake/run/character_files.h"
 #include "bake/run/content_names.h"
 #include "base/hash.h"
 

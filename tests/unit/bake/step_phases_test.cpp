@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/motion/step_phases.h"
-
 #include <gtest/gtest.h>
+
+#include "bake/motion/class_plan.h"
 
 namespace fourdvt::bake {
 namespace {

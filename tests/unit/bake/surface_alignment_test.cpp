@@ -6,9 +6,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "bake/align/charts.h"
-#include "bake/align/detail.h"
-#include "bake/align/smooth.h"
+#include "bake/align/tangent_field.h"
+#include "bake/align/views.h"
 
 namespace fourdvt::bake {
 namespace {

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "bake/motion/fade_path.h"
 #include "motion/motion_graph.h"
 #include "motion/placement.h"
 #include "motion_shapes.h"

@@ -12,7 +12,6 @@
 
 #include "bake/labels/expansion.h"
 #include "bake/labels/schedule.h"
-#include "bake/labels/statistics.h"
 #include "lab/labels/paper_labellings.h"
 #include "label_fixture.h"
 

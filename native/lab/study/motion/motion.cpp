@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "bake/run/mesh_reader.h"
+#include "bake/run/stream_reader.h"
 #include "bake/stages/refine_stage.h"
 #include "bake/stages/validate.h"
 #include "lab/study/run/rows.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The bake's choice of a method (bake/method/method_trial.h) under every condition: from the input cameras alone, on
 // the frames that the condition is measured on.
-#include "bake/method/method_costs.h"
+#include "bake/method/method_choice.h"
 #include "bake/method/method_trial.h"
 #include "lab/study/projective/projective_study.h"
 #include "lab/study/projective/setup.h"

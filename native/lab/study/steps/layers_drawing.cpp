@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/run/describe.h"
+#include "bake/run/character_files.h"
 #include "measure/metrics.h"
 
 namespace fourdvt::study {

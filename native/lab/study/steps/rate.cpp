@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "bake/quality.h"
-#include "bake/run/describe.h"
+#include "bake/run/character_files.h"
 #include "bake/texels/frame_baker.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/rows.h"

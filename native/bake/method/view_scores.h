@@ -1,18 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a view of a surface is blended from cameras on both sides of it, as a visitor's view mostly is. The view of a
-// camera that is left out is further from the others than any visitor's: over much of it one camera alone sees the
-// surface, or none, and there methods do not differ as they do for visitors. Does NOT look at pictures.
+// A picture against the truth it stands for when it may lie elsewhere as a whole. Errors of calibration displace what
+// is drawn for a camera that was left out; errors of the surface do not, since cameras on both sides of it are
+// displaced to opposite sides.
 #pragma once
 
+#include <glm/glm.hpp>
 #include <optional>
 #include <vector>
 
 #include "base/camera.h"
 #include "base/face_buffer.h"
+#include "base/image.h"
 #include "base/mesh.h"
 #include "measure/metrics.h"
 
 namespace fourdvt::bake {
+
+struct RegisteredScore {
+  glm::dvec2 shift_px{0};        // of the picture against the truth, in steps of a quarter pixel, at most kMostShift_px
+  double psnr_db = 0, ssim = 0;  // inside, once it is moved back
+};
+constexpr int kMostShift_px = 8;
+
+// RGB of one size; `inside` is not empty.
+RegisteredScore registeredScore(const Image& truth, const Image& picture, const measure::Mask& inside);
+
+// Where a view of a surface is blended from cameras on both sides of it, as a visitor's view mostly is. The view of a
+// camera that is left out is further from the others than any visitor's: over much of it one camera alone sees the
+// surface, or none, and there methods do not differ as they do for visitors. Does NOT look at pictures.
 
 // The least share of FVVR's weights (cosine at the surface × cosine between the rays) that the camera with the second
 // largest one has where a view counts as blended.

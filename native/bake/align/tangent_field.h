@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// Second part of baked alignment: turns the optical flow of one view, computed in both directions, into observations of
+// the tangent displacement of the vertices seen there; then combines all views into one robust estimate per vertex, and
+// these into a smooth field. Does NOT look at other frames (steadyAlignment does).
+#pragma once
+
+#include <memory>
+#include <opencv2/core.hpp>
+#include <span>
+#include <vector>
+
+#include "bake/align/views.h"
+#include "base/surface_frame.h"
+
+namespace fourdvt::bake {
+
+// One view's observation of one vertex: the displacement d that is still missing satisfies
+// pixels_from_tangents · d = flow, weighted by `certainty` (symmetric, eigenvalues 0..1; from facing, forward-backward
+// agreement and texture in each direction).
+struct FlowObservation {
+  uint32_t vertex = 0;
+  float pixels_per_metre = 0;
+  glm::mat2 pixels_from_tangents{0};
+  glm::mat2 certainty{0};
+  glm::vec2 flow{0};  // pixels, from member 0's look to the other's, y down
+};
+
+// first, other: CV_8U looks on the same mesh, view and background; `interior` as interiorOf gives. Flow is read half
+// way between both looks, so that it belongs to the place on the mesh where both will be shown.
+std::vector<FlowObservation> observeFlow(const cv::Mat& first, const cv::Mat& other, const cv::Mat& interior,
+                                         const std::vector<SeenVertex>& seen);
+
+// Normal equations of one vertex's displacement in base metres: information · d = pull. Information has no unit: 1 is
+// one frontal view that is certain of both directions.
+struct VertexEstimate {
+  glm::mat2 information{0};
+  glm::vec2 pull{0};
+};
+
+// Combines the views of each vertex by Cauchy reweighting. `current`: the displacement with which the looks were drawn,
+// base metres. The estimates are of the whole displacement, not of what is missing from `current`.
+std::vector<VertexEstimate> liftFlow(const std::vector<std::vector<FlowObservation>>& views,
+                                     const std::vector<glm::vec2>& current);
+
+// A smooth tangent field from certain and uncertain estimates (screened Laplacian on the base mesh, sparse Cholesky).
+class TangentSmoother {
+ public:
+  // At smoothness 1, detail below about a centimetre is smoothed away where one frontal view is certain.
+  static std::unique_ptr<TangentSmoother> create(const MeshTopology& topology, std::span<const glm::vec3> base,
+                                                 const SurfaceFrames& frames, double smoothness);
+  virtual ~TangentSmoother() = default;
+  // Displacement per vertex along its tangents, metres. Minimises Σ area · (d − estimate)ᵀ information (d − estimate)
+  // plus the field's unevenness under parallel transport. Vertices without information take the mean of their
+  // neighbours; far from any information the field goes to 0.
+  virtual std::vector<glm::vec2> solve(const std::vector<VertexEstimate>& estimates) = 0;
+};
+
+// How far texture coordinates may move before they leave what the gutter of their chart holds.
+class ChartLimits {
+ public:
+  // `size`: side of layer 1 in texels. Topology and frames are borrowed.
+  ChartLimits(const MeshTopology& topology, const SurfaceFrames& frames, int size, int gutter_texels);
+  // Shortens every displacement (metres along the tangents) that would move the texture coordinates of a corner,
+  // forwards or backwards, beyond the gutter of their chart or into the gutter of another chart.
+  void cut(std::vector<glm::vec2>& displacement_m) const;
+  int size() const { return size_; }
+
+ private:
+  // Largest share of `shift` (texture coordinates) that stays in reach of the chart.
+  float allowedShare(const glm::vec2& uv, const glm::vec2& shift, int chart) const;
+
+  const MeshTopology* topology_;
+  const SurfaceFrames* frames_;
+  int size_ = 0;
+  std::vector<int> chart_of_uv_;
+  std::vector<int> reach_;  // size × size: the nearest chart within reach; kNoChart: none
+};
+
+}  // namespace fourdvt::bake
