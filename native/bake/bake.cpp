@@ -10,7 +10,6 @@
 #include "bake/pieces.h"
 #include "bake/run/bake_run.h"
 #include "bake/run/character_files.h"
-#include "bake/run/checked_file.h"
 #include "bake/run/job_bytes.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/align_stage.h"
@@ -32,6 +31,7 @@
 #include "jobs/videos.h"
 #include "platform/files.h"
 #include "platform/folders.h"
+#include "store/checked_file.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -221,7 +221,7 @@ Result<OpenJob> openJob(const std::string& job_folder, const BakeEnvironment& en
   OpenJob out;
   FOURDVT_ASSIGN(out.plan, jobs::readPlan(job_folder));
   FOURDVT_TRY(jobs::checkTool(job_folder, out.plan));
-  const auto bytes = loadChecked(job_folder + kJobFile);
+  const auto bytes = store::loadChecked(job_folder + kJobFile);
   Job job;
   if (!bytes || !jobFrom(bytes.value(), job)) return planAgain(job_folder + kJobFile, "is missing or damaged");
   out.pieces = bakePieces(job);
@@ -267,7 +267,7 @@ Result<jobs::Plan> planBake(const BakeOptions& given, std::vector<std::string> a
   FOURDVT_TRY(settleHashes(run.job, plan));
   FOURDVT_TRY(dropStaleRecords(run, pieces, plan));
   FOURDVT_TRY(jobs::indexVideos(run.job.workFolder(), capture::videoFiles(run.job.capture), environment.stop));
-  FOURDVT_TRY(saveChecked(run.job.workFolder() + kJobFile, jobBytes(run.job)));
+  FOURDVT_TRY(store::saveChecked(run.job.workFolder() + kJobFile, jobBytes(run.job)));
   FOURDVT_TRY(jobs::writePlan(run.job.workFolder(), plan));
   return plan;
 }

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "bake/run/checked_file.h"
+#include "store/checked_file.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -20,11 +20,11 @@ std::string KeptWindows::pathOf(uint32_t first, uint32_t end) const {
 
 LabelKeeper KeptWindows::keeper() const {
   return {[this](uint32_t first, uint32_t end) {
-            auto bytes = loadChecked(pathOf(first, end));
+            auto bytes = store::loadChecked(pathOf(first, end));
             return bytes ? bytes.take() : std::vector<uint8_t>();
           },
           [this](uint32_t first, uint32_t end, const std::vector<uint8_t>& bytes) {
-            return saveChecked(pathOf(first, end), bytes);
+            return store::saveChecked(pathOf(first, end), bytes);
           }};
 }
 

@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <fstream>
 
-#include "bake/run/checked_file.h"
 #include "base/bytes.h"
 #include "base/hash.h"
 #include "platform/files.h"
 #include "platform/folders.h"
+#include "store/checked_file.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -149,11 +149,11 @@ bool WorkFolder::holdsGops(const std::string& path) {
 }
 
 Status WorkFolder::saveResult(const std::string& name, const std::vector<uint8_t>& bytes) const {
-  return saveChecked(path_ + "/" + name + ".result", bytes);
+  return store::saveChecked(path_ + "/" + name + ".result", bytes);
 }
 
 Result<std::vector<uint8_t>> WorkFolder::loadResult(const std::string& name) const {
-  return loadChecked(path_ + "/" + name + ".result");
+  return store::loadChecked(path_ + "/" + name + ".result");
 }
 
 std::string WorkFolder::gopPath(const std::string& sequence, uint32_t gop) const {
@@ -161,7 +161,7 @@ std::string WorkFolder::gopPath(const std::string& sequence, uint32_t gop) const
 }
 
 bool WorkFolder::hasGop(const std::string& sequence, uint32_t gop) const {
-  return loadChecked(gopPath(sequence, gop)).ok();
+  return store::loadChecked(gopPath(sequence, gop)).ok();
 }
 
 Status WorkFolder::saveGop(const std::string& sequence, uint32_t gop, const GopArtefact& artefact) const {
@@ -171,18 +171,18 @@ Status WorkFolder::saveGop(const std::string& sequence, uint32_t gop, const GopA
   putFrames(out, artefact.frames);
   putAtlases(out, artefact.atlases);
   putBytes(out, artefact.picture_jpeg);
-  return saveChecked(gopPath(sequence, gop), out.data());
+  return store::saveChecked(gopPath(sequence, gop), out.data());
 }
 
 Result<GopArtefact> WorkFolder::loadGop(const std::string& sequence, uint32_t gop) const {
-  FOURDVT_ASSIGN(auto bytes, loadChecked(gopPath(sequence, gop)));
+  FOURDVT_ASSIGN(auto bytes, store::loadChecked(gopPath(sequence, gop)));
   ByteReader in(bytes);
   GopArtefact artefact;
   for (uint32_t left = in.u32(); left > 0 && in.ok(); --left) artefact.videos.push_back(takeVideo(in));
   artefact.frames = takeFrames(in);
   artefact.atlases = takeAtlases(in);
   artefact.picture_jpeg = takeBytes(in);
-  if (!in.ok() || in.remaining() != 0) return damagedFile(gopPath(sequence, gop));
+  if (!in.ok() || in.remaining() != 0) return store::damagedFile(gopPath(sequence, gop));
   return artefact;
 }
 
@@ -191,19 +191,19 @@ std::string WorkFolder::chunkPath(const std::string& sequence, uint32_t gop, Pre
 }
 
 bool WorkFolder::hasChunk(const std::string& sequence, uint32_t gop) const {
-  return loadChecked(chunkPath(sequence, gop, Precision::Fine)).ok();
+  return store::loadChecked(chunkPath(sequence, gop, Precision::Fine)).ok();
 }
 
 Status WorkFolder::saveChunk(const std::string& sequence, uint32_t gop, const std::vector<uint8_t>& chunk,
                              Precision precision) const {
   ByteWriter out;
   out.bytes(chunk);
-  return saveChecked(chunkPath(sequence, gop, precision), out.data());
+  return store::saveChecked(chunkPath(sequence, gop, precision), out.data());
 }
 
 Result<std::vector<uint8_t>> WorkFolder::loadChunk(const std::string& sequence, uint32_t gop,
                                                    Precision precision) const {
-  return loadChecked(chunkPath(sequence, gop, precision));
+  return store::loadChecked(chunkPath(sequence, gop, precision));
 }
 
 std::string WorkFolder::layersPath(const std::string& sequence, uint32_t frame) const {
@@ -227,7 +227,7 @@ Status WorkFolder::saveLayers(const std::string& sequence, uint32_t frame, const
 }
 
 Result<std::vector<Image>> WorkFolder::loadLayers(const std::string& sequence, uint32_t frame) const {
-  FOURDVT_ASSIGN(auto bytes, loadChecked(layersPath(sequence, frame)));
+  FOURDVT_ASSIGN(auto bytes, store::loadChecked(layersPath(sequence, frame)));
   ByteReader in(bytes);
   std::vector<Image> layers;
   for (uint32_t left = in.u32(); left > 0 && in.ok(); --left) {
@@ -236,7 +236,7 @@ Result<std::vector<Image>> WorkFolder::loadLayers(const std::string& sequence, u
     layer.pixels = takeBytes(in);
     layers.push_back(std::move(layer));
   }
-  if (!in.ok() || in.remaining() != 0) return damagedFile(layersPath(sequence, frame));
+  if (!in.ok() || in.remaining() != 0) return store::damagedFile(layersPath(sequence, frame));
   return layers;
 }
 
@@ -248,7 +248,7 @@ void WorkFolder::removeLayers() const {
   for (const std::filesystem::path& path : found) std::filesystem::remove(path, ignored);
 }
 
-bool WorkFolder::hasStill() const { return loadChecked(stillPath()).ok(); }
+bool WorkFolder::hasStill() const { return store::loadChecked(stillPath()).ok(); }
 
 Status WorkFolder::saveStill(const StillArtefact& still) const {
   ByteWriter out;
@@ -260,11 +260,11 @@ Status WorkFolder::saveStill(const StillArtefact& still) const {
   putBytes(out, still.labels);
   putBytes(out, still.texture_jpeg);
   putBytes(out, still.tile_jpeg);
-  return saveChecked(stillPath(), out.data());
+  return store::saveChecked(stillPath(), out.data());
 }
 
 Result<StillArtefact> WorkFolder::loadStill() const {
-  FOURDVT_ASSIGN(auto bytes, loadChecked(stillPath()));
+  FOURDVT_ASSIGN(auto bytes, store::loadChecked(stillPath()));
   ByteReader in(bytes);
   StillArtefact still;
   still.picture.width = static_cast<int>(in.u32());
@@ -275,7 +275,7 @@ Result<StillArtefact> WorkFolder::loadStill() const {
   still.labels = takeBytes(in);
   still.texture_jpeg = takeBytes(in);
   still.tile_jpeg = takeBytes(in);
-  if (!in.ok() || in.remaining() != 0) return damagedFile(stillPath());
+  if (!in.ok() || in.remaining() != 0) return store::damagedFile(stillPath());
   return still;
 }
 

@@ -5,10 +5,10 @@
 
 #include "bake/align/surface_alignment.h"
 #include "bake/run/character_files.h"
-#include "bake/run/record_file.h"
 #include "bake/run/stream_reader.h"
 #include "package/chunk_mesh.h"
 #include "platform/ffmpeg_video.h"
+#include "store/record_file.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -26,16 +26,16 @@ class ClassAligner {
   // [phase], steadied over the whole motion.
   Result<std::vector<AlignedFrame>> run();
   // The records of one GOP, complete.
-  Result<RecordFile> finished(uint32_t gop);
+  Result<store::RecordFile> finished(uint32_t gop);
 
  private:
   Status open();
   uint32_t framesOf(uint32_t gop) const { return plan_.gopEnd(gop) - plan_.gop_first_frames[gop]; }
   // Its phases' records. Those of a GOP depend on no other one.
-  Result<RecordFile> recordsOf(uint32_t gop) const;
-  Status alignGop(uint32_t gop, RecordFile& file);
+  Result<store::RecordFile> recordsOf(uint32_t gop) const;
+  Status alignGop(uint32_t gop, store::RecordFile& file);
   Status alignPicture(const package::ChunkFrames& frames, uint32_t gop, uint32_t row, const I420View& picture,
-                      RecordFile& file);
+                      store::RecordFile& file);
   Positions middle(const package::ChunkFrames& frames, uint32_t row) const;
   size_t vertices() const { return job_.mesh.decoded.topology.vertex_count * (plan_.motion.members.size() - 1); }
   size_t recordBytes() const { return vertices() * (sizeof(glm::vec2) + sizeof(float)) + sizeof(float); }
@@ -69,7 +69,7 @@ Result<std::vector<AlignedFrame>> ClassAligner::run() {
   return frames;
 }
 
-Result<RecordFile> ClassAligner::finished(uint32_t gop) {
+Result<store::RecordFile> ClassAligner::finished(uint32_t gop) {
   FOURDVT_ASSIGN(auto file, recordsOf(gop));
   if (file.count() < framesOf(gop)) {
     if (!aligner_) FOURDVT_TRY(open());
@@ -100,12 +100,13 @@ Status ClassAligner::open() {
   return {};
 }
 
-Result<RecordFile> ClassAligner::recordsOf(uint32_t gop) const {
-  return RecordFile::resume(run_.work.filesFolder() + "/" + plan_.name + "." + std::to_string(gop) + ".alignment",
-                            recordBytes(), framesOf(gop), run_.environment.writer);
+Result<store::RecordFile> ClassAligner::recordsOf(uint32_t gop) const {
+  return store::RecordFile::resume(
+      run_.work.filesFolder() + "/" + plan_.name + "." + std::to_string(gop) + ".alignment", recordBytes(),
+      framesOf(gop), run_.environment.writer);
 }
 
-Status ClassAligner::alignGop(uint32_t gop, RecordFile& file) {
+Status ClassAligner::alignGop(uint32_t gop, store::RecordFile& file) {
   FOURDVT_ASSIGN(const GopArtefact artefact, run_.work.loadGop(plan_.name, gop));
   Status aligned;
   auto decoder = platform::SampleDecoder::create(infoOf(plan_.encode().codec).kind, artefact.videos[0].parameter_sets,
@@ -127,7 +128,7 @@ Status ClassAligner::alignGop(uint32_t gop, RecordFile& file) {
 }
 
 Status ClassAligner::alignPicture(const package::ChunkFrames& frames, uint32_t gop, uint32_t row, const I420View& view,
-                                  RecordFile& file) {
+                                  store::RecordFile& file) {
   FOURDVT_TRY(run_.checkStop());
   StageClock::Span span(run_.clock, Stage::Align);
   gpu::Device& device = run_.device();

@@ -7,12 +7,12 @@
 #include <future>
 
 #include "bake/run/kept_windows.h"
-#include "bake/run/record_file.h"
 #include "bake/run/survey_files.h"
 #include "bake/stages/validate.h"
 #include "package/character.h"
 #include "platform/files.h"
 #include "platform/folders.h"
+#include "store/record_file.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -153,7 +153,7 @@ bool Survey::showsColours(const Window& window) {
 }
 
 bool Survey::isMeasured(const capture::CaptureSequence& sequence, const Window& window) const {
-  return RecordFile::isComplete(fractionsPath(sequence, window), fractionBytes(), window.count());
+  return store::RecordFile::isComplete(fractionsPath(sequence, window), fractionBytes(), window.count());
 }
 
 Status Survey::measureSequence(BakeRun& run, const capture::CaptureSequence& sequence, Measuring& measuring) {
@@ -173,8 +173,8 @@ Status Survey::measureSequence(BakeRun& run, const capture::CaptureSequence& seq
 Status Survey::measureWindow(BakeRun& run, const capture::CaptureSequence& sequence, const Window& window,
                              Measuring& measuring) {
   ColourCalibrator* const calibrator = showsColours(window) ? measuring.calibrator : nullptr;
-  FOURDVT_ASSIGN(auto file, RecordFile::resume(fractionsPath(sequence, window), fractionBytes(), window.count(),
-                                               run.environment.writer));
+  FOURDVT_ASSIGN(auto file, store::RecordFile::resume(fractionsPath(sequence, window), fractionBytes(), window.count(),
+                                                      run.environment.writer));
   const uint32_t known = window.first + file.count();
   const uint32_t first = calibrator ? window.first : known;
   if (known < window.end && !measuring.baker) {
@@ -265,7 +265,7 @@ Status Survey::labelSequence(BakeRun& run, const capture::CaptureSequence& seque
 
 Status Survey::label(BakeRun& run, const capture::CaptureSequence& sequence, const OnFrame& on_frame) {
   const std::string path = labelsPath(sequence);
-  FOURDVT_ASSIGN(auto file, RecordFile::begin(path, labelBytes(), sequence.frame_count, run.environment.writer));
+  FOURDVT_ASSIGN(auto file, store::RecordFile::begin(path, labelBytes(), sequence.frame_count, run.environment.writer));
   LabelStatistics statistics;
   FOURDVT_TRY(withLabelExchange(
       run, sequence, on_frame, [&](uint32_t, const std::vector<uint8_t>& labels) { return file.append(labels); },
@@ -281,7 +281,7 @@ Status Survey::label(BakeRun& run, const capture::CaptureSequence& sequence, con
 }
 
 bool Survey::loadStatistics(const capture::CaptureSequence& sequence) {
-  if (!RecordFile::isComplete(labelsPath(sequence), labelBytes(), sequence.frame_count)) return false;
+  if (!store::RecordFile::isComplete(labelsPath(sequence), labelBytes(), sequence.frame_count)) return false;
   auto bytes = platform::readFile(labelsPath(sequence) + ".statistics");
   LabelStatistics statistics;
   if (!bytes || !statisticsFrom(bytes.value(), statistics)) return false;
@@ -292,7 +292,7 @@ bool Survey::loadStatistics(const capture::CaptureSequence& sequence) {
 Result<std::vector<float>> Survey::fractions(const capture::CaptureSequence& sequence, uint32_t frame) const {
   const Window window = windowOf(sequence, frame);
   FOURDVT_ASSIGN(auto record,
-                 RecordFile::readOne(fractionsPath(sequence, window), fractionBytes(), frame - window.first));
+                 store::RecordFile::readOne(fractionsPath(sequence, window), fractionBytes(), frame - window.first));
   std::vector<float> out;
   out.reserve(record.size());
   for (uint8_t share : record) out.push_back(share / 255.0f);
@@ -316,7 +316,7 @@ Result<FaceCosts> Survey::faceCosts(const capture::CaptureSequence& sequence, ui
 }
 
 Result<std::vector<uint8_t>> Survey::labels(const capture::CaptureSequence& sequence, uint32_t frame) const {
-  return RecordFile::readOne(labelsPath(sequence), labelBytes(), frame);
+  return store::RecordFile::readOne(labelsPath(sequence), labelBytes(), frame);
 }
 
 Result<std::vector<uint8_t>> Survey::penaltyOrder(const capture::CaptureSequence& sequence, uint32_t frame) const {

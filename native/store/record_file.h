@@ -13,7 +13,7 @@
 
 #include "base/result.h"
 
-namespace fourdvt::bake {
+namespace fourdvt::store {
 
 class RecordFile {
  public:
@@ -44,4 +44,4 @@ class RecordFile {
   std::unique_ptr<std::FILE, Closer> file_;
 };
 
-}  // namespace fourdvt::bake
+}  // namespace fourdvt::store

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/run/record_file.h"
+#include "store/record_file.h"
 
 #include <unistd.h>
 
@@ -7,7 +7,7 @@
 #include <cstring>
 #include <filesystem>
 
-namespace fourdvt::bake {
+namespace fourdvt::store {
 namespace {
 
 namespace fs = std::filesystem;
@@ -97,4 +97,4 @@ Status RecordFile::finish() {
   return {};
 }
 
-}  // namespace fourdvt::bake
+}  // namespace fourdvt::store

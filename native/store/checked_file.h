@@ -9,7 +9,7 @@
 
 #include "base/result.h"
 
-namespace fourdvt::bake {
+namespace fourdvt::store {
 
 // Writes atomically. Errors: WriteFailed.
 Status saveChecked(const std::string& path, std::span<const uint8_t> payload);
@@ -17,4 +17,4 @@ Status saveChecked(const std::string& path, std::span<const uint8_t> payload);
 Result<std::vector<uint8_t>> loadChecked(const std::string& path);
 Error damagedFile(const std::string& path);
 
-}  // namespace fourdvt::bake
+}  // namespace fourdvt::store

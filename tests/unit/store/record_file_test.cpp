@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/run/record_file.h"
+#include "store/record_file.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace fourdvt::bake {
+namespace fourdvt::store {
 namespace {
 
 namespace fs = std::filesystem;
@@ -83,4 +83,4 @@ TEST_F(RecordFileTest, FolderThatIsNotThereIsAWriteError) {
 }
 
 }  // namespace
-}  // namespace fourdvt::bake
+}  // namespace fourdvt::store

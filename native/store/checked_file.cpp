@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/run/checked_file.h"
+#include "store/checked_file.h"
 
 #include "base/bytes.h"
 #include "base/hash.h"
 #include "platform/files.h"
 
-namespace fourdvt::bake {
+namespace fourdvt::store {
 
 Status saveChecked(const std::string& path, std::span<const uint8_t> payload) {
   ByteWriter out;
@@ -28,4 +28,4 @@ Result<std::vector<uint8_t>> loadChecked(const std::string& path) {
   return bytes;
 }
 
-}  // namespace fourdvt::bake
+}  // namespace fourdvt::store
