@@ -2,7 +2,6 @@
 #include "jobs/plan.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -17,12 +16,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kFormat = 1;
-
-std::string digitsOf(uint64_t hash) {
-  char digits[17];
-  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
-  return digits;
-}
 
 uint64_t add(uint64_t hash, uint64_t value) {
   return fnv1a({reinterpret_cast<const uint8_t*>(&value), sizeof value}, hash);
@@ -59,7 +52,7 @@ Plan planFrom(const Json& json) {
 
 }  // namespace
 
-std::string Piece::done() const { return "done/" + id + "." + digitsOf(hash) + ".json"; }
+std::string Piece::done() const { return "done/" + id + "." + hashText(hash) + ".json"; }
 
 const Piece* Plan::find(const std::string& id) const {
   const auto found = std::find_if(pieces.begin(), pieces.end(), [&](const Piece& p) { return p.id == id; });
@@ -104,8 +97,8 @@ std::string planJson(const Plan& plan) {
                         {"seconds", p.seconds},
                         {"memory_mb", p.memory_mb},
                         {"threads", 2},
-                        {"inputs", digitsOf(p.inputs)},
-                        {"hash", digitsOf(p.hash)}};
+                        {"inputs", hashText(p.inputs)},
+                        {"hash", hashText(p.hash)}};
     text += separator + piece.dump();
     separator = ",\n  ";
   }

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <vector>
@@ -83,11 +82,8 @@ const Tool& thisTool() {
     Tool out{FOURDVT_VERSION, "", ""};
     std::error_code ignored;
     out.program = std::filesystem::read_symlink("/proc/self/exe", ignored).string();
-    char digits[17] = "";
     if (const auto bytes = platform::readFile("/proc/self/exe"))
-      std::snprintf(digits, sizeof digits, "%016llx",
-                    static_cast<unsigned long long>(fnv1a(kLibraries, fnv1a(bytes.value()))));
-    out.build = digits;
+      out.build = hashText(fnv1a(kLibraries, fnv1a(bytes.value())));
     return out;
   }();
   return tool;

@@ -2,12 +2,13 @@
 #include "package/writer.h"
 
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #define TINYGLTF_NO_INCLUDE_JSON
 #include <tiny_gltf.h>
+
+#include "base/hash.h"
 
 namespace fourdvt::package {
 namespace {
@@ -29,11 +30,7 @@ Value numbers(const Range& values) {
   return Value(out);
 }
 
-Value hashValue(uint64_t hash) {
-  char digits[17];
-  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
-  return Value(std::string(digits));
-}
+Value hashValue(uint64_t hash) { return Value(hashText(hash)); }
 
 Value vec3(const glm::dvec3& v) { return numbers(std::initializer_list<double>{v.x, v.y, v.z}); }
 Value rect(const Rect& r) {

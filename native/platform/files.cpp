@@ -130,6 +130,11 @@ cv::Mat toRgb8(const cv::Mat& decoded) {
 
 Result<std::vector<uint8_t>> readFile(const std::string& path) { return readSpan(path, 0, 0, true); }
 
+Result<std::string> readText(const std::string& path) {
+  FOURDVT_ASSIGN(const auto bytes, readFile(path));
+  return std::string(bytes.begin(), bytes.end());
+}
+
 Result<std::vector<uint8_t>> readFileRange(const std::string& path, uint64_t offset, uint64_t bytes) {
   return readSpan(path, offset, bytes, false);
 }

@@ -14,6 +14,7 @@
 namespace fourdvt::platform {
 
 Result<std::vector<uint8_t>> readFile(const std::string& path);
+Result<std::string> readText(const std::string& path);
 Result<std::vector<uint8_t>> readFileRange(const std::string& path, uint64_t offset, uint64_t bytes);
 // End of a file's name that no other process has, on this machine or on one that shares its files: "HOST.PID".
 std::string ownSuffix();

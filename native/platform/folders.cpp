@@ -28,12 +28,16 @@ void removeFolder(const std::string& path) {
 }
 
 void removeFolder(const std::string& path, const std::string& last) {
-  std::error_code failed, ignored;
-  std::vector<fs::path> others;
-  for (fs::directory_iterator entry(path, failed), end; !failed && entry != end; entry.increment(failed))
-    if (entry->path().filename() != last) others.push_back(entry->path());
-  for (const fs::path& other : others) fs::remove_all(other, ignored);
+  removeEntries(path, [&](const std::string& name) { return name != last; });
   removeFolder(path);
+}
+
+void removeEntries(const std::string& folder, const std::function<bool(const std::string& name)>& chosen) {
+  std::error_code failed, ignored;
+  std::vector<fs::path> found;
+  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed))
+    if (chosen(entry->path().filename().string())) found.push_back(entry->path());
+  for (const fs::path& path : found) fs::remove_all(path, ignored);
 }
 
 void removeIfEmpty(const std::string& path) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <span>
@@ -167,9 +166,7 @@ std::string stampsPath(const std::string& video, const std::string& folder) {
   const auto time = std::chrono::floor<std::chrono::seconds>(fs::last_write_time(video, failed).time_since_epoch());
   const std::string key = fs::absolute(video, failed).lexically_normal().string() + " " +
                           std::to_string(fs::file_size(video, failed)) + " " + std::to_string(time.count());
-  char digits[17];
-  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(fnv1a(key)));
-  return folder + "/" + digits + ".times";
+  return folder + "/" + hashText(fnv1a(key)) + ".times";
 }
 
 int pictureTrack(const AVFormatContext& format) {

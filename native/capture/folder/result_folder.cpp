@@ -2,7 +2,6 @@
 #include "capture/folder/result_folder.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 
 #include "base/hash.h"
@@ -61,9 +60,7 @@ std::string inputsKey(const Capture& capture) {
     for (const auto& [camera, frames] : sequence.offset_frames) add(camera + " is off by " + std::to_string(frames));
     for (const std::string& file : filesOf(sequence.folder, true)) add(file);
   }
-  char text[20];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
-  return text;
+  return hashText(hash);
 }
 
 Result<std::string> checkedTarget(const std::string& folder, const std::string& capture_folder,

@@ -2,7 +2,6 @@
 #include "lab/study/run/run_steps.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 
 #include "base/hash.h"
@@ -79,9 +78,7 @@ std::string studyKey(const StudyOptions& options, const std::string& version) {
   text += "\nrefine " + std::to_string(options.refine.outline) + std::to_string(options.refine.cameras) +
           (options.refine.matte_bias_pixels ? std::to_string(*options.refine.matte_bias_pixels) : "");
   for (const std::string& line : lines) text += "\n" + line;
-  char key[24];
-  std::snprintf(key, sizeof key, "%016llx", static_cast<unsigned long long>(fnv1a(text)));
-  return key;
+  return hashText(fnv1a(text));
 }
 
 Status openReportFolder(const std::string& folder, const std::string& key) {
