@@ -10,7 +10,7 @@
 #include "bake/pieces.h"
 #include "bake/run/bake_run.h"
 #include "bake/run/character_files.h"
-#include "bake/run/job_bytes.h"
+#include "bake/run/job_file.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/align_stage.h"
 #include "bake/stages/assemble.h"
@@ -31,7 +31,7 @@
 #include "jobs/videos.h"
 #include "platform/files.h"
 #include "platform/folders.h"
-#include "store/checked_file.h"
+#include "store/folder.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -111,7 +111,7 @@ void settleJobKeys(Job& job, bool in_pieces) {
   settleKeys(job);
   const std::string settings = job.settings_key;
   job.settings_key = jobs::folderKey(settings, in_pieces,
-                                     [&](const std::string& key) { return WorkFolder::holds(job.workFolder(), key); });
+                                     [&](const std::string& key) { return store::keyOf(job.workFolder()) == key; });
   for (auto& [sequence, key] : job.capture_keys) key += job.settings_key.substr(settings.size());
 }
 
@@ -158,7 +158,7 @@ Result<BakeReport> runStages(BakeRun& run) {
   expectWork(run);
   FOURDVT_TRY(planJob(run, false));
   auto report = finishJob(run);
-  if (report) WorkFolder::remove(run.job.workFolder());
+  if (report) store::removeFolder(run.job.workFolder());
   return report;
 }
 
@@ -173,7 +173,7 @@ Error cleanedUp(Error error, const Job& job) {
   if (WorkFolder::holdsGops(work))
     error.message += "; finished GOPs are kept in " + work + " for --resume";
   else if (error.id != ErrorId::WriteFailed)  // after a failed write, what the survey measured stays for the next run
-    WorkFolder::remove(work);
+    store::removeFolder(work);
   return error;
 }
 
@@ -221,9 +221,9 @@ Result<OpenJob> openJob(const std::string& job_folder, const BakeEnvironment& en
   OpenJob out;
   FOURDVT_ASSIGN(out.plan, jobs::readPlan(job_folder));
   FOURDVT_TRY(jobs::checkTool(job_folder, out.plan));
-  const auto bytes = store::loadChecked(job_folder + kJobFile);
-  Job job;
-  if (!bytes || !jobFrom(bytes.value(), job)) return planAgain(job_folder + kJobFile, "is missing or damaged");
+  auto loaded = loadJob(job_folder + kJobFile);
+  if (!loaded) return planAgain(job_folder + kJobFile, "is missing or damaged");
+  Job job = loaded.take();
   out.pieces = bakePieces(job);
   FOURDVT_TRY(checkJob(job_folder, job, out.pieces, out.plan));
   out.run = std::make_unique<BakeRun>(std::move(job), environment);
@@ -267,7 +267,7 @@ Result<jobs::Plan> planBake(const BakeOptions& given, std::vector<std::string> a
   FOURDVT_TRY(settleHashes(run.job, plan));
   FOURDVT_TRY(dropStaleRecords(run, pieces, plan));
   FOURDVT_TRY(jobs::indexVideos(run.job.workFolder(), capture::videoFiles(run.job.capture), environment.stop));
-  FOURDVT_TRY(store::saveChecked(run.job.workFolder() + kJobFile, jobBytes(run.job)));
+  FOURDVT_TRY(saveJob(run.job.workFolder() + kJobFile, run.job));
   FOURDVT_TRY(jobs::writePlan(run.job.workFolder(), plan));
   return plan;
 }

@@ -414,13 +414,13 @@ Result<std::vector<bool>> lostPieces(BakeRun& run, const std::vector<BakePiece>&
         break;
       case PieceKind::Gop: {
         const StreamPlan& plan = job.streams[piece.number];
-        lost[p] =
-            !run.work.hasGop(plan.name, piece.index) || (!plan.isClass() && !run.work.hasChunk(plan.name, piece.index));
+        lost[p] = !run.work.has(gopFile(plan.name, piece.index)) ||
+                  (!plan.isClass() && !run.work.has(chunkFile(plan.name, piece.index)));
         break;
       }
       case PieceKind::Graph:
       case PieceKind::Room:
-        lost[p] = !run.work.loadResult(piece.piece.kind).ok();
+        lost[p] = !run.work.has(piece.piece.kind + ".result");
         break;
       default:  // those that compute what is missing when it is needed
         break;

@@ -1,19 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// A refinement as bytes, to be kept between bakes. Only the machine that wrote them reads them: this is not a format.
+// A refinement in a file, to be kept between bakes (store/folder.h).
 #pragma once
 
-#include <span>
-#include <vector>
+#include <string>
 
 #include "refine/refine.h"
+#include "store/archive.h"
 
 namespace fourdvt::refine {
 
-// With a checksum at the end.
-std::vector<uint8_t> refinementBytes(const Refinement& refinement);
-// Of what it changes in a capture, not of what it measured.
+// Errors: FileMissing, FileUnreadable; Internal for a damaged file, and for one that does not fit this capture.
+Result<Refinement> loadRefinement(const std::string& path, const capture::Capture& capture);
+// Hash of what it changes in a capture, not of what it measured.
 uint64_t changeHash(const Refinement& refinement);
-// False if the bytes are damaged, or not exactly one refinement of this capture.
-bool refinementFrom(std::span<const uint8_t> bytes, const capture::Capture& capture, Refinement& out);
 
 }  // namespace fourdvt::refine
+
+namespace fourdvt::store {
+
+void fields(Archive& a, refine::RefineOptions& o);
+void fields(Archive& a, refine::Refinement& r);
+
+}  // namespace fourdvt::store

@@ -9,10 +9,12 @@
 #include "lab/measure/held_out_truth.h"
 #include "measure/picture_score.h"
 #include "platform/ffmpeg_video.h"
+#include "platform/files.h"
 #include "refine/camera_fit.h"
+#include "refine/kept_refinement.h"
 #include "refine/refine.h"
-#include "refine/refinement_bytes.h"
 #include "render/cameras/fvvr.h"
+#include "store/folder.h"
 
 namespace fourdvt::refine {
 namespace {
@@ -91,18 +93,22 @@ void expectWorstPictures(const Refinement& refinement) {
 }
 
 void expectKeptBytes(const Refinement& refinement, const capture::Capture& capture) {
-  const auto bytes = refinementBytes(refinement);
-  Refinement read;
-  ASSERT_TRUE(refinementFrom(bytes, capture, read));
-  EXPECT_EQ(refinementBytes(read), bytes);
+  const std::string path = ::testing::TempDir() + "/kept.refinement";
+  ASSERT_TRUE(store::save(path, refinement));
+  const auto kept = loadRefinement(path, capture);
+  ASSERT_TRUE(kept);
+  const Refinement& read = kept.value();
+  EXPECT_EQ(store::bytesOf(read), store::bytesOf(refinement));
   EXPECT_EQ(read.offsets->constant_m, refinement.offsets->constant_m);
   EXPECT_EQ(read.cameras[3].cam_from_world, refinement.cameras[3].cam_from_world);
-  Refinement broken;
+  auto bytes = platform::readFile(path).take();
+  const auto isRefused = [&](std::span<const uint8_t> part) {
+    return platform::writeFileAtomic(path, part).ok() && !loadRefinement(path, capture);
+  };
   for (const size_t length : {size_t(0), size_t(5), bytes.size() / 2, bytes.size() - 1})
-    EXPECT_FALSE(refinementFrom(std::span(bytes).first(length), capture, broken));
-  auto longer = bytes;
-  longer.push_back(0);
-  EXPECT_FALSE(refinementFrom(longer, capture, broken));
+    EXPECT_TRUE(isRefused(std::span(bytes).first(length)));
+  bytes.push_back(0);
+  EXPECT_TRUE(isRefused(bytes));
 }
 
 TEST_F(RefineSample, MeshAndTurnedCamerasComeToFitThePictures) {

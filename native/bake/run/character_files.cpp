@@ -56,7 +56,8 @@ Status writeFile(const std::string& path, const std::vector<uint8_t>& header, co
   std::FILE* file = std::fopen(path.c_str(), "wb");
   bool ok = file && std::fwrite(header.data(), 1, header.size(), file) == header.size();
   for (uint32_t c = 0; ok && c < (coarse ? 2 * gops : gops); ++c) {
-    auto chunk = work.loadChunk(plan.name, c % gops, c < gops ? Precision::Fine : Precision::Coarse);
+    auto chunk =
+        work.load<store::Bytes>(chunkFile(plan.name, c % gops, c < gops ? Precision::Fine : Precision::Coarse));
     if (!chunk) {
       std::fclose(file);
       return chunk.error();
@@ -76,7 +77,7 @@ Result<Mp4Samples> packVideo(const StreamPlan& plan, size_t rendition, const Wor
   const EncodeSettings& settings = plan.renditions[rendition].encode;
   FOURDVT_TRY(writeMp4(path, settings, static_cast<uint32_t>(plan.gop_first_frames.size()),
                        [&](uint32_t g) -> Result<EncodedGop> {
-                         FOURDVT_ASSIGN(auto artefact, work.loadGop(plan.name, g));
+                         FOURDVT_ASSIGN(auto artefact, work.load<GopArtefact>(gopFile(plan.name, g)));
                          if (rendition >= artefact.videos.size())
                            return Error{ErrorId::Internal, path + ": a GOP lacks this rendition; bake again"};
                          return std::move(artefact.videos[rendition]);

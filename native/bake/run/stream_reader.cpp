@@ -45,7 +45,7 @@ Result<PreparedMember> StreamReader::readMember(size_t member, uint32_t frame) {
 
 std::vector<Image> StreamReader::keptLayers(size_t member, uint32_t source_frame) const {
   StageClock::Span span(run_.clock, Stage::Decode);
-  auto kept = run_.work.loadLayers(plan_.motion.members[member].source->name, source_frame);
+  auto kept = run_.work.load<std::vector<Image>>(layersFile(plan_.motion.members[member].source->name, source_frame));
   return kept ? kept.take() : std::vector<Image>();
 }
 
@@ -123,10 +123,10 @@ Status saveChunks(const BakeRun& run, const StreamPlan& plan, uint32_t gop, cons
   const BakeOptions& o = run.job.options;
   if (hasCoarseGeometry(o)) {
     FOURDVT_ASSIGN(const auto coarse, package::encodeCoarseChunk(frames, mesh, *o.coarse_step_m / *o.position_step_m));
-    FOURDVT_TRY(run.work.saveChunk(plan.name, gop, coarse, Precision::Coarse));
+    FOURDVT_TRY(run.work.save(chunkFile(plan.name, gop, Precision::Coarse), coarse));
   }
   FOURDVT_ASSIGN(const auto chunk, package::encodeChunk(frames, mesh));
-  return run.work.saveChunk(plan.name, gop, chunk);
+  return run.work.save(chunkFile(plan.name, gop), chunk);
 }
 
 }  // namespace fourdvt::bake

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps finished GOPs on disk, so that memory does not grow with the length and an interrupted bake can go on. Files
-// are written atomically and checksummed; a damaged one counts as absent. They lie in a folder whose name is a hash of
-// what they depend on, so that a process that bakes by an older plan cannot mix its own among them.
+// Keeps finished GOPs on disk, so that memory does not grow with the length and an interrupted bake can go on. The
+// files (store/folder.h) lie in a folder whose name is a hash of what they depend on, so that a process that bakes by
+// an older plan cannot mix its own among them.
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "bake/video/encode.h"
 #include "bake/video/tile.h"
 #include "package/stream_file.h"
+#include "store/folder.h"
 
 namespace fourdvt::bake {
 
@@ -43,43 +43,47 @@ class WorkFolder {
                                  const std::function<void()>& on_restart = {});
   // The folder as it is. Errors: InvalidArgument if it has another key.
   static Result<WorkFolder> join(const std::string& path, const std::string& key);
-  // True if the folder has work of an earlier run with this key.
-  static bool holds(const std::string& path, const std::string& key);
-  // Removes the folder; its settings file, without which it is not taken for a work folder, goes last.
-  static void remove(const std::string& path);
-  // Whether a bake in this folder has finished a GOP, with whatever settings.
+  // True if a bake in this folder has finished a GOP, with whatever settings.
   static bool holdsGops(const std::string& path);
-  bool hasGop(const std::string& sequence, uint32_t gop) const;
-  Status saveGop(const std::string& sequence, uint32_t gop, const GopArtefact& artefact) const;
-  Result<GopArtefact> loadGop(const std::string& sequence, uint32_t gop) const;  // Internal if damaged
-  bool hasStill() const;
-  Status saveStill(const StillArtefact& still) const;
-  Result<StillArtefact> loadStill() const;
-  // The bytes of a GOP's chunk, as package::encodeChunk or encodeCoarseChunk return them.
-  bool hasChunk(const std::string& sequence, uint32_t gop) const;
-  Status saveChunk(const std::string& sequence, uint32_t gop, const std::vector<uint8_t>& chunk,
-                   Precision precision = Precision::Fine) const;
-  Result<std::vector<uint8_t>> loadChunk(const std::string& sequence, uint32_t gop,
-                                         Precision precision = Precision::Fine) const;  // Internal if damaged
-  // Filled layers of a captured frame, kept until the classes that show it have been baked. What is absent or damaged
-  // is an error, and can be drawn again.
-  Status saveLayers(const std::string& sequence, uint32_t frame, const std::vector<Image>& layers) const;
-  Result<std::vector<Image>> loadLayers(const std::string& sequence, uint32_t frame) const;
+
+  // False for a damaged file too.
+  bool has(const std::string& file) const { return store::loadBytes(pathOf(file)).ok(); }
+  template <class T>
+  Status save(const std::string& file, const T& value, store::Written written = store::Written::ToDisk) const {
+    return store::save(pathOf(file), value, written);
+  }
+  template <class T>
+  Result<T> load(const std::string& file) const {
+    return store::load<T>(pathOf(file));
+  }
   void removeLayers() const;  // of all frames
-  // Further results of the whole bake, such as "graph". What is absent or damaged is an error.
-  Status saveResult(const std::string& name, const std::vector<uint8_t>& bytes) const;
-  Result<std::vector<uint8_t>> loadResult(const std::string& name) const;
   const std::string& path() const { return root_; }
-  // Folder for files of a stage's own.
-  const std::string& filesFolder() const { return path_; }
+  // Path of a file of a stage's own.
+  std::string pathOf(const std::string& file) const { return path_ + "/" + file; }
 
  private:
   WorkFolder(const std::string& path, const std::string& key);
-  std::string gopPath(const std::string& sequence, uint32_t gop) const;
-  std::string chunkPath(const std::string& sequence, uint32_t gop, Precision precision) const;
-  std::string layersPath(const std::string& sequence, uint32_t frame) const;
-  std::string stillPath() const { return path_ + "/still.bin"; }
   std::string root_, path_;
 };
 
+// Names of files: a GopArtefact, a StillArtefact.
+inline std::string gopFile(const std::string& stream, uint32_t gop) {
+  return stream + "." + std::to_string(gop) + ".gop";
+}
+inline constexpr const char* kStillFile = "still.bin";
+// The bytes of a GOP's chunk, as package::encodeChunk or encodeCoarseChunk return them.
+inline std::string chunkFile(const std::string& stream, uint32_t gop, Precision precision = Precision::Fine) {
+  return stream + "." + std::to_string(gop) + (precision == Precision::Fine ? ".chunk" : ".coarse");
+}
+// Filled layers of a captured frame, a vector of pictures, kept until the classes that show it have been baked. What is
+// absent or damaged can be drawn again.
+std::string layersFile(const std::string& sequence, uint32_t frame);
+
 }  // namespace fourdvt::bake
+
+namespace fourdvt::store {
+
+void fields(Archive& a, bake::GopArtefact& g);
+void fields(Archive& a, bake::StillArtefact& s);
+
+}  // namespace fourdvt::store

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bake/stages/align_stage.h"
 
-#include <cstring>
-
 #include "bake/align/surface_alignment.h"
 #include "bake/run/character_files.h"
 #include "bake/run/stream_reader.h"
 #include "package/chunk_mesh.h"
 #include "platform/ffmpeg_video.h"
 #include "store/record_file.h"
+
+namespace fourdvt::store {
+
+void fields(Archive& a, bake::AlignedFrame& f) { a(f.displacement_m, f.confidence, f.detail_correlation); }
+
+}  // namespace fourdvt::store
 
 namespace fourdvt::bake {
 namespace {
@@ -38,9 +42,9 @@ class ClassAligner {
                       store::RecordFile& file);
   Positions middle(const package::ChunkFrames& frames, uint32_t row) const;
   size_t vertices() const { return job_.mesh.decoded.topology.vertex_count * (plan_.motion.members.size() - 1); }
-  size_t recordBytes() const { return vertices() * (sizeof(glm::vec2) + sizeof(float)) + sizeof(float); }
-  std::vector<uint8_t> recordOf(const AlignedFrame& frame) const;
-  AlignedFrame frameOf(const std::vector<uint8_t>& record) const;
+  size_t recordBytes() const {
+    return store::bytesOf(AlignedFrame{std::vector<glm::vec2>(vertices()), std::vector<float>(vertices())}).size();
+  }
 
   BakeRun& run_;
   const Job& job_;
@@ -61,7 +65,7 @@ Result<std::vector<AlignedFrame>> ClassAligner::run() {
     StageClock::Span span(run_.clock, Stage::Align);
     for (uint32_t f = 0; f < framesOf(g); ++f) {
       FOURDVT_ASSIGN(auto record, file.read(f));
-      frames.push_back(frameOf(record));
+      if (!store::readBytes(record, frames.emplace_back())) return store::damagedFile(run_.work.path());
     }
   }
   StageClock::Span span(run_.clock, Stage::Align);
@@ -101,13 +105,12 @@ Status ClassAligner::open() {
 }
 
 Result<store::RecordFile> ClassAligner::recordsOf(uint32_t gop) const {
-  return store::RecordFile::resume(
-      run_.work.filesFolder() + "/" + plan_.name + "." + std::to_string(gop) + ".alignment", recordBytes(),
-      framesOf(gop), run_.environment.writer);
+  return store::RecordFile::resume(run_.work.pathOf(plan_.name + "." + std::to_string(gop) + ".alignment"),
+                                   recordBytes(), framesOf(gop), run_.environment.writer);
 }
 
 Status ClassAligner::alignGop(uint32_t gop, store::RecordFile& file) {
-  FOURDVT_ASSIGN(const GopArtefact artefact, run_.work.loadGop(plan_.name, gop));
+  FOURDVT_ASSIGN(const GopArtefact artefact, run_.work.load<GopArtefact>(gopFile(plan_.name, gop)));
   Status aligned;
   auto decoder = platform::SampleDecoder::create(infoOf(plan_.encode().codec).kind, artefact.videos[0].parameter_sets,
                                                  [&](const I420View& view, int64_t frame) {
@@ -136,7 +139,7 @@ Status ClassAligner::alignPicture(const package::ChunkFrames& frames, uint32_t g
   const size_t labels = size_t(frames.member_count) * frames.layer_count * frames.face_count;
   appearance_->setFrame(device, *model_, {std::span(frames.labels).subspan(row * labels, labels), {}});
   FOURDVT_ASSIGN(auto aligned, aligner_->align(middle(frames, row), *appearance_, *picture_));
-  FOURDVT_TRY(file.append(recordOf(aligned)));
+  FOURDVT_TRY(file.append(store::bytesOf(aligned)));
   const uint32_t done = plan_.gop_first_frames[gop] + file.count();
   progress_.done(double(done) / plan_.frameCount(),
                  "align " + plan_.name + " " + std::to_string(done) + "/" + std::to_string(plan_.frameCount()));
@@ -150,22 +153,6 @@ Positions ClassAligner::middle(const package::ChunkFrames& frames, uint32_t row)
     for (uint32_t v = 0; v < frames.vertex_count; ++v, ++q)
       member.push_back(job_.bounds.min + float(*job_.options.position_step_m) * glm::vec3(*q));
   return blend_->blend(members, std::vector<float>(members.size(), 1.0f / members.size()));
-}
-
-std::vector<uint8_t> ClassAligner::recordOf(const AlignedFrame& frame) const {
-  std::vector<uint8_t> record(recordBytes());
-  std::memcpy(record.data(), frame.displacement_m.data(), vertices() * sizeof(glm::vec2));
-  std::memcpy(record.data() + vertices() * sizeof(glm::vec2), frame.confidence.data(), vertices() * sizeof(float));
-  std::memcpy(record.data() + record.size() - sizeof(float), &frame.detail_correlation, sizeof(float));
-  return record;
-}
-
-AlignedFrame ClassAligner::frameOf(const std::vector<uint8_t>& record) const {
-  AlignedFrame frame{std::vector<glm::vec2>(vertices()), std::vector<float>(vertices())};
-  std::memcpy(frame.displacement_m.data(), record.data(), vertices() * sizeof(glm::vec2));
-  std::memcpy(frame.confidence.data(), record.data() + vertices() * sizeof(glm::vec2), vertices() * sizeof(float));
-  std::memcpy(&frame.detail_correlation, record.data() + record.size() - sizeof(float), sizeof(float));
-  return frame;
 }
 
 float meanCorrelation(const std::vector<AlignedFrame>& frames) {
@@ -186,7 +173,7 @@ void addAlignment(std::span<const AlignedFrame> aligned, double step_m, package:
 Status codeChunks(const BakeRun& run, const StreamPlan& plan, const std::vector<AlignedFrame>& aligned,
                   const package::ChunkMesh& mesh) {
   for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
-    FOURDVT_ASSIGN(auto artefact, run.work.loadGop(plan.name, g));
+    FOURDVT_ASSIGN(auto artefact, run.work.load<GopArtefact>(gopFile(plan.name, g)));
     package::ChunkFrames& frames = artefact.frames;
     if (!aligned.empty())
       addAlignment(std::span(aligned).subspan(plan.gop_first_frames[g], frames.frame_count),
@@ -198,7 +185,7 @@ Status codeChunks(const BakeRun& run, const StreamPlan& plan, const std::vector<
 
 bool hasChunks(const StreamPlan& plan, const WorkFolder& work) {
   for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g)
-    if (!work.hasChunk(plan.name, g)) return false;
+    if (!work.has(chunkFile(plan.name, g))) return false;
   return true;
 }
 

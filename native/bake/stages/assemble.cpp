@@ -93,7 +93,7 @@ package::StreamIndex makeIndex(const Job& job, const StreamPlan& plan,
 Result<std::vector<LayeredChunkBytes>> measureChunks(const BakeRun& run, const StreamPlan& plan, Precision precision) {
   std::vector<LayeredChunkBytes> bytes;
   for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
-    FOURDVT_ASSIGN(auto chunk, run.work.loadChunk(plan.name, g, precision));
+    FOURDVT_ASSIGN(auto chunk, run.work.load<store::Bytes>(chunkFile(plan.name, g, precision)));
     bytes.push_back(measure(plan, chunk, isAligned(run.job, plan)));
   }
   return bytes;
@@ -169,7 +169,7 @@ Result<Image> renderPoster(gpu::Device& device, const package::Character& charac
 Result<std::string> writeStills(const BakeRun& run, const package::Character& character) {
   const Job& job = run.job;
   const std::string folder = job.resultFolder() + "/";
-  FOURDVT_ASSIGN(auto still, run.work.loadStill());
+  FOURDVT_ASSIGN(auto still, run.work.load<StillArtefact>(kStillFile));
   FOURDVT_TRY(platform::writeFileAtomic(job.reportFolder() + "/" + kTiles, still.tile_jpeg));
   FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(job.capture, job.capture.sequences[0], 0));
   FOURDVT_ASSIGN(auto poster,
@@ -210,7 +210,7 @@ Status describeClasses(const BakeRun& run, const package::Character& character, 
   for (const StreamPlan& plan : job.streams) {
     if (!plan.isClass()) continue;
     report.figures.classes[plan.name] = figuresOf(job, plan, *character.find(plan.name));
-    FOURDVT_ASSIGN(auto artefact, run.work.loadGop(plan.name, 0));
+    FOURDVT_ASSIGN(auto artefact, run.work.load<GopArtefact>(gopFile(plan.name, 0)));
     const std::string file = "report_" + plan.name + ".jpg";
     FOURDVT_TRY(platform::writeFileAtomic(job.reportFolder() + "/" + file, artefact.picture_jpeg));
     report.pictures.push_back({file, "The video picture of " + plan.name + ", frame 0: the layers of " +

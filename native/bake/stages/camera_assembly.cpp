@@ -72,8 +72,8 @@ Status packSequence(const BakeRun& run, const StreamPlan& plan, package::Charact
   index.position_step_m = static_cast<float>(*job.options.position_step_m);
   index.renditions = std::move(tables);
   for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
-    FOURDVT_ASSIGN(const auto chunk, run.work.loadChunk(plan.name, g));
-    FOURDVT_ASSIGN(const auto artefact, run.work.loadGop(plan.name, g));
+    FOURDVT_ASSIGN(const auto chunk, run.work.load<store::Bytes>(chunkFile(plan.name, g)));
+    FOURDVT_ASSIGN(const auto artefact, run.work.load<GopArtefact>(gopFile(plan.name, g)));
     const CameraChunkBytes bytes = measure(chunk);
     index.vertex_count = std::max(index.vertex_count, artefact.frames.vertex_count);
     index.face_count = std::max(index.face_count, artefact.frames.face_count);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "bake/run/survey_files.h"
 #include "bake/stages/validate.h"
 #include "bake/texels/frame_baker.h"
 #include "platform/files.h"
@@ -68,12 +67,12 @@ Result<std::vector<ColourMap>> calibrateColours(BakeRun& run) {
   StageClock::Span span(run.clock, Stage::Colours);
   std::string key = "camera colours";
   for (const capture::CaptureSequence& sequence : job.capture.sequences) key += captureKey(job, sequence);
-  const std::string path = keyedPath(job.surveyFolder(), "camera_colours", key);
-  maps.resize(job.cameras.size());
-  if (auto bytes = platform::readFile(path); bytes && coloursFrom(bytes.value(), maps)) return maps;
+  const std::string path = store::keyedPath(job.surveyFolder(), "camera_colours", key);
+  if (auto kept = store::load<std::vector<ColourMap>>(path); kept && kept.value().size() == job.cameras.size())
+    return kept;
   FOURDVT_ASSIGN(maps, measure(run, progress));
   FOURDVT_TRY(platform::makeFolder(job.surveyFolder()));
-  FOURDVT_TRY(platform::writeFileAtomic(path, coloursBytes(maps)));
+  FOURDVT_TRY(store::save(path, maps));
   return maps;
 }
 

@@ -30,7 +30,7 @@ Status CameraGops::run() {
 }
 
 bool CameraGops::isFinished(const StreamPlan& plan, uint32_t gop) const {
-  return run_.work.hasGop(plan.name, gop) && run_.work.hasChunk(plan.name, gop);
+  return run_.work.has(gopFile(plan.name, gop)) && run_.work.has(chunkFile(plan.name, gop));
 }
 
 Status CameraGops::runOne(const StreamPlan& plan, uint32_t gop) {
@@ -149,8 +149,8 @@ Status CameraGops::saveGop(OpenGop& open, const StreamPlan& plan, uint32_t gop) 
                                        std::to_string(plan.gopEnd(gop) - 1) + ": " + chunk.error().message};
   open.artefact.frames.vertex_count = chunk.value().vertex_count;
   open.artefact.frames.face_count = chunk.value().face_count;
-  FOURDVT_TRY(run_.work.saveChunk(plan.name, gop, chunk.value().bytes));
-  return run_.work.saveGop(plan.name, gop, open.artefact);
+  FOURDVT_TRY(run_.work.save(chunkFile(plan.name, gop), chunk.value().bytes));
+  return run_.work.save(gopFile(plan.name, gop), open.artefact);
 }
 
 void CameraGops::tellFrame(const StreamPlan& plan, uint32_t frame) {

@@ -69,9 +69,9 @@ Status GopStage::run() {
 }
 
 bool GopStage::isFinished(const StreamPlan& plan, uint32_t gop) const {
-  if (!run_.work.hasGop(plan.name, gop)) return false;
-  if (!plan.isClass() && !run_.work.hasChunk(plan.name, gop)) return false;
-  return !isFirst(plan) || gop > 0 || run_.work.hasStill();
+  if (!run_.work.has(gopFile(plan.name, gop))) return false;
+  if (!plan.isClass() && !run_.work.has(chunkFile(plan.name, gop))) return false;
+  return !isFirst(plan) || gop > 0 || run_.work.has(kStillFile);
 }
 
 Status GopStage::runOne(const StreamPlan& plan, uint32_t gop) {
@@ -173,7 +173,8 @@ Result<GopStage::MemberLook> GopStage::keptMember(const capture::CaptureSequence
 
 // A disk that is full of them must not end the bake: without them the class draws its frames itself.
 void GopStage::keepForClasses(const StreamPlan& plan, uint32_t frame) {
-  if (!kept_[frame] || run_.work.saveLayers(plan.name, frame, looks_[0].layers).ok()) return;
+  if (!kept_[frame] || run_.work.save(layersFile(plan.name, frame), looks_[0].layers, store::Written::ToCache).ok())
+    return;
   kept_.assign(kept_.size(), false);
   run_.work.removeLayers();
 }
@@ -222,7 +223,8 @@ Status GopStage::saveStill() {
   FOURDVT_ASSIGN(auto texture, platform::encodeImage(rgbFromTile(picture_.view(), job_.layout.layers[0]), ".jpg", 90));
   const Image tiles = rgbFromTile(picture_.view(), {0, 0, picture_.width, picture_.height});
   FOURDVT_ASSIGN(auto tile_jpeg, platform::encodeImage(tiles, ".jpg", 80));
-  return run_.work.saveStill({picture_, looks_[0].labels, std::move(texture), std::move(tile_jpeg)});
+  return run_.work.save(kStillFile,
+                        StillArtefact{picture_, looks_[0].labels, std::move(texture), std::move(tile_jpeg)});
 }
 
 Status GopStage::saveGop(OpenGop& open, const StreamPlan& plan, uint32_t gop) {
@@ -238,7 +240,7 @@ Status GopStage::saveGop(OpenGop& open, const StreamPlan& plan, uint32_t gop) {
   } else {
     FOURDVT_TRY(saveChunks(run_, plan, gop, frames, chunk_mesh_));
   }
-  return run_.work.saveGop(plan.name, gop, open.artefact);
+  return run_.work.save(gopFile(plan.name, gop), open.artefact);
 }
 
 void GopStage::tellFrame(const StreamPlan& plan, uint32_t frame) {

@@ -11,7 +11,7 @@ namespace fourdvt::bake {
 namespace {
 
 constexpr int kInnerPoints = 3;
-constexpr const char* kGraphResult = "graph";
+constexpr const char* kGraphResult = "graph.result";
 
 std::vector<std::pair<size_t, size_t>> neighbours(const ClassPlan& plan) {
   std::vector<size_t> order(plan.members.size());
@@ -60,7 +60,7 @@ class State {
 
 Status State::loadAtlases(const WorkFolder& work) {
   for (uint32_t g = 0; g < plan_.gop_first_frames.size(); ++g) {
-    FOURDVT_ASSIGN(auto artefact, work.loadGop(plan_.name, g));
+    FOURDVT_ASSIGN(auto artefact, work.load<GopArtefact>(gopFile(plan_.name, g)));
     for (Image& image : artefact.atlases) atlases_.push_back(std::move(image));
   }
   if (atlases_.size() == plan_.frameCount() * plan_.motion.members.size()) return {};
@@ -141,7 +141,7 @@ Result<std::vector<uint8_t>> makeGraph(BakeRun& run) {
   const Job& job = run.job;
   StageProgress progress(run.progress, infoOf(Stage::Graph).work_s * job.streamFrames());
   if (job.streams.size() < 2) return std::vector<uint8_t>();
-  if (auto kept = run.work.loadResult(kGraphResult)) return kept;
+  if (auto kept = run.work.load<store::Bytes>(kGraphResult)) return kept;
   StageClock::Span span(run.clock, Stage::Graph);
   FOURDVT_ASSIGN(auto blend, NonlinearBlend::create(job.mesh.decoded.topology, job.mesh.decoded.positions));
   MeshReader meshes(job);
@@ -163,7 +163,7 @@ Result<std::vector<uint8_t>> makeGraph(BakeRun& run) {
   };
   auto graph = buildMotionGraph(descriptions, options, tell);
   if (!graph && graph.error().id == ErrorId::Interrupted) FOURDVT_TRY(run.checkStop());
-  if (graph) FOURDVT_TRY(run.work.saveResult(kGraphResult, graph.value()));
+  if (graph) FOURDVT_TRY(run.work.save(kGraphResult, graph.value()));
   return graph;
 }
 

@@ -5,13 +5,22 @@
 
 #include "bake/method/method_choice.h"
 #include "bake/method/method_trial.h"
-#include "bake/run/survey_files.h"
 #include "bake/stages/camera_plan.h"
 #include "bake/stages/validate.h"
 #include "base/bytes.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "render/cameras/camera_method.h"
+
+namespace fourdvt::store {
+
+// Without the cost, which nothing measures.
+void fields(Archive& a, bake::MethodScore& s) {
+  a(s.method, s.psnr_db, s.ssim, s.own_psnr_db, s.psnr_fg_db, s.ssim_fg);
+}
+void fields(Archive& a, bake::TrialSums& s) { a(s.views, s.shift_px, s.gap_deg, s.scores); }
+
+}  // namespace fourdvt::store
 
 namespace fourdvt::bake {
 namespace {
@@ -54,32 +63,6 @@ Result<std::vector<std::string>> methodsOf(gpu::Device& device, const CameraOpti
   return out;
 }
 
-std::vector<uint8_t> bytesOf(const TrialSums& sums) {
-  ByteWriter out;
-  out.u32(uint32_t(sums.views));
-  out.f64(sums.shift_px);
-  out.f64(sums.gap_deg);
-  for (const MethodScore& s : sums.scores)
-    for (const double value : {s.psnr_db, s.ssim, s.own_psnr_db, s.psnr_fg_db, s.ssim_fg}) out.f64(value);
-  return out.take();
-}
-
-// None if the bytes are not of so many methods.
-std::optional<TrialSums> sumsFrom(std::span<const uint8_t> bytes, const std::vector<std::string>& methods) {
-  ByteReader in(bytes);
-  TrialSums sums;
-  sums.views = in.u32();
-  sums.shift_px = in.f64();
-  sums.gap_deg = in.f64();
-  for (const std::string& method : methods) {
-    MethodScore& s = sums.scores.emplace_back();
-    s.method = method;
-    for (double* value : {&s.psnr_db, &s.ssim, &s.own_psnr_db, &s.psnr_fg_db, &s.ssim_fg}) *value = in.f64();
-  }
-  if (!in.ok() || in.remaining() > 0) return std::nullopt;
-  return sums;
-}
-
 std::string keyOf(const Job& job, const Place& place, const std::vector<std::string>& methods) {
   std::string key = kVersion;
   for (const std::string& method : methods) key += " " + method;
@@ -107,12 +90,12 @@ Result<TrialSums> measure(BakeRun& run, const std::vector<ColourMap>& maps, cons
 // Sums of one frame, measured unless the survey folder has them.
 Result<TrialSums> keptTrial(BakeRun& run, const std::vector<ColourMap>& maps, const Place& place,
                             const std::vector<std::string>& methods) {
-  const std::string folder = run.job.surveyFolder(), path = keyedPath(folder, "method", keyOf(run.job, place, methods));
-  if (const auto bytes = platform::readFile(path))
-    if (auto kept = sumsFrom(bytes.value(), methods)) return std::move(*kept);
+  const std::string folder = run.job.surveyFolder(),
+                    path = store::keyedPath(folder, "method", keyOf(run.job, place, methods));
+  if (auto kept = store::load<TrialSums>(path)) return kept;
   FOURDVT_ASSIGN(auto sums, measure(run, maps, place, methods));
   FOURDVT_TRY(platform::makeFolder(folder));
-  FOURDVT_TRY(platform::writeFileAtomic(path, bytesOf(sums)));
+  FOURDVT_TRY(store::save(path, sums));
   return sums;
 }
 

@@ -3,17 +3,16 @@
 
 #include <cstdio>
 
-#include "bake/run/survey_files.h"
 #include "bake/stages/validate.h"
 #include "base/hash.h"
-#include "platform/files.h"
 #include "platform/folders.h"
-#include "refine/refinement_bytes.h"
+#include "refine/kept_refinement.h"
+#include "store/folder.h"
 
 namespace fourdvt::bake {
 namespace {
 
-constexpr const char* kRefineVersion = "refine 2";  // change it whenever what older builds kept must not be reused
+constexpr const char* kRefineVersion = "refine 3";  // change it whenever what older builds kept must not be reused
 
 }  // namespace
 
@@ -24,19 +23,18 @@ std::string refinementPath(const std::string& folder, const capture::Capture& ca
   char text[80];
   std::snprintf(text, sizeof text, " outline %d cameras %d bias %.9g", int(options.outline), int(options.cameras),
                 options.matte_bias_pixels.value_or(1e9));
-  return keyedPath(folder, "refinement", key + text);
+  return store::keyedPath(folder, "refinement", key + text);
 }
 
 Result<refine::Refinement> loadOrRefine(const std::string& path, const capture::Capture& capture,
                                         const refine::RefineOptions& options, const OpenVideo& open_video,
                                         const std::function<bool(const std::string& what, double share)>& on_progress) {
-  refine::Refinement kept;
-  if (auto bytes = platform::readFile(path); bytes && refine::refinementFrom(bytes.value(), capture, kept)) return kept;
+  if (auto kept = refine::loadRefinement(path, capture)) return kept;
   return refine::refineCapture(capture, open_video, options, on_progress);
 }
 
 Status keepRefinement(const std::string& path, const refine::Refinement& refinement) {
-  return platform::writeFileAtomic(path, refine::refinementBytes(refinement));
+  return store::save(path, refinement);
 }
 
 Status refineJob(BakeRun& run) {
@@ -64,11 +62,9 @@ Status refineJob(BakeRun& run) {
 
 bool loadRefinementPictures(Job& job) {
   if (!job.refinement || job.refinement->worst.empty()) return true;
-  refine::Refinement kept;
-  const auto bytes = platform::readFile(job.refinement_path);
-  if (!bytes || !refine::refinementFrom(bytes.value(), job.capture, kept)) return false;
-  if (refine::changeHash(kept) != refine::changeHash(*job.refinement)) return false;
-  job.refinement->worst = std::move(kept.worst);
+  auto kept = refine::loadRefinement(job.refinement_path, job.capture);
+  if (!kept || refine::changeHash(kept.value()) != refine::changeHash(*job.refinement)) return false;
+  job.refinement->worst = std::move(kept.value().worst);
   return true;
 }
 

@@ -5,10 +5,15 @@
 #include <cstdio>
 
 #include "bake/room/room.h"
-#include "base/bytes.h"
 #include "base/hash.h"
 #include "capture/plates.h"
 #include "platform/files.h"
+
+namespace fourdvt::store {
+
+void fields(Archive& a, bake::BakedRoom& r) { a(r.room.box, r.room.width, r.room.height, r.room.faces, r.picture); }
+
+}  // namespace fourdvt::store
 
 namespace fourdvt::bake {
 namespace {
@@ -42,37 +47,12 @@ BoundingBox roomOf(const Job& job) {
   return box;
 }
 
-constexpr const char* kResult = "room";
-
-std::vector<uint8_t> roomBytes(const BakedRoom& room) {
-  ByteWriter out;
-  for (const glm::vec3& corner : {room.room.box.min, room.room.box.max})
-    for (int axis = 0; axis < 3; ++axis) out.f32(corner[axis]);
-  for (const int side : {room.room.width, room.room.height}) out.u32(uint32_t(side));
-  for (const package::Rect& r : room.room.faces)
-    for (const int number : {r.x, r.y, r.width, r.height}) out.u32(uint32_t(number));
-  out.bytes(room.picture);
-  return out.take();
-}
+constexpr const char* kResult = "room.result";
 
 void nameFile(BakedRoom& room) {
   room.room.picture_uri = kFile;
   room.room.picture_bytes = room.picture.size();
   room.room.picture_hash = fnv1a(room.picture);
-}
-
-// False if there are too few bytes.
-bool roomFrom(std::span<const uint8_t> bytes, BakedRoom& room) {
-  ByteReader in(bytes);
-  for (glm::vec3* corner : {&room.room.box.min, &room.room.box.max})
-    for (int axis = 0; axis < 3; ++axis) (*corner)[axis] = in.f32();
-  for (int* side : {&room.room.width, &room.room.height}) *side = int(in.u32());
-  for (package::Rect& r : room.room.faces)
-    for (int* number : {&r.x, &r.y, &r.width, &r.height}) *number = int(in.u32());
-  const auto picture = in.bytes(in.remaining());
-  room.picture.assign(picture.begin(), picture.end());
-  nameFile(room);
-  return in.ok() && !room.picture.empty();
 }
 
 }  // namespace
@@ -101,8 +81,12 @@ Result<std::optional<BakedRoom>> makeRoom(BakeRun& run, const std::vector<Colour
   StageProgress progress(run.progress, infoOf(Stage::Room).work_s);
   StageClock::Span span(run.clock, Stage::Room);
   progress.done(0, "room");
+  if (auto kept = run.work.load<BakedRoom>(kResult)) {
+    BakedRoom out = kept.take();
+    nameFile(out);
+    return std::optional(std::move(out));
+  }
   BakedRoom out;
-  if (const auto kept = run.work.loadResult(kResult); kept && roomFrom(kept.value(), out)) return std::optional(out);
   FOURDVT_ASSIGN(const auto plates, readPlates(job, colour_maps));
   RoomOptions options;
   for (int i = 0; i < kTries && (i == 0 || out.picture.size() > kLargestBytes); ++i) {
@@ -113,7 +97,7 @@ Result<std::optional<BakedRoom>> makeRoom(BakeRun& run, const std::vector<Colour
     FOURDVT_ASSIGN(out.picture, platform::encodeImage(made.picture, ".jpg", kQuality));
   }
   nameFile(out);
-  FOURDVT_TRY(run.work.saveResult(kResult, roomBytes(out)));
+  FOURDVT_TRY(run.work.save(kResult, out));
   progress.done(1, "room");
   return std::optional(std::move(out));
 }

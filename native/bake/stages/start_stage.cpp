@@ -20,8 +20,8 @@ Status writeStart(const BakeRun& run, package::Character& character, ReportInput
   FOURDVT_ASSIGN(const auto header, platform::readFileRange(folder + s.stream_uri, 0, s.stream_header_bytes));
   FOURDVT_ASSIGN(auto index, package::readStreamHeader(header));
   const bool coarse = s.hasCoarseGeometry(0);
-  FOURDVT_ASSIGN(const auto gop,
-                 run.work.loadChunk(job.streams[0].name, 0, coarse ? Precision::Coarse : Precision::Fine));
+  FOURDVT_ASSIGN(const auto gop, run.work.load<store::Bytes>(
+                                     chunkFile(job.streams[0].name, 0, coarse ? Precision::Coarse : Precision::Fine)));
   const package::VideoSample key = index.renditions[0].samples[0];
   if (coarse) index.position_step_m = index.coarse_step_m;
   FOURDVT_ASSIGN(const auto video, platform::readFileRange(folder + s.renditions[0].video_uri, key.offset, key.bytes));

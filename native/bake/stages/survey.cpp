@@ -6,17 +6,24 @@
 #include <filesystem>
 #include <future>
 
-#include "bake/run/kept_windows.h"
-#include "bake/run/survey_files.h"
 #include "bake/stages/validate.h"
 #include "package/character.h"
-#include "platform/files.h"
 #include "platform/folders.h"
 #include "store/record_file.h"
+
+namespace fourdvt::store {
+
+void fields(Archive& a, bake::LabelStatistics& s) {
+  a(s.frames, s.seam_percent, s.flip_percent, s.camera_seam_percent, s.camera_flip_percent, s.seen_seam_percent,
+    s.seen_flip_percent, s.mean_penalty, s.energy, s.empty_percent, s.seconds);
+}
+
+}  // namespace fourdvt::store
 
 namespace fourdvt::bake {
 namespace {
 
+constexpr const char* kWindow = ".window-";
 constexpr const char* kKept = "visibility and labels measured so far";
 constexpr double kMeasuringShare = 0.8;  // share of the survey's time; labelling takes the rest
 
@@ -56,22 +63,44 @@ LabelOptions labelOptions(const Job& job) {
 
 }  // namespace
 
+LabelKeeper windowKeeper(const std::string& labels_path) {
+  const auto pathOf = [labels_path](uint32_t first, uint32_t end) {
+    return labels_path + kWindow + std::to_string(first) + "-" + std::to_string(end - 1);
+  };
+  return {[pathOf](uint32_t first, uint32_t end) {
+            auto kept = store::load<store::Bytes>(pathOf(first, end));
+            return kept ? kept.take() : store::Bytes();
+          },
+          [pathOf](uint32_t first, uint32_t end, const store::Bytes& bytes) {
+            return store::save(pathOf(first, end), bytes);
+          }};
+}
+
+void removeWindows(const std::string& labels_path) {
+  const std::filesystem::path labels(labels_path);
+  const std::string start = labels.filename().string() + kWindow;
+  platform::removeEntries(labels.parent_path().string(),
+                          [&](const std::string& name) { return name.starts_with(start); });
+}
+
 Survey::Survey(const Job& job) : job_(&job), folder_(job.surveyFolder()) {
   std::string all;
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
     const std::string& name = sequence.name;
     const std::string key = captureKey(job, sequence);
     all += key;
-    paths_[name] = {keyedPath(folder_, "visible_" + name, key),
-                    keyedPath(folder_, "labels_" + name, key + labelKey(job.options))};
+    paths_[name] = {store::keyedPath(folder_, "visible_" + name, key),
+                    store::keyedPath(folder_, "labels_" + name, key + labelKey(job.options))};
   }
-  colours_path_ = keyedPath(folder_, "colours", all);
+  colours_path_ = store::keyedPath(folder_, "colours", all);
 }
 
 Result<Survey> Survey::open(BakeRun& run) {
   Survey survey(run.job);
   FOURDVT_TRY(platform::makeFolder(survey.folder_));
-  survey.loadColours();
+  if (auto maps = store::load<std::vector<ColourMap>>(survey.colours_path_);
+      maps && maps.value().size() == run.job.cameras.size())
+    survey.colour_maps_ = maps.take();
   return survey;
 }
 
@@ -112,7 +141,7 @@ Status Survey::measure(BakeRun& run, StageProgress& progress) {
 Status Survey::keepColours(BakeRun& run, const ColourCalibrator& calibrator) {
   StageClock::Span span(run.clock, Stage::Colours);
   colour_maps_ = calibrator.solve();
-  return saveColours();
+  return store::save(colours_path_, colour_maps_);
 }
 
 Status Survey::measureFrom(BakeRun& run, const capture::CaptureSequence& sequence, uint32_t first) {
@@ -241,8 +270,7 @@ std::vector<LabelWindow> planLabelWindows(const Job& job, const capture::Capture
 Status Survey::withLabelExchange(BakeRun& run, const capture::CaptureSequence& sequence, const OnFrame& on_frame,
                                  const LabelSink& sink, const LabelSolve& solve) {
   StageClock::Span span(run.clock, Stage::Labels);
-  const KeptWindows kept(labelsPath(sequence));
-  const LabelKeeper keeper = kept.keeper();
+  const LabelKeeper keeper = windowKeeper(labelsPath(sequence));
   const Status solved = solve(
       labelOptions(*job_), makeFaceGraph(job_->mesh.decoded.topology),
       {[&](uint32_t frame) { return faceCosts(sequence, frame); }, sink, on_frame, run.environment.stop, &keeper});
@@ -273,20 +301,18 @@ Status Survey::label(BakeRun& run, const capture::CaptureSequence& sequence, con
         FOURDVT_ASSIGN(statistics, solveLabels(options, graph, sequence.frame_count, exchange));
         return {};
       }));
-  FOURDVT_TRY(platform::writeFileAtomic(path + ".statistics", statisticsBytes(statistics)));
+  FOURDVT_TRY(store::save(path + ".statistics", statistics));
   FOURDVT_TRY(file.finish());
-  if (run.environment.writer.empty()) KeptWindows(path).remove();
+  if (run.environment.writer.empty()) removeWindows(path);
   statistics_[sequence.name] = std::move(statistics);
   return {};
 }
 
 bool Survey::loadStatistics(const capture::CaptureSequence& sequence) {
   if (!store::RecordFile::isComplete(labelsPath(sequence), labelBytes(), sequence.frame_count)) return false;
-  auto bytes = platform::readFile(labelsPath(sequence) + ".statistics");
-  LabelStatistics statistics;
-  if (!bytes || !statisticsFrom(bytes.value(), statistics)) return false;
-  statistics_[sequence.name] = statistics;
-  return true;
+  auto kept = store::load<LabelStatistics>(labelsPath(sequence) + ".statistics");
+  if (kept) statistics_[sequence.name] = kept.take();
+  return kept.ok();
 }
 
 Result<std::vector<float>> Survey::fractions(const capture::CaptureSequence& sequence, uint32_t frame) const {
@@ -334,15 +360,5 @@ Result<std::vector<uint8_t>> Survey::penaltyOrder(const capture::CaptureSequence
   }
   return order;
 }
-
-bool Survey::loadColours() {
-  auto bytes = platform::readFile(colours_path_);
-  std::vector<ColourMap> maps(job_->cameras.size());
-  if (!bytes || !coloursFrom(bytes.value(), maps)) return false;
-  colour_maps_ = std::move(maps);
-  return true;
-}
-
-Status Survey::saveColours() const { return platform::writeFileAtomic(colours_path_, coloursBytes(colour_maps_)); }
 
 }  // namespace fourdvt::bake

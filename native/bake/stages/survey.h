@@ -23,6 +23,12 @@ constexpr uint32_t kHysteresisFrames = 2;
 // Compares colours in every kColourEvery-th of the first kColourFrames frames of a sequence.
 constexpr uint32_t kColourEvery = 4, kColourFrames = 32;
 
+// Stores the solved windows of a sequence's labels until the labels are complete, in files beside theirs. A damaged one
+// counts as absent.
+LabelKeeper windowKeeper(const std::string& labels_path);
+// Removes the windows of this sequence's labels, and no others.
+void removeWindows(const std::string& labels_path);
+
 class Survey {
  public:
   // The survey borrows the run's job. Errors: those of capture and GPU, NothingVisible, WriteFailed, Interrupted.
@@ -76,8 +82,6 @@ class Survey {
   Status label(BakeRun& run, const capture::CaptureSequence& sequence, const OnFrame& on_frame);
   bool matchesColours() const { return job_->options.colour_calibration && job_->cameras.size() > 1; }
   Status keepColours(BakeRun& run, const ColourCalibrator& calibrator);
-  bool loadColours();
-  Status saveColours() const;
   bool loadStatistics(const capture::CaptureSequence& sequence);
   Result<FaceCosts> faceCosts(const capture::CaptureSequence& sequence, uint32_t frame) const;
   Result<std::vector<float>> fractions(const capture::CaptureSequence& sequence, uint32_t frame) const;
@@ -98,3 +102,9 @@ class Survey {
 };
 
 }  // namespace fourdvt::bake
+
+namespace fourdvt::store {
+
+void fields(Archive& a, bake::LabelStatistics& s);
+
+}  // namespace fourdvt::store

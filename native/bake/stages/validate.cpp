@@ -23,7 +23,7 @@
 #include "capture/input_files.h"
 #include "platform/files.h"
 #include "platform/folders.h"
-#include "refine/refinement_bytes.h"
+#include "refine/kept_refinement.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 
 // Change these whenever what older builds kept must not be reused.
 constexpr const char* kSurveyVersion = "bake 3";
-constexpr const char* kGopVersion = "gops 7";
+constexpr const char* kGopVersion = "gops 8";
 
 Error bad(const std::string& message) { return {ErrorId::InvalidArgument, message}; }
 
@@ -368,12 +368,6 @@ std::string filesKey(const capture::Capture& capture, const capture::CaptureSequ
 
 namespace {
 
-std::string digitsOf(uint64_t hash) {
-  char digits[20];
-  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
-  return digits;
-}
-
 Error changed(const std::string& what) {
   return bad(what + " have changed since the plan was made, or differ on this machine; run `fourdvt plan` again");
 }
@@ -383,7 +377,7 @@ std::string measuredCaptureKey(const Job& job, const capture::CaptureSequence& s
   key.append(job.mesh.bytes.begin(), job.mesh.bytes.end());
   if (job.length_scale != 1) key += " lengths " + std::to_string(job.length_scale);
   if (job.refinement) key += " refined " + std::to_string(refine::changeHash(*job.refinement));
-  return digitsOf(fnv1a(key));
+  return hashText(fnv1a(key));
 }
 
 }  // namespace
@@ -443,7 +437,7 @@ std::string labelKey(const BakeOptions& o) {
   for (const int number :
        {int(chosen.use_partial), int(chosen.label_unseen), chosen.window_frames, chosen.hop_frames, chosen.sweeps})
     all += std::to_string(number) + " ";
-  const std::string hash = digitsOf(fnv1a(all));
+  const std::string hash = hashText(fnv1a(all));
   return std::string(" labels ") + o.labels->name + " penalty " + std::to_string(static_cast<int>(o.penalty)) +
          " layers " + std::to_string(o.layers) + " chosen " + hash;
 }
@@ -466,7 +460,7 @@ std::string settingsKey(const Job& job) {
     hash = fnv1a(std::string_view(key.c_str(), key.size() + 1),
                  hash);  // hashed with its terminating zero, so that keys do not run together
   }
-  std::string text = digitsOf(hash) + line;
+  std::string text = hashText(hash) + line;
   for (const LowerRendition& r : o.lower_renditions) text += fileSuffix(r, o) + "/" + r.preset;
   text += "\n";
   if (!job.fromCameras()) return text;

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/run/survey_files.h"
-
 #include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "bake/stages/survey.h"
+#include "platform/files.h"
 
 namespace fourdvt::bake {
 namespace {
+
+namespace fs = std::filesystem;
 
 TEST(SurveyFiles, StatisticsRoundTripAndRefuseOtherLengths) {
   LabelStatistics in;
@@ -17,9 +22,9 @@ TEST(SurveyFiles, StatisticsRoundTripAndRefuseOtherLengths) {
   in.mean_penalty = {0.125, 1};
   in.energy = 12345.5;
   in.seconds = 2;
-  std::vector<uint8_t> bytes = statisticsBytes(in);
+  std::vector<uint8_t> bytes = store::bytesOf(in);
   LabelStatistics out;
-  ASSERT_TRUE(statisticsFrom(bytes, out));
+  ASSERT_TRUE(store::readBytes(bytes, out));
   EXPECT_EQ(out.frames, 7u);
   EXPECT_EQ(out.seam_percent, in.seam_percent);
   EXPECT_EQ(out.flip_percent, in.flip_percent);
@@ -32,29 +37,44 @@ TEST(SurveyFiles, StatisticsRoundTripAndRefuseOtherLengths) {
   EXPECT_EQ(out.seconds, in.seconds);
   for (size_t n = 0; n < bytes.size(); ++n) {
     LabelStatistics part;
-    EXPECT_FALSE(statisticsFrom(std::span(bytes).first(n), part)) << n;
+    EXPECT_FALSE(store::readBytes(std::span(bytes).first(n), part)) << n;
   }
   bytes.push_back(0);
-  EXPECT_FALSE(statisticsFrom(bytes, out));
+  EXPECT_FALSE(store::readBytes(bytes, out));
 }
 
-TEST(SurveyFiles, ColourMapsRoundTrip) {
-  std::vector<ColourMap> in(2), out(2), three(3);
-  in[1].matrix = glm::mat3(1, 2, 3, 4, 5, 6, 7, 8, 9);
-  in[1].offset = {0.5f, -0.25f, 0.125f};
-  const std::vector<uint8_t> bytes = coloursBytes(in);
-  ASSERT_TRUE(coloursFrom(bytes, out));
-  EXPECT_EQ(out[1].matrix, in[1].matrix);
-  EXPECT_EQ(out[1].offset, in[1].offset);
-  EXPECT_EQ(out[0].matrix, glm::mat3(1));
-  EXPECT_FALSE(coloursFrom(bytes, three)) << "another number of cameras";
+TEST(SurveyFiles, WindowsAreFoundByTheirFramesUntilTheyAreRemoved) {
+  const std::string folder = testing::TempDir() + "/fourdvt_kept_windows";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  const std::string walk = folder + "/labels_walk_12.bin";
+  const LabelKeeper keeper = windowKeeper(walk), other = windowKeeper(folder + "/labels_walk_123.bin");
+  const std::vector<uint8_t> bytes{3, 1, 4, 255};
+  ASSERT_TRUE(keeper.keep(0, 8, bytes).ok());
+  ASSERT_TRUE(other.keep(0, 8, {7}).ok());
+  EXPECT_EQ(keeper.find(0, 8), bytes);
+  EXPECT_TRUE(keeper.find(0, 9).empty());
+  EXPECT_TRUE(keeper.find(8, 16).empty());
+  EXPECT_EQ(windowKeeper(walk).find(0, 8), bytes) << "by another run";
+
+  const std::string file = walk + ".window-0-7";
+  auto damaged = platform::readFile(file).take();
+  damaged[1] ^= 1;
+  ASSERT_TRUE(platform::writeFileAtomic(file, damaged).ok());
+  EXPECT_TRUE(keeper.find(0, 8).empty());
+
+  removeWindows(walk);
+  EXPECT_FALSE(fs::exists(file));
+  EXPECT_EQ(other.find(0, 8), std::vector<uint8_t>{7});
+  fs::remove_all(folder);
+  EXPECT_EQ(keeper.keep(0, 8, bytes).error().id, ErrorId::WriteFailed) << "without its folder";
 }
 
 TEST(SurveyFiles, PathsDifferByKey) {
-  EXPECT_NE(keyedPath("f", "a", "1"), keyedPath("f", "a", "2"));
-  EXPECT_EQ(keyedPath("f", "a", "1").rfind("f/a_", 0), 0u);
+  EXPECT_NE(store::keyedPath("f", "a", "1"), store::keyedPath("f", "a", "2"));
+  EXPECT_EQ(store::keyedPath("f", "a", "1").rfind("f/a_", 0), 0u);
   const std::string long_name(300, 'x');
-  EXPECT_NE(keyedPath("f", long_name, "1"), keyedPath("f", long_name, "2"));
+  EXPECT_NE(store::keyedPath("f", long_name, "1"), store::keyedPath("f", long_name, "2"));
 }
 
 }  // namespace

@@ -6,8 +6,10 @@
 #include <gtest/gtest.h>
 
 #include "capture_fixture.h"
-#include "refine/refinement_bytes.h"
+#include "platform/files.h"
+#include "refine/kept_refinement.h"
 #include "sphere_fixture.h"
+#include "store/folder.h"
 
 namespace fourdvt::refine {
 namespace {
@@ -165,20 +167,23 @@ TEST(Refine, EmptyMattesAndASingleCameraLeaveTheMeshAndSaySo) {
   const Refinement refinement = refine(capture, {});
   EXPECT_EQ(refinement.offsets, nullptr);
   EXPECT_FALSE(refinement.note.empty());
-  Refinement read;
-  EXPECT_TRUE(refinementFrom(refinementBytes(refinement), capture, read));
+  const std::string path = testing::TempDir() + "/single_camera.refinement";
+  ASSERT_TRUE(store::save(path, refinement));
+  EXPECT_TRUE(loadRefinement(path, capture));
 }
 
-TEST(Refine, DamagedBytesAreRefused) {
+TEST(Refine, DamagedFilesAreRefused) {
   const BallCapture files;
   const capture::Capture capture = files.open();
-  const auto bytes = refinementBytes(refine(capture, {.cameras = false}));
-  Refinement read;
-  ASSERT_TRUE(refinementFrom(bytes, capture, read));
+  const std::string path = testing::TempDir() + "/damaged.refinement";
+  ASSERT_TRUE(store::save(path, refine(capture, {.cameras = false})));
+  ASSERT_TRUE(loadRefinement(path, capture));
+  const auto bytes = platform::readFile(path).take();
   for (size_t at = 0; at < bytes.size(); at += 1 + bytes.size() / 50) {
     auto damaged = bytes;
     damaged[at] ^= 0x40;
-    EXPECT_FALSE(refinementFrom(damaged, capture, read)) << at;
+    ASSERT_TRUE(platform::writeFileAtomic(path, damaged));
+    EXPECT_FALSE(loadRefinement(path, capture)) << at;
   }
 }
 
