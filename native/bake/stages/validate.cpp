@@ -361,8 +361,7 @@ std::string filesKey(const capture::Capture& capture, const capture::CaptureSequ
     key += fingerprints(part);
   for (const capture::CaptureCamera& camera : capture.cameras) key += camera.pinhole.name + "\n";
   key += meshFingerprints(sequence) + std::to_string(hashOf(capture.topology)) + "\n";
-  if (auto json = platform::readFile(capture.folder + "/capture.json"); json.ok())
-    key.append(json.value().begin(), json.value().end());
+  if (auto json = platform::readText(capture.folder + "/capture.json"); json.ok()) key += json.value();
   return key;
 }
 

@@ -75,8 +75,8 @@ Status linkSequence(const fs::path& from, const fs::path& to, const Json& sequen
 
 // Leaves a file that has this text already as it is, with its time.
 Status writeText(const std::string& path, const std::string& text) {
-  const auto found = platform::readFile(path);
-  if (found.ok() && std::equal(found.value().begin(), found.value().end(), text.begin(), text.end())) return {};
+  const auto found = platform::readText(path);
+  if (found.ok() && found.value() == text) return {};
   return platform::writeFileAtomic(path, text);
 }
 

@@ -8,6 +8,7 @@
 #include "capture/folder/linked_capture.h"
 #include "platform/files.h"
 #include "platform/folders.h"
+#include "store/folder.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -87,20 +88,19 @@ Result<std::string> checkedTarget(const std::string& folder, const std::string& 
 
 Status ResultFolder::open(const std::string& key, bool resume) const {
   std::error_code failed;
-  const auto found = platform::readFile(keyPath());
+  const auto found = store::keyOf(workFolder());
   for (const std::string& folder : {workFolder(), partFolder()}) {
-    if (fs::exists(folder, failed) && !found.ok())
+    if (fs::exists(folder, failed) && !found)
       return Error{ErrorId::InvalidArgument, folder + ": exists and was not left by " + writer_.command +
                                                  "; move it away or choose another output folder"};
   }
-  const std::string left(found.ok() ? std::string(found.value().begin(), found.value().end()) : "");
-  if (found.ok() && !left.ends_with(signature()))
+  if (found && !found->ends_with(signature()))
     return Error{ErrorId::InvalidArgument, workFolder() +
                                                ": is unfinished work of another command, or of an earlier "
                                                "version; finish that, or remove it and " +
                                                partFolder()};
-  const bool same = left == key + signature();
-  if (resume && found.ok() && !same) {
+  const bool same = holds(key);
+  if (resume && found && !same) {
     return Error{
         ErrorId::InvalidArgument,
         workFolder() +
@@ -109,22 +109,13 @@ Status ResultFolder::open(const std::string& key, bool resume) const {
   }
   if (!resume || !same) {
     platform::removeFolder(partFolder());
-    removeWork();
+    store::removeFolder(workFolder());
   }
-  FOURDVT_TRY(platform::makeFolder(workFolder()));
-  FOURDVT_TRY(platform::writeFileAtomic(keyPath(), key + signature()));
+  FOURDVT_TRY(store::setKey(workFolder(), key + signature()));
   return platform::makeFolder(partFolder());
 }
 
-bool ResultFolder::holds(const std::string& key) const {
-  const auto found = platform::readFile(keyPath());
-  return found.ok() && std::string(found.value().begin(), found.value().end()) == key + signature();
-}
-
-// The settings file goes last: without it, what is left half removed is taken for something else.
-void ResultFolder::removeWork() const {
-  platform::removeFolder(workFolder(), std::filesystem::path(keyPath()).filename().string());
-}
+bool ResultFolder::holds(const std::string& key) const { return store::keyOf(workFolder()) == key + signature(); }
 
 Status ResultFolder::place() const {
   const std::string previous = workFolder() + "/previous." + platform::ownSuffix();  // nobody else removes it
@@ -135,7 +126,7 @@ Status ResultFolder::place() const {
 
 Status ResultFolder::finish() const {
   FOURDVT_TRY(place());
-  removeWork();
+  store::removeFolder(workFolder());
   return {};
 }
 

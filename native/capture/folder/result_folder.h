@@ -47,9 +47,7 @@ class ResultFolder {
   Status finish() const;
 
  private:
-  void removeWork() const;
   std::string signature() const { return "by " + writer_.command + "\n"; }
-  std::string keyPath() const { return workFolder() + "/settings.txt"; }
 
   std::string target_;
   FolderWriter writer_;

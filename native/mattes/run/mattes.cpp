@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "capture/folder/linked_capture.h"
 #include "capture/folder/result_folder.h"
@@ -16,12 +15,12 @@
 #include "mattes/run/sequence_mattes.h"
 #include "platform/files.h"
 #include "platform/folders.h"
+#include "store/folder.h"
 
 namespace fourdvt::mattes {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Json = nlohmann::ordered_json;
 
 constexpr uint32_t kShownFrames = 6;          // of a sequence, in its contact sheets
 constexpr const char* kVersion = "mattes 1";  // raise it when the same options give other mattes
@@ -40,25 +39,6 @@ std::vector<uint32_t> spread(uint32_t frames, uint32_t count) {
   std::vector<uint32_t> out;
   const uint32_t n = std::min(frames, count);
   for (uint32_t i = 0; i < n; ++i) out.push_back(uint32_t((2ull * i + 1) * frames / (2ull * n)));
-  return out;
-}
-
-Json jsonOf(const CameraFigures& f) {
-  return {f.shift_pixels, f.gain, f.residual_levels, f.supported, f.kept, f.share};
-}
-
-std::optional<std::vector<CameraFigures>> figuresIn(const std::string& path, size_t cameras) {
-  const auto bytes = platform::readFile(path);
-  if (!bytes.ok()) return std::nullopt;
-  const Json json = Json::parse(bytes.value(), nullptr, false);
-  if (!json.is_array() || json.size() != cameras) return std::nullopt;
-  std::vector<CameraFigures> out;
-  for (const Json& row : json) {
-    if (!row.is_array() || row.size() != 6) return std::nullopt;
-    for (const Json& value : row)
-      if (!value.is_number()) return std::nullopt;
-    out.push_back({row[0], row[1], row[2], row[3], row[4], row[5]});
-  }
   return out;
 }
 
@@ -109,19 +89,17 @@ class Run {
   std::vector<uint32_t> framesOf(const capture::CaptureSequence& s) const {
     return spread(s.frame_count, options_.preview > 0 ? uint32_t(options_.preview) : s.frame_count);
   }
-  std::string sourcesPath() const { return work_ + "/mattes/sources.json"; }
+  std::string sourcesPath() const { return work_ + "/mattes/sources.bin"; }
   // Sources that an earlier run, or this one, made mattes from.
   std::vector<std::string> sourceNames() const {
-    std::vector<std::string> out(capture_.cameras.size(), "none");
-    const auto bytes = platform::readFile(sourcesPath());
-    const Json json = bytes.ok() ? Json::parse(bytes.value(), nullptr, false) : Json();
-    for (size_t c = 0; json.is_array() && c < std::min(json.size(), out.size()); ++c)
-      if (json[c].is_string()) out[c] = json[c];
+    auto kept = store::load<std::vector<std::string>>(sourcesPath());
+    auto out = kept ? kept.take() : std::vector<std::string>();
+    out.resize(capture_.cameras.size(), "none");
     return out;
   }
   std::string cellsFolder() const { return work_ + "/cells"; }
   std::string figuresPath(const capture::CaptureSequence& s, uint32_t frame) const {
-    return work_ + "/mattes/" + s.name + "/" + frameName(frame) + ".json";
+    return work_ + "/mattes/" + s.name + "/" + frameName(frame) + ".bin";
   }
   // A preview's mattes lie apart, so that nobody takes its folder for a capture.
   std::string mattesFolder(const capture::CaptureSequence& s, size_t camera) const {
@@ -149,9 +127,9 @@ class Run {
   Status openSourcesOnce() {
     if (joint_) return {};
     FOURDVT_ASSIGN(sources_, openSources(capture_, environment_));
-    Json names = Json::array();
+    std::vector<std::string> names;
     for (const MatteSource& source : sources_) names.push_back(source.name());
-    FOURDVT_TRY(platform::writeFileAtomic(sourcesPath(), names.dump()));
+    FOURDVT_TRY(store::save(sourcesPath(), names));
     JointOptions joint;
     joint.alone = options_.alone;
     joint.background_unseen =
@@ -180,7 +158,8 @@ class Run {
     std::error_code none;
     for (size_t c = 0; c < capture_.cameras.size(); ++c)
       if (lacking[c] && !std::filesystem::exists(mattePath(s, c, frame), none)) return std::nullopt;
-    return figuresIn(figuresPath(s, frame), capture_.cameras.size());
+    auto kept = store::load<std::vector<CameraFigures>>(figuresPath(s, frame));
+    return kept && kept.value().size() == capture_.cameras.size() ? std::optional(kept.take()) : std::nullopt;
   }
 
   Result<SequenceFigures> runSequence(const capture::CaptureSequence& s) {
@@ -250,9 +229,7 @@ class Run {
     });
     for (const Status& status : done)
       if (!status.ok()) return status.error();
-    Json json = Json::array();
-    for (const CameraFigures& f : out) json.push_back(jsonOf(f));
-    FOURDVT_TRY(platform::writeFileAtomic(figuresPath(s, frame), json.dump()));
+    FOURDVT_TRY(store::save(figuresPath(s, frame), out));
     return out;
   }
 

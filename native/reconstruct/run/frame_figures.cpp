@@ -2,7 +2,6 @@
 #include "reconstruct/run/frame_figures.h"
 
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 namespace fourdvt::reconstruct {
@@ -39,40 +38,6 @@ std::string figuresText(const FrameFigures& f) {
     for (const double v : f.*list) out[name].push_back(std::isnan(v) ? Json() : Json(v));
   }
   return out.dump();
-}
-
-Result<FrameFigures> parseFigures(const std::string& text, const std::string& path) {
-  const Json json = Json::parse(text, nullptr, false);
-  const Error damaged{ErrorId::FileUnreadable, path + ": damaged; run the command without --resume"};
-  if (!json.is_object() || !json.contains("overlap") || !json["overlap"].is_array()) return damaged;
-  FrameFigures f;
-  const auto number = [&](const char* key) {
-    const auto it = json.find(key);
-    return it != json.end() && it->is_number() ? it->get<double>() : 0.0;
-  };
-  f.vertices = uint32_t(number("vertices"));
-  f.triangles = uint32_t(number("triangles"));
-  f.triangles_made = uint32_t(number("triangles_made"));
-  f.footprint_m = number("footprint_m");
-  f.person_metre_m = number("person_metre_m");
-  f.voxel_m = number("voxel_m");
-  f.parts_left_out = uint32_t(number("parts_left_out"));
-  f.volume_m3 = number("volume_m3");
-  f.seen_m3 = number("seen_m3");
-  f.fallback = json.value("fallback", "");
-  for (const auto& [name, list] : kLists) {
-    const auto values = json.find(name);  // frames of an earlier version lack some
-    if (values == json.end() || !values->is_array()) continue;
-    for (const Json& v : *values)
-      (f.*list).push_back(v.is_number() ? v.get<double>() : std::numeric_limits<double>::quiet_NaN());
-  }
-  f.read_ms = number("read_ms");
-  f.silhouettes_ms = number("silhouettes_ms");
-  f.hull_ms = number("hull_ms");
-  f.stereo_ms = number("stereo_ms");
-  f.fairing_ms = number("fairing_ms");
-  f.check_ms = number("check_ms");
-  return f;
 }
 
 }  // namespace fourdvt::reconstruct

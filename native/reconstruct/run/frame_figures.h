@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
-
 namespace fourdvt::reconstruct {
 
 inline constexpr double kMoved_m = 0.003;
@@ -32,8 +30,7 @@ struct FrameFigures {
   double seconds() const { return (read_ms + silhouettes_ms + hull_ms + stereo_ms + fairing_ms + check_ms) / 1e3; }
 };
 
+// JSON; a list has null for NaN.
 std::string figuresText(const FrameFigures& figures);
-// Error FileUnreadable for text that figuresText did not write.
-Result<FrameFigures> parseFigures(const std::string& text, const std::string& path);
 
 }  // namespace fourdvt::reconstruct

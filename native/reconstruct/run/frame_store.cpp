@@ -9,6 +9,17 @@
 #include "capture/mesh_file.h"
 #include "platform/files.h"
 #include "platform/folders.h"
+#include "store/folder.h"
+
+namespace fourdvt::store {
+
+void fields(Archive& a, reconstruct::FrameFigures& f) {
+  a(f.vertices, f.triangles, f.triangles_made, f.footprint_m, f.person_metre_m, f.voxel_m, f.parts_left_out, f.fallback,
+    f.volume_m3, f.seen_m3, f.cover, f.overlap, f.outline_px, f.hull_overlap, f.believed, f.moved, f.read_ms,
+    f.silhouettes_ms, f.hull_ms, f.stereo_ms, f.fairing_ms, f.check_ms);
+}
+
+}  // namespace fourdvt::store
 
 namespace fourdvt::reconstruct {
 namespace {
@@ -47,9 +58,7 @@ Status FrameStore::makeFolders(const std::string& sequence) const {
 }
 
 std::string FrameStore::figuresFolder(const std::string& sequence) const {
-  char digits[17];
-  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(fnv1a(key_)));
-  return folder_.workFolder() + "/figures_" + digits + "/" + sequence;
+  return folder_.workFolder() + "/figures_" + hashText(fnv1a(key_)) + "/" + sequence;
 }
 
 Status FrameStore::checkFolder() const {
@@ -65,18 +74,14 @@ std::string FrameStore::meshPath(const std::string& sequence, uint32_t frame) co
 }
 
 std::string FrameStore::figuresPath(const std::string& sequence, uint32_t frame) const {
-  return figuresFolder(sequence) + "/" + frameName(frame) + ".json";
+  return figuresFolder(sequence) + "/" + frameName(frame) + ".bin";
 }
 
 std::optional<FrameFigures> FrameStore::find(const std::string& sequence, uint32_t frame) const {
   std::error_code failed;
   if (!fs::exists(meshPath(sequence, frame), failed)) return std::nullopt;
-  const std::string path = figuresPath(sequence, frame);
-  const auto bytes = platform::readFile(path);
-  if (!bytes.ok()) return std::nullopt;
-  auto figures = parseFigures(std::string(bytes.value().begin(), bytes.value().end()), path);
-  if (!figures.ok()) return std::nullopt;
-  return figures.take();
+  auto figures = store::load<FrameFigures>(figuresPath(sequence, frame));
+  return figures ? std::optional(figures.take()) : std::nullopt;
 }
 
 Status FrameStore::save(const std::string& sequence, uint32_t frame, const TriangleMesh& mesh,
@@ -85,16 +90,12 @@ Status FrameStore::save(const std::string& sequence, uint32_t frame, const Trian
   TriangleMesh in_units = mesh;
   for (glm::vec3& p : in_units.positions) p /= float(metres_per_unit_);
   FOURDVT_TRY(platform::writeFileAtomic(meshPath(sequence, frame), capture::plyBytes(in_units)));
-  return platform::writeFileAtomic(figuresPath(sequence, frame), figuresText(figures));
+  return store::save(figuresPath(sequence, frame), figures);
 }
 
 void FrameStore::removeLeftovers(const std::string& sequence) const {
-  std::error_code failed, ignored;
-  std::vector<fs::path> left;
-  for (fs::directory_iterator file(fs::path(meshPath(sequence, 0)).parent_path(), failed), end; !failed && file != end;
-       file.increment(failed))
-    if (file->path().extension() != ".ply") left.push_back(file->path());
-  for (const fs::path& path : left) fs::remove(path, ignored);
+  platform::removeEntries(fs::path(meshPath(sequence, 0)).parent_path().string(),
+                          [](const std::string& name) { return !name.ends_with(".ply"); });
 }
 
 Result<TriangleMesh> FrameStore::loadMesh(const std::string& sequence, uint32_t frame) const {

@@ -19,8 +19,8 @@ constexpr const char* kStems[] = {"evaluate", "projective"};  // StudyOptions::s
 std::string keyPath(const std::string& folder) { return folder + "/steps/key.txt"; }
 
 std::string readText(const std::string& path) {
-  auto bytes = platform::readFile(path);
-  return bytes ? std::string(bytes.value().begin(), bytes.value().end()) : std::string();
+  auto text = platform::readText(path);
+  return text ? text.take() : std::string();
 }
 
 // Path below the folder, size and time of every file, except for those in `except`.
