@@ -2,6 +2,7 @@
 // A stream's two files, from what the work folder holds: the .mp4 of all GOPs, and the .bin of header and chunks.
 #pragma once
 
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,7 +14,6 @@
 #include "package/character.h"
 
 namespace fourdvt::bake {
-
 constexpr const char* kGenerator = "fourdvt 0.1.0";
 
 // Writes the videos of all renditions of `sequence`, which describeStream made, and sets what is now known of them:
@@ -43,7 +43,7 @@ package::Character describeCharacter(const Job& job);
 // the highest first.
 package::Sequence describeStream(const StreamPlan& plan);
 
-// Puts a finished character into its folder, which a web server may be serving.
+// Puts a finished character into its folder, which a web server may be serving, and names its files by their content.
 
 // Moves the files of `from` into `to`, the manifest last, then removes the files of the bake that was there: those that
 // its manifest names, and the report that bakes once put there. Other files stay. At every moment the manifest in `to`
@@ -52,5 +52,16 @@ package::Sequence describeStream(const StreamPlan& plan);
 Status publish(const std::string& from, const std::string& to);
 // Puts a finished report in the place of an earlier one. Errors: WriteFailed.
 Status publishReport(const std::string& from, const std::string& to);
+
+// Names of files that hold a hash of their content, so that no two contents have one name (package/FORMAT.md). Only for
+// files that are found through the manifest.
+
+// "walk.bin" → "walk.3f9a1c20.bin": the first 8 of the hash's 16 hexadecimal digits.
+std::string contentName(const std::string& name, uint64_t hash);
+// Writes the file under its contentName, which it returns. Errors: WriteFailed.
+Result<std::string> writeNamed(const std::string& folder, const std::string& name, std::span<const uint8_t> bytes);
+// Gives a finished file its contentName, which it returns. Holds one part of the file in memory at a time. Errors:
+// FileUnreadable, WriteFailed.
+Result<std::string> nameByContent(const std::string& folder, const std::string& name);
 
 }  // namespace fourdvt::bake

@@ -5,7 +5,7 @@
 
 #include "bake/cameras/vertex_colours.h"
 #include "bake/run/character_files.h"
-#include "bake/run/content_names.h"
+#include "bake/run/publish.h"
 #include "bake/stages/assemble.h"
 #include "bake/stages/camera_colours.h"
 #include "bake/stages/sound_stage.h"

@@ -8,7 +8,6 @@
 #include <map>
 
 #include "bake/run/character_files.h"
-#include "bake/run/content_names.h"
 #include "base/hash.h"
 
 namespace fourdvt::bake {
