@@ -31,6 +31,7 @@
 #include "jobs/videos.h"
 #include "platform/files.h"
 #include "platform/folders.h"
+#include "platform/process.h"
 #include "store/folder.h"
 
 namespace fourdvt::bake {
@@ -80,7 +81,7 @@ void addFigures(const BakeRun& run, ReportInput& report) {
   figures.refinement = run.job.refinement;
   figures.frames = run.job.streamFrames();
   figures.notes = notesOf(run.job);
-  figures.peak_rss_bytes = peakResidentBytes();
+  figures.peak_rss_bytes = platform::processUsage().peak_bytes;
   report.wall_s = run.progress.seconds() + figures.seconds_by_stage[infoOf(Stage::Validate).name];
 }
 

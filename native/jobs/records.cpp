@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "jobs/records.h"
 
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "platform/files.h"
+#include "platform/process.h"
 
 namespace fourdvt::jobs {
 namespace {
@@ -30,18 +27,6 @@ std::optional<Record> recordIn(const std::string& path) {
                   json.at("peak_mb"), json.at("read_mb"), json.at("written_mb"), json.at("attempt")};
   } catch (const std::exception&) {
     return std::nullopt;
-  }
-}
-
-double secondsOf(const timeval& t) { return double(t.tv_sec) + double(t.tv_usec) / 1e6; }
-
-// Megabytes that this process has read and written by system calls; what a page cache answers counts too.
-void addTraffic(Record& record) {
-  std::ifstream io("/proc/self/io");
-  std::string name;
-  for (double bytes; io >> name >> bytes;) {
-    if (name == "rchar:") record.read_mb = bytes / 1e6;
-    if (name == "wchar:") record.written_mb = bytes / 1e6;
   }
 }
 
@@ -67,7 +52,7 @@ Result<Attempt> Attempt::begin(const std::string& job_folder, const Piece& piece
   const auto starts = startsIn(job_folder);
   if (const auto before = starts.find(stem); before != starts.end()) out.number_ = before->second + 1;
   FOURDVT_TRY(platform::writeFileAtomic(job_folder + "/attempts/" + stem + "~" + std::to_string(out.number_) + "." +
-                                            hostName() + "." + std::to_string(::getpid()),
+                                            platform::ownSuffix(),
                                         std::string()));
   return out;
 }
@@ -76,13 +61,11 @@ Result<Record> Attempt::finish() {
   const std::string path = folder_ + "/" + piece_.done();
   if (const auto earlier = recordIn(path)) return *earlier;
   Record r;
-  r.id = piece_.id, r.kind = piece_.kind, r.host = hostName(), r.attempt = number_;
+  r.id = piece_.id, r.kind = piece_.kind, r.host = platform::hostName(), r.attempt = number_;
   r.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  r.cpu_s = secondsOf(usage.ru_utime) + secondsOf(usage.ru_stime);
-  r.peak_mb = double(usage.ru_maxrss) / 1e3;
-  addTraffic(r);
+  const platform::ProcessUsage usage = platform::processUsage();
+  r.cpu_s = usage.cpu_s, r.peak_mb = double(usage.peak_bytes) / 1e6;
+  r.read_mb = double(usage.read_bytes) / 1e6, r.written_mb = double(usage.written_bytes) / 1e6;
   const Json json = {
       {"id", r.id},          {"kind", r.kind},       {"host", r.host},       {"seconds", r.seconds},
       {"cpu_s", r.cpu_s},    {"peak_mb", r.peak_mb}, {"read_mb", r.read_mb}, {"written_mb", r.written_mb},

@@ -3,7 +3,6 @@
 
 #include <elf.h>
 #include <link.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
@@ -93,12 +92,6 @@ std::string folderKey(const std::string& settings, bool in_pieces,
                       const std::function<bool(const std::string& key)>& holds) {
   const std::string of_build = settings + "build " + thisTool().build + "\n";
   return holds(of_build) || (in_pieces && !holds(settings)) ? of_build : settings;
-}
-
-std::string hostName() {
-  char name[256] = "";
-  ::gethostname(name, sizeof name - 1);
-  return name;
 }
 
 }  // namespace fourdvt::jobs

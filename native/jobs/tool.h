@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Identity of the running program and of the machine.
+// Identity of the running program.
 #pragma once
 
 #include <functional>
@@ -17,7 +17,6 @@ struct Tool {
 };
 
 const Tool& thisTool();
-std::string hostName();
 
 // The key of a job folder's settings. Pieces may be computed by machines on which another build is installed, so that a
 // plan's key has the build in it; what one process has left is taken on by a plan, and the other way round. `holds`:

@@ -13,6 +13,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "platform/process.h"
+
 namespace fourdvt::platform {
 namespace {
 
@@ -137,12 +139,6 @@ Result<std::string> readText(const std::string& path) {
 
 Result<std::vector<uint8_t>> readFileRange(const std::string& path, uint64_t offset, uint64_t bytes) {
   return readSpan(path, offset, bytes, false);
-}
-
-std::string ownSuffix() {
-  char host[256] = "";
-  ::gethostname(host, sizeof host - 1);
-  return std::string(host) + "." + std::to_string(::getpid());
 }
 
 Status writeFileAtomic(const std::string& path, std::span<const uint8_t> bytes) {

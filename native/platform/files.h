@@ -16,8 +16,6 @@ namespace fourdvt::platform {
 Result<std::vector<uint8_t>> readFile(const std::string& path);
 Result<std::string> readText(const std::string& path);
 Result<std::vector<uint8_t>> readFileRange(const std::string& path, uint64_t offset, uint64_t bytes);
-// End of a file's name that no other process has, on this machine or on one that shares its files: "HOST.PID".
-std::string ownSuffix();
 Status writeFileAtomic(const std::string& path, std::span<const uint8_t> bytes);  // WriteFailed
 Status writeFileAtomic(const std::string& path, const std::string& text);
 uint64_t fileBytes(const std::string& path);             // 0 if there is none

@@ -6,7 +6,7 @@
 #include "jobs/records.h"
 #include "jobs/report.h"
 #include "jobs/videos.h"
-#include "platform/files.h"
+#include "platform/process.h"
 #include "reconstruct/run/pieces.h"
 #include "tools/bake_arguments.h"
 #include "tools/log.h"

@@ -8,6 +8,7 @@
 #include "capture/folder/linked_capture.h"
 #include "platform/files.h"
 #include "platform/folders.h"
+#include "platform/process.h"
 #include "store/folder.h"
 
 namespace fourdvt::capture {

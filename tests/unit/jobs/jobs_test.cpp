@@ -10,6 +10,7 @@
 
 #include "jobs/records.h"
 #include "jobs/report.h"
+#include "platform/process.h"
 
 namespace fourdvt::jobs {
 namespace {
@@ -99,7 +100,7 @@ TEST_F(Jobs, PlanOfAnotherBuildIsRefused) {
   const Status refused = checkTool("j", other);
   ASSERT_FALSE(refused.ok());
   for (const std::string& part : {std::string("j/plan.json"), std::string("0123456789abcdef"),
-                                  std::string("/opt/fourdvt"), thisTool().build, hostName()})
+                                  std::string("/opt/fourdvt"), thisTool().build, platform::hostName()})
     EXPECT_NE(refused.error().message.find(part), std::string::npos) << refused.error().message;
 }
 
@@ -113,7 +114,7 @@ TEST_F(Jobs, OneRecordCountsHoweverOftenAPieceIsStarted) {
   const auto record = first.value().finish();
   ASSERT_TRUE(record.ok());
   EXPECT_EQ(record.value().attempt, 2u);
-  EXPECT_EQ(record.value().host, hostName());
+  EXPECT_EQ(record.value().host, platform::hostName());
   EXPECT_GT(record.value().peak_mb, 1);
   const std::string text = textOf(folder / piece.done());
   EXPECT_EQ(second.value().finish().value().attempt, 2u) << "of two at once the first counts";
