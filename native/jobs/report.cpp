@@ -4,19 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <set>
 
-#include "platform/files.h"
-#include "report/document.h"
 #include "report/text.h"
+#include "report/values.h"
 
 namespace fourdvt::jobs {
 namespace {
 
-using Json = nlohmann::ordered_json;
-using report::bytesText;
-using report::fixedText;
+using report::bytesText, report::fixedText, report::Json, report::Value, report::Values;
 
 constexpr size_t kListed = 20;  // slowest pieces, and pieces that were started again
 
@@ -86,91 +82,98 @@ Sums summed(const Plan& plan, const Progress& progress) {
 // Starts that ended without a result.
 size_t lost(const Kind& kind) { return kind.starts - std::min(kind.starts, kind.done); }
 
-std::vector<std::string> rowOf(const Kind& k) {
-  const double n = double(std::max<size_t>(k.done, 1));
-  return {k.name,
-          std::to_string(k.done) + " of " + std::to_string(k.pieces),
-          durationText(k.seconds),
-          durationText(k.seconds / n),
-          durationText(k.slowest_s),
-          durationText(k.cpu_s),
-          fixedText(k.peak_mb, 0) + " of " + fixedText(k.planned_mb, 0),
-          bytesText(k.read_mb / n * 1e6),
-          std::to_string(lost(k))};
+Value durationValue(const char* key, const char* title, double seconds) {
+  return {key, title, seconds, durationText(seconds)};
 }
 
-report::Document documentOf(const Plan& plan, const Progress& progress, const Sums& sums) {
-  const Kind& all = sums.all;
+Values valuesOf(const Kind& k) {
+  const double n = double(std::max<size_t>(k.done, 1));
+  return {{"", "kind", k.name},
+          {"pieces", k.pieces},
+          {"done", "pieces", k.done, std::to_string(k.done) + " of " + std::to_string(k.pieces)},
+          durationValue("seconds", "sum", k.seconds),
+          durationValue("", "mean", k.seconds / n),
+          durationValue("slowest_s", "slowest", k.slowest_s),
+          durationValue("cpu_s", "processor", k.cpu_s),
+          {"peak_mb", "memory, MB", k.peak_mb, fixedText(k.peak_mb, 0) + " of " + fixedText(k.planned_mb, 0)},
+          {"read_mb", "read", k.read_mb, bytesText(k.read_mb / n * 1e6)},
+          {"planned_s", k.planned_s},
+          {"starts", "lost starts", k.starts, std::to_string(lost(k))}};
+}
+
+Values valuesOf(const Plan& plan, const Sums& sums) {
   const double minutes = plan.capture_s / 60;
   std::set<std::string> hosts;
   for (const Record* r : sums.records) hosts.insert(r->host);
-  report::Document document;
-  document.title = "Job: " + plan.command + " of " + plan.capture;
-  document.subtitle = progressLine(plan, progress) + " · fourdvt " + plan.tool.version + ", build " + plan.tool.build;
+  return {{"command", plan.command},
+          {"capture", plan.capture},
+          {"frames", plan.frames},
+          {"capture_s", plan.capture_s},
+          {"tool/version", plan.tool.version},
+          {"tool/build", plan.tool.build},
+          durationValue("seconds", "of pieces", sums.all.seconds),
+          {"", "per minute of capture", minutes > 0 ? durationText(sums.all.seconds / minutes) : "–"},
+          durationValue("", "of processors", sums.all.cpu_s),
+          {"", hosts.size() == 1 ? "machine" : "machines", hosts.size()},
+          {"lost_starts", "starts without a result", lost(sums.all)},
+          {"over_memory", "pieces over their memory", sums.over, std::to_string(sums.over.size())}};
+}
+
+report::Section costSection(const Sums& sums, const Values& values, const std::vector<Values>& kinds) {
   report::Section cost{"cost", "Cost", "Seconds are of the pieces' wall clocks, added up; several run at once."};
-  cost.tiles = {{durationText(all.seconds), "of pieces"},
-                {minutes > 0 ? durationText(all.seconds / minutes) : "–", "per minute of capture"},
-                {durationText(all.cpu_s), "of processors"},
-                {std::to_string(hosts.size()), hosts.size() == 1 ? "machine" : "machines"},
-                {std::to_string(lost(all)), "starts without a result"},
-                {std::to_string(sums.over.size()), "pieces over their memory"}};
-  report::Table kinds{"By kind",
-                      "Memory: the most of a piece, megabytes, of what the plan allows. Read: mean of a piece."};
-  kinds.columns = {"kind", "pieces", "sum", "mean", "slowest", "processor", "memory, MB", "read", "lost starts"};
-  for (const Kind& kind : sums.kinds) kinds.rows.push_back(rowOf(kind));
-  kinds.rows.push_back(rowOf(all));
-  cost.tables.push_back(std::move(kinds));
+  cost.tiles = report::tilesOf(values);
+  std::vector<Values> rows = kinds;
+  rows.push_back(valuesOf(sums.all));
+  cost.tables = {report::tableOf(
+      "By kind", "Memory: the most of a piece, megabytes, of what the plan allows. Read: mean of a piece.", rows)};
   report::BarChart chart{"Seconds by kind"};
   for (const Kind& kind : sums.kinds) chart.bars.push_back({kind.name, durationText(kind.seconds), kind.seconds});
   cost.bar_charts.push_back(std::move(chart));
-  report::Section slowest{"slowest", "Slowest pieces", ""};
-  report::Table table{"", ""};
-  table.columns = {"piece", "machine", "seconds", "planned", "memory, MB", "read", "start"};
-  for (size_t i = 0; i < std::min(kListed, sums.records.size()); ++i) {
-    const Record& r = *sums.records[i];
-    table.rows.push_back({r.id, r.host, durationText(r.seconds), durationText(plan.find(r.id)->seconds),
-                          fixedText(r.peak_mb, 0), bytesText(r.read_mb * 1e6), std::to_string(r.attempt)});
-  }
-  slowest.tables.push_back(std::move(table));
-  report::Section again{"again", "Started more than once", "None."};
-  report::Table starts{"", ""};
-  starts.columns = {"piece", "starts", "done"};
-  for (const auto& [id, count] : progress.attempts)
-    if (count > 1 && starts.rows.size() < kListed)
-      starts.rows.push_back({id, std::to_string(count), progress.done.count(id) ? "yes" : "no"});
-  if (!starts.rows.empty())
-    again.text =
-        "A start that is not followed by a result was killed, ran out of something, or failed: `logs/` has what it "
-        "printed.",
-    again.tables.push_back(std::move(starts));
-  document.sections = {std::move(cost), std::move(slowest), std::move(again)};
-  return document;
+  return cost;
 }
 
-Json jsonOf(const Plan& plan, const Sums& sums) {
-  Json json;
-  json["command"] = plan.command;
-  json["capture"] = plan.capture;
-  json["frames"] = plan.frames;
-  json["capture_s"] = plan.capture_s;
-  json["tool"] = {{"version", plan.tool.version}, {"build", plan.tool.build}};
-  for (const Kind& k : sums.kinds)
-    json["kinds"][k.name] = {{"pieces", k.pieces},   {"done", k.done},       {"starts", k.starts},
-                             {"seconds", k.seconds}, {"cpu_s", k.cpu_s},     {"slowest_s", k.slowest_s},
-                             {"peak_mb", k.peak_mb}, {"read_mb", k.read_mb}, {"planned_s", k.planned_s}};
-  json["over_memory"] = sums.over;
-  json["seconds"] = sums.all.seconds;
-  json["lost_starts"] = lost(sums.all);
-  return json;
+report::Section slowestSection(const Plan& plan, const Sums& sums) {
+  std::vector<Values> rows;
+  for (size_t i = 0; i < std::min(kListed, sums.records.size()); ++i) {
+    const Record& r = *sums.records[i];
+    rows.push_back({{"", "piece", r.id},
+                    {"", "machine", r.host},
+                    durationValue("", "seconds", r.seconds),
+                    durationValue("", "planned", plan.find(r.id)->seconds),
+                    {"", "memory, MB", r.peak_mb, 0},
+                    {"", "read", bytesText(r.read_mb * 1e6)},
+                    {"", "start", r.attempt}});
+  }
+  return {.id = "slowest", .title = "Slowest pieces", .tables = {report::tableOf("", "", rows)}};
+}
+
+report::Section againSection(const Progress& progress) {
+  std::vector<Values> rows;
+  for (const auto& [id, count] : progress.attempts)
+    if (count > 1 && rows.size() < kListed)
+      rows.push_back({{"", "piece", id}, {"", "starts", count}, {"", "done", progress.done.count(id) ? "yes" : "no"}});
+  report::Section again{"again", "Started more than once", "None."};
+  if (rows.empty()) return again;
+  again.text =
+      "A start that is not followed by a result was killed, ran out of something, or failed: `logs/` has what it "
+      "printed.";
+  again.tables = {report::tableOf("", "", rows)};
+  return again;
 }
 
 }  // namespace
 
 Status writeReport(const std::string& job_folder, const Plan& plan, const Progress& progress) {
   const Sums sums = summed(plan, progress);
-  FOURDVT_TRY(platform::writeFileAtomic(job_folder + "/" + kReportJson, jsonOf(plan, sums).dump(1) + "\n"));
-  return platform::writeFileAtomic(job_folder + "/" + kReportHtml,
-                                   report::documentHtml(documentOf(plan, progress, sums)));
+  const Values values = valuesOf(plan, sums);
+  const auto kinds = report::rowsOf(sums.kinds, [](const Kind& k) { return valuesOf(k); });
+  Json json = report::jsonOf(values);
+  for (size_t k = 0; k < kinds.size(); ++k) json["kinds"][sums.kinds[k].name] = report::jsonOf(kinds[k]);
+  const report::Document page{
+      "Job: " + plan.command + " of " + plan.capture,
+      progressLine(plan, progress) + " · fourdvt " + plan.tool.version + ", build " + plan.tool.build,
+      {costSection(sums, values, kinds), slowestSection(plan, sums), againSection(progress)}};
+  return report::writeReport(job_folder, "job", page, json);
 }
 
 std::string progressLine(const Plan& plan, const Progress& progress) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bake's report as text: report.json (every value) and report.html (self-contained: inline CSS and SVG, pictures
-// by relative file name). Does NOT write files or encode pictures: the caller does.
+// The bake's report: report.json (every value) and report.html (self-contained: inline CSS and SVG, pictures by relative
+// file name). Does NOT write pictures: the caller does.
 #pragma once
 
 #include <optional>
@@ -10,6 +10,7 @@
 
 #include "bake/run/figures.h"
 #include "bake/run/options.h"
+#include "report/document.h"
 
 namespace fourdvt::bake {
 
@@ -43,10 +44,8 @@ struct ReportSequence {
   std::optional<ReportTiles> tiles;                // from cameras; geometry_bytes are then those of the surfaces
 };
 
-struct ReportPicture {
-  std::string file;     // relative to the character folder, written by the caller
-  std::string caption;  // one sentence
-};
+// `file`: written by the caller, relative to the report's folder; `caption`: one sentence.
+using ReportPicture = report::Picture;
 
 struct ReportInput {
   BakeOptions options;  // resolved: jobs > 0, sequences listed
@@ -64,10 +63,7 @@ struct ReportInput {
   std::string refined_cameras;                                // folder of the COLMAP text model; empty: none changed
 };
 
-std::string reportJson(const ReportInput& input);
-std::string reportHtml(const ReportInput& input);
-
-// Peak resident memory of this process so far, bytes; 0 if the system does not tell.
-uint64_t peakResidentBytes();
+// Errors: WriteFailed.
+Status writeReport(const std::string& folder, const ReportInput& input);
 
 }  // namespace fourdvt::bake

@@ -333,8 +333,7 @@ Status writeReportFiles(const Job& job, const ReportInput& report) {
     FOURDVT_ASSIGN(const auto bytes, platform::readFile(of_character));
     FOURDVT_TRY(platform::writeFileAtomic(job.reportFolder() + "/" + picture.file, bytes));
   }
-  FOURDVT_TRY(platform::writeFileAtomic(job.reportFolder() + "/report.json", reportJson(report)));
-  return platform::writeFileAtomic(job.reportFolder() + "/report.html", reportHtml(report));
+  return writeReport(job.reportFolder(), report);
 }
 
 }  // namespace fourdvt::bake

@@ -14,7 +14,6 @@
 namespace fourdvt::mattes {
 
 inline constexpr const char* kReportJson = "mattes.json";
-inline constexpr const char* kReportHtml = "mattes.html";
 
 inline constexpr const char* kGivenMattes = "the capture's mattes";
 

@@ -2,22 +2,19 @@
 #include "mattes/run/report.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "base/warning_lines.h"
 #include "capture/pictures.h"
 #include "platform/files.h"
-#include "report/document.h"
 #include "report/picture_sheets.h"
 #include "report/text.h"
+#include "report/values.h"
 
 namespace fourdvt::mattes {
 namespace {
 
-using Json = nlohmann::ordered_json;
-using report::fixedText;
+using report::fixedText, report::Json, report::Values;
 
 constexpr double kContradicted = 0.15;  // of a camera's own key, on average, from which on the report warns
 constexpr double kShift_pixels = 3;
@@ -41,24 +38,25 @@ Spread spreadOf(const SequenceFigures& s, size_t camera, double CameraFigures::*
 
 report::Table cameraTable(const capture::Capture& capture, const SequenceFigures& s,
                           const std::vector<std::string>& sources) {
-  report::Table table{
+  std::vector<Values> rows;
+  for (size_t c = 0; c < capture.cameras.size(); ++c) {
+    const auto spread = [&](double CameraFigures::*figure) { return spreadOf(s, c, figure); };
+    const Spread gain = spread(&CameraFigures::gain), supported = spread(&CameraFigures::supported);
+    rows.push_back({{"", "camera", capture.cameras[c].pinhole.name},
+                    {"", "from", sources[c]},
+                    {"", "plate shift, most", fixedText(spread(&CameraFigures::shift_pixels).high, 2) + " px"},
+                    {"", "gain", fixedText(gain.low, 3) + " to " + fixedText(gain.high, 3)},
+                    {"", "explained, mean", supported.mean, 3},
+                    {"", "lowest", fixedText(supported.low, 3) + " (" + std::to_string(supported.low_frame) + ")"},
+                    {"", "kept, mean", spread(&CameraFigures::kept).mean, 3},
+                    {"", "of the picture", report::percentText(100 * spread(&CameraFigures::share).mean)}});
+  }
+  return report::tableOf(
       s.name,
       "Plate shift and gain: how far plate and picture are apart, and were fitted. Explained: share of the camera's "
-      "own "
-      "key that no other camera contradicts; the rest is seen by this camera alone (somebody in the background, a "
+      "own key that no other camera contradicts; the rest is seen by this camera alone (somebody in the background, a "
       "screen, a reflection), or missing in the matte of another. Kept: share of the camera's own key in the matte.",
-      {"camera", "from", "plate shift, most", "gain", "explained, mean", "lowest", "kept, mean", "of the picture"},
-      {}};
-  for (size_t c = 0; c < capture.cameras.size(); ++c) {
-    const Spread shift = spreadOf(s, c, &CameraFigures::shift_pixels), gain = spreadOf(s, c, &CameraFigures::gain);
-    const Spread supported = spreadOf(s, c, &CameraFigures::supported), kept = spreadOf(s, c, &CameraFigures::kept);
-    table.rows.push_back({capture.cameras[c].pinhole.name, sources[c], fixedText(shift.high, 2) + " px",
-                          fixedText(gain.low, 3) + " to " + fixedText(gain.high, 3), fixedText(supported.mean, 3),
-                          fixedText(supported.low, 3) + " (" + std::to_string(supported.low_frame) + ")",
-                          fixedText(kept.mean, 3),
-                          report::percentText(100 * spreadOf(s, c, &CameraFigures::share).mean)});
-  }
-  return table;
+      rows);
 }
 
 // The cells of one camera side by side; empty without any.
@@ -85,30 +83,32 @@ Result<Image> sheetOf(const std::string& folder, const std::string& title) {
   return report::drawSheet(sheet);
 }
 
-Json jsonOf(const capture::Capture& capture, const MattesOptions& options, const MattesSummary& summary) {
-  Json json;
-  json["generator"] = "fourdvt mattes";
-  json["options"] = {
-      {"alone", options.alone}, {"any_silhouettes", options.any_silhouettes}, {"preview", options.preview}};
-  json["frames"] = summary.frames;
-  json["frames_of_an_earlier_run"] = summary.frames_kept;
-  json["wall_s"] = summary.wall_s;
-  json["warnings"] = summary.warnings;
+Json framesOf(const SequenceFigures& s) {
+  Json frames = Json::array();
+  for (size_t i = 0; i < s.frames.size(); ++i) {
+    const auto cameras = report::rowsOf(s.frames[i], [](const CameraFigures& f) {
+      return Values{{"shift_pixels", f.shift_pixels}, {"gain", f.gain}, {"residual_levels", f.residual_levels},
+                    {"explained", f.supported},       {"kept", f.kept}, {"share", f.share}};
+    });
+    frames.push_back({{"frame", s.numbers[i]}, {"cameras", report::jsonOf(cameras)}});
+  }
+  return frames;
+}
+
+Values valuesOf(const capture::Capture& capture, const MattesOptions& options, const MattesSummary& summary) {
+  const uint32_t made = summary.frames - summary.frames_kept;
+  Json cameras = Json::array();
   for (size_t c = 0; c < capture.cameras.size(); ++c)
-    json["cameras"].push_back({{"name", capture.cameras[c].pinhole.name}, {"from", summary.sources[c]}});
-  for (const SequenceFigures& s : summary.sequences)
-    for (size_t i = 0; i < s.frames.size(); ++i) {
-      Json cameras = Json::array();
-      for (const CameraFigures& f : s.frames[i])
-        cameras.push_back({{"shift_pixels", f.shift_pixels},
-                           {"gain", f.gain},
-                           {"residual_levels", f.residual_levels},
-                           {"explained", f.supported},
-                           {"kept", f.kept},
-                           {"share", f.share}});
-      json["sequences"][s.name].push_back({{"frame", s.numbers[i]}, {"cameras", cameras}});
-    }
-  return json;
+    cameras.push_back({{"name", capture.cameras[c].pinhole.name}, {"from", summary.sources[c]}});
+  return {{"generator", "fourdvt mattes"},
+          {"options/alone", options.alone},
+          {"options/any_silhouettes", options.any_silhouettes},
+          {"options/preview", options.preview},
+          {"frames", "frames", summary.frames},
+          {"frames_of_an_earlier_run", summary.frames_kept},
+          {"cameras", "cameras", cameras, std::to_string(cameras.size())},
+          {"wall_s", "a frame of all cameras", summary.wall_s, made ? fixedText(summary.wall_s / made, 2) + " s" : "–"},
+          {"warnings", summary.warnings}};
 }
 
 }  // namespace
@@ -145,34 +145,21 @@ std::vector<std::string> warningsOf(const capture::Capture& capture, const Matte
 
 Status writeReport(const std::string& folder, const std::string& cells_folder, const capture::Capture& capture,
                    const MattesOptions& options, const MattesSummary& summary) {
-  report::Document document;
-  document.title = capture.name + ", mattes";
-  document.subtitle = options.alone ? "every camera by itself" : "cameras together";
-  document.credit = capture.credit;
-  report::Section overview{"overview", "Overview", "", {}, {}, {}, {}, {}};
+  const Values values = valuesOf(capture, options, summary);
+  report::Section overview{.id = "overview", .title = "Overview"};
   for (const std::string& warning : summary.warnings) overview.text += warning + ".\n\n";
-  const uint32_t made = summary.frames - summary.frames_kept;
-  overview.tiles = {{std::to_string(summary.frames), "frames"},
-                    {std::to_string(capture.cameras.size()), "cameras"},
-                    {made ? fixedText(summary.wall_s / made, 2) + " s" : "–", "a frame of all cameras"}};
+  overview.tiles = report::tilesOf(values);
   for (const SequenceFigures& s : summary.sequences)
     overview.tables.push_back(cameraTable(capture, s, summary.sources));
-  document.sections.push_back(std::move(overview));
 
   report::Section sheets{
-      "sheets",
-      "Contact sheets",
+      "sheets", "Contact sheets",
       "Above: the picture, dark outside of the matte. Green: the matte's outline. Red: this camera's "
       "key had it, and other cameras contradict it. Blue: it lies on the floor as a whole, a shadow. "
       "Yellow: dropped for another reason. Below: the performer alone, on a colour that shows holes "
       "and fringes.\n\nWhere a matte is wrong, paint white on what is performer and black on what is "
       "background in a transparent picture of the frame's size, `hints/SEQUENCE/CAMERA/000000.png` "
-      "in the capture, named after the first frame that is wrong, and make the mattes again.",
-      {},
-      {},
-      {},
-      {},
-      {}};
+      "in the capture, named after the first frame that is wrong, and make the mattes again."};
   size_t number = 0;
   for (const SequenceFigures& s : summary.sequences)
     for (const capture::CaptureCamera& camera : capture.cameras) {
@@ -183,9 +170,12 @@ Status writeReport(const std::string& folder, const std::string& cells_folder, c
       FOURDVT_TRY(platform::writeImage(folder + "/" + file, picture));
       sheets.pictures.push_back({file, title, picture.width, picture.height});
     }
-  document.sections.push_back(std::move(sheets));
-  FOURDVT_TRY(platform::writeFileAtomic(folder + "/" + kReportHtml, report::documentHtml(document)));
-  return platform::writeFileAtomic(folder + "/" + kReportJson, jsonOf(capture, options, summary).dump(1) + "\n");
+  report::Document page{capture.name + ", mattes", options.alone ? "every camera by itself" : "cameras together"};
+  page.credit = capture.credit;
+  page.sections = {std::move(overview), std::move(sheets)};
+  Json json = report::jsonOf(values);
+  for (const SequenceFigures& s : summary.sequences) json["sequences"][s.name] = framesOf(s);
+  return report::writeReport(folder, "mattes", page, json);
 }
 
 }  // namespace fourdvt::mattes

@@ -5,21 +5,18 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "platform/files.h"
-#include "platform/folders.h"
 #include "reconstruct/run/silhouette_match.h"
-#include "report/document.h"
 #include "report/picture_sheets.h"
 #include "report/text.h"
+#include "report/values.h"
 
 namespace fourdvt::reconstruct {
 namespace {
 
-using Json = nlohmann::ordered_json;
-using report::fixedText;
+using report::fixedText, report::Json, report::Values;
 
 constexpr size_t kColumns = 8;     // cameras side by side
 constexpr int kSheetHeight = 420;  // pixels of one picture
@@ -67,27 +64,31 @@ Overlap overlapOf(const ReconstructedSequence& sequence, size_t camera) {
   return out;
 }
 
-report::Table overlapTable(const capture::Capture& capture, const std::vector<ReconstructedSequence>& sequences) {
-  report::Table table{"Overlap of surface and silhouette",
-                      "Intersection over union of the drawn surface and the silhouette: mean over the frames, and the "
-                      "lowest with its frame. 1 is perfect; a camera that stands out is calibrated, keyed or "
-                      "synchronised worse than the others.",
-                      {"camera"},
-                      {}};
-  for (const auto& s : sequences) {
-    table.columns.push_back(s.name + ", mean");
-    table.columns.push_back("lowest");
-  }
+// A row for every camera: its name, and what `add` puts behind it.
+template <class Add>
+std::vector<Values> cameraRows(const capture::Capture& capture, Add add) {
+  std::vector<Values> rows;
   for (size_t camera = 0; camera < capture.cameras.size(); ++camera) {
-    std::vector<std::string> row{capture.cameras[camera].pinhole.name};
+    rows.push_back({{"", "camera", capture.cameras[camera].pinhole.name}});
+    add(camera, rows.back());
+  }
+  return rows;
+}
+
+report::Table overlapTable(const capture::Capture& capture, const std::vector<ReconstructedSequence>& sequences) {
+  const auto rows = cameraRows(capture, [&](size_t camera, Values& row) {
     for (const auto& s : sequences) {
       const Overlap o = overlapOf(s, camera);
-      row.push_back(o.frames ? fixedText(o.mean, 4) : "–");
-      row.push_back(o.frames ? fixedText(o.lowest, 4) + " (" + std::to_string(o.lowest_frame) + ")" : "–");
+      const std::string lowest = fixedText(o.lowest, 4) + " (" + std::to_string(o.lowest_frame) + ")";
+      append(row,
+             {{"", s.name + ", mean", o.frames ? fixedText(o.mean, 4) : "–"}, {"", "lowest", o.frames ? lowest : "–"}});
     }
-    table.rows.push_back(std::move(row));
-  }
-  return table;
+  });
+  return report::tableOf("Overlap of surface and silhouette",
+                         "Intersection over union of the drawn surface and the silhouette: mean over the frames, and "
+                         "the lowest with its frame. 1 is perfect; a camera that stands out is calibrated, keyed or "
+                         "synchronised worse than the others.",
+                         rows);
 }
 
 // Mean over the frames that have it; NaN: none has.
@@ -114,30 +115,25 @@ double filledShare(const ReconstructedSequence& sequence) {
 }
 
 report::Table coverTable(const capture::Capture& capture, const std::vector<ReconstructedSequence>& sequences) {
-  report::Table table{
+  auto rows = cameraRows(capture, [&](size_t camera, Values& row) {
+    for (const auto& s : sequences) {
+      const double cover = meanOf(s, &FrameFigures::cover, camera);
+      row.push_back({"", s.name, std::isnan(cover) ? "–" : fixedText(100 * cover, 1) + " %"});
+    }
+  });
+  Values volumes{{"", "camera", "volume of the surface"}}, shares{{"", "camera", "of the space seen"}};
+  for (const auto& s : sequences) {
+    volumes.push_back({"", s.name, volumeText(meanOver({s}, [](const FrameFigures& f) { return f.volume_m3; }))});
+    shares.push_back({"", s.name, fixedText(100 * filledShare(s), 1) + " %"});
+  }
+  rows.push_back(std::move(volumes));
+  rows.push_back(std::move(shares));
+  return report::tableOf(
       "Cover and volume",
       "Share of the camera's picture that its silhouette covers, mean over the frames; and the surface's "
       "volume, mean over the frames, with its share of the space that more than half of the cameras "
       "see. Where mattes cover nearly all, overlap says nothing: the surface is what the cameras see.",
-      {"camera"},
-      {}};
-  for (const auto& s : sequences) table.columns.push_back(s.name);
-  for (size_t camera = 0; camera < capture.cameras.size(); ++camera) {
-    std::vector<std::string> row{capture.cameras[camera].pinhole.name};
-    for (const auto& s : sequences) {
-      const double cover = meanOf(s, &FrameFigures::cover, camera);
-      row.push_back(std::isnan(cover) ? "–" : fixedText(100 * cover, 1) + " %");
-    }
-    table.rows.push_back(std::move(row));
-  }
-  std::vector<std::string> volumes{"volume of the surface"}, shares{"of the space seen"};
-  for (const auto& s : sequences) {
-    volumes.push_back(volumeText(meanOver({s}, [](const FrameFigures& f) { return f.volume_m3; })));
-    shares.push_back(fixedText(100 * filledShare(s), 1) + " %");
-  }
-  table.rows.push_back(std::move(volumes));
-  table.rows.push_back(std::move(shares));
-  return table;
+      rows);
 }
 
 // Warnings of one sequence: silhouettes and a surface that cover nearly all that there is.
@@ -157,25 +153,26 @@ std::vector<std::string> coverWarnings(const capture::Capture& capture, const Re
 }
 
 report::Table stereoTable(const capture::Capture& capture, const std::vector<ReconstructedSequence>& sequences) {
-  report::Table table{
+  std::vector<Values> rows;
+  for (size_t camera = 0; camera < capture.cameras.size(); ++camera)
+    for (const ReconstructedSequence& s : sequences) {
+      const auto mean = [&](std::vector<double> FrameFigures::*list) { return meanOf(s, list, camera); };
+      rows.push_back({{"", "camera", capture.cameras[camera].pinhole.name},
+                      {"", "sequence", s.name},
+                      {"", "believed", mean(&FrameFigures::believed), 3},
+                      {"", "moved", mean(&FrameFigures::moved), 3},
+                      {"", "hull stayed", 1 - mean(&FrameFigures::moved), 3},
+                      {"", "overlap of the hull", mean(&FrameFigures::hull_overlap), 4},
+                      {"", "overlap of the surface", mean(&FrameFigures::overlap), 4},
+                      {"", "outline, pixels", mean(&FrameFigures::outline_px), 2}});
+    }
+  return report::tableOf(
       "What stereo changed",
       "Means over the frames. Believed: share of the hull in the camera's picture where its depths count, "
       "because there is texture and other cameras confirm them; a camera that stands out is calibrated or "
       "synchronised worse. Moved: share where the surface lies at least 3 mm of a person behind the hull; "
       "elsewhere the hull stayed. Outline: median distance of the silhouette's from the surface's, pixels.",
-      {"camera", "sequence", "believed", "moved", "hull stayed", "overlap of the hull", "overlap of the surface",
-       "outline, pixels"},
-      {}};
-  const auto text = [](double value, int digits) { return std::isnan(value) ? "–" : fixedText(value, digits); };
-  for (size_t camera = 0; camera < capture.cameras.size(); ++camera)
-    for (const ReconstructedSequence& s : sequences) {
-      const double moved = meanOf(s, &FrameFigures::moved, camera);
-      table.rows.push_back(
-          {capture.cameras[camera].pinhole.name, s.name, text(meanOf(s, &FrameFigures::believed, camera), 3),
-           text(moved, 3), text(1 - moved, 3), text(meanOf(s, &FrameFigures::hull_overlap, camera), 4),
-           text(meanOf(s, &FrameFigures::overlap, camera), 4), text(meanOf(s, &FrameFigures::outline_px, camera), 2)});
-    }
-  return table;
+      rows);
 }
 
 // Millimetres with two digits that count at least: a figurine's voxels are small.
@@ -184,25 +181,20 @@ std::string millimetres(double metres) {
   return fixedText(mm, mm >= 10 ? 0 : mm >= 1 ? 1 : mm >= 0.1 ? 2 : 3) + " mm";
 }
 
-report::Table sequenceTable(const std::vector<ReconstructedSequence>& sequences) {
-  report::Table table{"",
-                      "",
-                      {"sequence", "frames", "voxel", "pixel on the performer", "triangles made", "triangles",
-                       "vertices", "parts left out", "fallbacks"},
-                      {}};
-  for (const auto& s : sequences) {
-    const std::vector<ReconstructedSequence> one{s};
-    size_t fallbacks = 0, left_out = 0;
-    for (const auto& f : s.frames) fallbacks += !f.fallback.empty(), left_out += f.parts_left_out;
-    const FrameFigures first = s.frames.empty() ? FrameFigures{} : s.frames.front();
-    table.rows.push_back({s.name, std::to_string(s.frames.size()), millimetres(first.voxel_m),
-                          millimetres(first.footprint_m),
-                          fixedText(meanOver(one, [](const FrameFigures& f) { return double(f.triangles_made); }), 0),
-                          fixedText(meanOver(one, [](const FrameFigures& f) { return double(f.triangles); }), 0),
-                          fixedText(meanOver(one, [](const FrameFigures& f) { return double(f.vertices); }), 0),
-                          std::to_string(left_out), std::to_string(fallbacks)});
-  }
-  return table;
+Values sequenceValues(const ReconstructedSequence& s) {
+  const auto mean = [&](auto count) { return meanOver({s}, [&](const FrameFigures& f) { return double(f.*count); }); };
+  size_t fallbacks = 0, left_out = 0;
+  for (const auto& f : s.frames) fallbacks += !f.fallback.empty(), left_out += f.parts_left_out;
+  const FrameFigures first = s.frames.empty() ? FrameFigures{} : s.frames.front();
+  return {{"", "sequence", s.name},
+          {"", "frames", s.frames.size()},
+          {"", "voxel", millimetres(first.voxel_m)},
+          {"", "pixel on the performer", millimetres(first.footprint_m)},
+          {"", "triangles made", mean(&FrameFigures::triangles_made), 0},
+          {"", "triangles", mean(&FrameFigures::triangles), 0},
+          {"", "vertices", mean(&FrameFigures::vertices), 0},
+          {"", "parts left out", left_out},
+          {"", "fallbacks", fallbacks}};
 }
 
 report::BarChart stageChart(const std::vector<ReconstructedSequence>& sequences) {
@@ -214,28 +206,23 @@ report::BarChart stageChart(const std::vector<ReconstructedSequence>& sequences)
   return chart;
 }
 
-report::Plot trianglePlot(const std::vector<ReconstructedSequence>& sequences) {
-  report::Plot plot{"Triangles", "frame", "triangles", false, false, {}};
+// A curve for every sequence: `value` of its frames.
+template <class F>
+report::Plot plotOf(const std::string& title, const std::string& label,
+                    const std::vector<ReconstructedSequence>& sequences, F value) {
+  report::Plot plot{title, "frame", label};
   for (const auto& s : sequences) {
     report::Curve curve{s.name, {}};
-    for (size_t i = 0; i < s.frames.size(); ++i) curve.points.push_back({double(i), double(s.frames[i].triangles)});
+    for (size_t i = 0; i < s.frames.size(); ++i) curve.points.push_back({double(i), value(s.frames[i])});
     plot.curves.push_back(std::move(curve));
   }
   return plot;
 }
 
-report::Plot overlapPlot(const std::vector<ReconstructedSequence>& sequences) {
-  report::Plot plot{"Lowest overlap of the cameras", "frame", "intersection over union", false, false, {}};
-  for (const auto& s : sequences) {
-    report::Curve curve{s.name, {}};
-    for (size_t i = 0; i < s.frames.size(); ++i) {
-      double lowest = 1;
-      for (double v : s.frames[i].overlap) lowest = v < lowest ? v : lowest;
-      curve.points.push_back({double(i), lowest});
-    }
-    plot.curves.push_back(std::move(curve));
-  }
-  return plot;
+double lowestOverlap(const FrameFigures& f) {
+  double lowest = 1;
+  for (double v : f.overlap) lowest = v < lowest ? v : lowest;
+  return lowest;
 }
 
 std::string hullText(const ReconstructOptions& o, const std::vector<ReconstructedSequence>& sequences) {
@@ -251,7 +238,62 @@ std::string hullText(const ReconstructOptions& o, const std::vector<Reconstructe
   return text;
 }
 
-Json frameJson(const FrameFigures& f) { return Json::parse(figuresText(f)); }
+Values summaryValues(const ReconstructOptions& o, const ReconstructSummary& summary, double triangles) {
+  return {{"generator", "fourdvt reconstruct"},
+          {"options/hull", o.hull == HullKind::Polyhedral ? "polyhedral" : "volumetric"},
+          {"options/contour_tolerance_px", o.contour_tolerance_px},
+          {"options/voxel_mm", o.voxel_m > 0 ? Json(o.voxel_m * 1e3) : Json("auto")},
+          {"options/faces", o.faces},
+          {"options/adaptivity", o.adaptivity},
+          {"options/refine", o.stereo ? "stereo" : "none"},
+          {"options/planes", o.planes},
+          {"options/fairing", o.fairing},
+          {"mean_overlap", "mean overlap of surface and silhouettes", summary.mean_overlap, 4},
+          {"lowest_overlap", "lowest overlap, any camera and frame", summary.lowest_overlap, 4},
+          {"mean_cover", "of the pictures are covered by silhouettes", summary.mean_cover,
+           fixedText(100 * summary.mean_cover, 1) + " %"},
+          {"volume_m3", "volume of the surface, of " + volumeText(summary.seen_m3) + " that the cameras see",
+           summary.volume_m3, volumeText(summary.volume_m3)},
+          {"seen_m3", summary.seen_m3},
+          {"", "triangles a frame", triangles, 0},
+          {"frames", "frames", summary.frames},
+          {"frames_of_an_earlier_run", summary.frames_kept},
+          {"wall_s", summary.wall_s},
+          {"warnings", summary.warnings}};
+}
+
+report::Section overviewSection(const ReconstructOptions& options, const capture::Capture& capture,
+                                const std::vector<ReconstructedSequence>& sequences, const ReconstructSummary& summary,
+                                const Values& values) {
+  const auto triangles = [](const FrameFigures& f) { return double(f.triangles); };
+  report::Section section{.id = "overview", .title = "Overview"};
+  for (const std::string& warning : summary.warnings) section.text += warning + ".\n\n";
+  section.tiles = report::tilesOf(values);
+  section.tables = {report::tableOf("", "", report::rowsOf(sequences, sequenceValues)),
+                    overlapTable(capture, sequences), coverTable(capture, sequences)};
+  if (options.stereo) section.tables.push_back(stereoTable(capture, sequences));
+  section.bar_charts = {stageChart(sequences)};
+  section.plots = {plotOf("Lowest overlap of the cameras", "intersection over union", sequences, lowestOverlap),
+                   plotOf("Triangles", "triangles", sequences, triangles)};
+  return section;
+}
+
+Result<report::Section> picturesSection(const std::string& folder, bool stereo, const ReportPictures& pictures) {
+  report::Section section{.id = "pictures", .title = "The surface over the pictures"};
+  section.text =
+      "Green: the outline of the surface. Red: the outline of the silhouette, where the two are apart. "
+      "Below it the surface alone, as the camera sees it";
+  section.text +=
+      stereo ? ", and how far stereo moved it: grey, it is the hull; red, 30 mm of a person and more." : ".";
+  for (size_t i = 0; i < pictures.sheets().size(); ++i) {
+    const auto& sheet = pictures.sheets()[i];
+    const std::string file = "reconstruct-" + std::to_string(i + 1) + ".jpg";
+    FOURDVT_TRY(platform::writeImage(folder + "/" + file, sheet.picture));
+    section.pictures.push_back(
+        {file, sheet.sequence + ", frame " + std::to_string(sheet.frame), sheet.picture.width, sheet.picture.height});
+  }
+  return section;
+}
 
 }  // namespace
 
@@ -348,71 +390,17 @@ Result<ReconstructSummary> readSummary(const std::string& folder) {
 Status writeReport(const std::string& folder, const ReconstructOptions& options, const capture::Capture& capture,
                    const std::vector<ReconstructedSequence>& sequences, const ReportPictures& pictures,
                    const ReconstructSummary& summary) {
-  report::Document document;
-  document.title = capture.name + ", reconstructed";
-  document.subtitle = hullText(options, sequences) + (options.stereo ? ", refined by stereo" : "");
-  document.credit = capture.credit;
-  report::Section overview;
-  overview.id = "overview";
-  overview.title = "Overview";
-  for (const std::string& warning : summary.warnings) overview.text += warning + ".\n\n";
   const double triangles = meanOver(sequences, [](const FrameFigures& f) { return double(f.triangles); });
-  overview.tiles = {{fixedText(summary.mean_overlap, 4), "mean overlap of surface and silhouettes"},
-                    {fixedText(summary.lowest_overlap, 4), "lowest overlap, any camera and frame"},
-                    {fixedText(100 * summary.mean_cover, 1) + " %", "of the pictures are covered by silhouettes"},
-                    {volumeText(summary.volume_m3),
-                     "volume of the surface, of " + volumeText(summary.seen_m3) + " that the cameras see"},
-                    {fixedText(triangles, 0), "triangles a frame"},
-                    {std::to_string(summary.frames), "frames"}};
-  overview.tables = {sequenceTable(sequences), overlapTable(capture, sequences), coverTable(capture, sequences)};
-  if (options.stereo) overview.tables.push_back(stereoTable(capture, sequences));
-  overview.bar_charts = {stageChart(sequences)};
-  overview.plots = {overlapPlot(sequences), trianglePlot(sequences)};
-  document.sections.push_back(std::move(overview));
-
-  report::Section section;
-  section.id = "pictures";
-  section.title = "The surface over the pictures";
-  section.text =
-      "Green: the outline of the surface. Red: the outline of the silhouette, where the two are apart. "
-      "Below it the surface alone, as the camera sees it";
-  section.text +=
-      options.stereo ? ", and how far stereo moved it: grey, it is the hull; red, 30 mm of a person and more." : ".";
-  for (size_t i = 0; i < pictures.sheets().size(); ++i) {
-    const auto& sheet = pictures.sheets()[i];
-    const std::string file = "reconstruct-" + std::to_string(i + 1) + ".jpg";
-    FOURDVT_TRY(platform::writeImage(folder + "/" + file, sheet.picture));
-    section.pictures.push_back(
-        {file, sheet.sequence + ", frame " + std::to_string(sheet.frame), sheet.picture.width, sheet.picture.height});
-  }
-  document.sections.push_back(std::move(section));
-  FOURDVT_TRY(platform::writeFileAtomic(folder + "/" + kReportHtml, report::documentHtml(document)));
-
-  Json json;
-  json["generator"] = "fourdvt reconstruct";
-  json["options"] = {{"hull", options.hull == HullKind::Polyhedral ? "polyhedral" : "volumetric"},
-                     {"contour_tolerance_px", options.contour_tolerance_px},
-                     {"voxel_mm", options.voxel_m > 0 ? Json(options.voxel_m * 1e3) : Json("auto")},
-                     {"faces", options.faces},
-                     {"adaptivity", options.adaptivity},
-                     {"refine", options.stereo ? "stereo" : "none"},
-                     {"planes", options.planes},
-                     {"fairing", options.fairing}};
-  json["frames"] = summary.frames;
-  json["frames_of_an_earlier_run"] = summary.frames_kept;
-  json["wall_s"] = summary.wall_s;
-  json["mean_overlap"] = summary.mean_overlap;
-  json["lowest_overlap"] = summary.lowest_overlap;
-  json["mean_cover"] = summary.mean_cover;
-  json["volume_m3"] = summary.volume_m3;
-  json["seen_m3"] = summary.seen_m3;
-  json["warnings"] = summary.warnings;
-  for (const auto& s : sequences) {
-    Json frames = Json::array();
-    for (const auto& f : s.frames) frames.push_back(frameJson(f));
-    json["sequences"][s.name] = std::move(frames);
-  }
-  return platform::writeFileAtomic(folder + "/" + kReportJson, json.dump(1) + "\n");
+  const Values values = summaryValues(options, summary, triangles);
+  report::Document page{capture.name + ", reconstructed",
+                        hullText(options, sequences) + (options.stereo ? ", refined by stereo" : "")};
+  page.credit = capture.credit;
+  FOURDVT_ASSIGN(auto drawn, picturesSection(folder, options.stereo, pictures));
+  page.sections = {overviewSection(options, capture, sequences, summary, values), std::move(drawn)};
+  Json json = report::jsonOf(values);
+  for (const auto& s : sequences)
+    for (const auto& f : s.frames) json["sequences"][s.name].push_back(Json::parse(figuresText(f)));
+  return report::writeReport(folder, "reconstruct", page, json);
 }
 
 }  // namespace fourdvt::reconstruct

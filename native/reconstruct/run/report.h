@@ -9,7 +9,6 @@
 namespace fourdvt::reconstruct {
 
 inline constexpr const char* kReportJson = "reconstruct.json";
-inline constexpr const char* kReportHtml = "reconstruct.html";
 
 // One frame of each sequence, drawn over every camera's picture.
 class ReportPictures {

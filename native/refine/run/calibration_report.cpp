@@ -2,18 +2,16 @@
 #include "refine/run/calibration_report.h"
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "platform/files.h"
 #include "refine/run/calibrate_capture.h"
-#include "report/document.h"
 #include "report/text.h"
+#include "report/values.h"
 
 namespace fourdvt::refine {
 namespace {
 
-using Json = nlohmann::ordered_json;
-using report::fixedText;
+using report::fixedText, report::Json, report::Values;
 
 std::string withDeviation(double value, double deviation, int decimals) {
   return fixedText(value, decimals) + " ± " + fixedText(deviation, decimals);
@@ -23,73 +21,66 @@ Json jsonOf(const StickOut& s) {
   return {{"points", s.points}, {"mean_pixels", s.mean_pixels}, {"far_share", s.far_share}};
 }
 
-Json jsonOf(const Calibration& calibration) {
-  Json cameras = Json::array();
-  for (const CameraCalibration& c : calibration.by_camera) {
-    Json times = Json::object();
-    for (size_t s = 0; s < calibration.sequences.size(); ++s) {
-      if (!c.times[s].known) continue;
+Json timesOf(const Calibration& calibration, const CameraCalibration& c) {
+  Json times = Json::object();
+  for (size_t s = 0; s < calibration.sequences.size(); ++s)
+    if (c.times[s].known)
       times[calibration.sequences[s]] = {{"frames", c.times[s].offset_frames},
                                          {"deviation_frames", c.times[s].deviation_frames},
                                          {"changed", bool(c.time_changed[s])}};
-    }
-    Json camera = {{"name", c.name},
-                   {"times", times},
-                   {"turned", c.turned},
-                   {"turn_deg", {c.turn_deg.x, c.turn_deg.y, c.turn_deg.z}},
-                   {"turn_deviation_deg", {c.turn_deviation_deg.x, c.turn_deviation_deg.y, c.turn_deviation_deg.z}},
-                   {"outside_before", jsonOf(c.before)},
-                   {"outside_after", jsonOf(c.after)},
-                   {"unexplained", c.unexplained}};
-    if (c.shift) {
-      camera["best_shift_pixels"] = c.shift->pixels;
-      camera["best_shift_deviation_pixels"] = c.shift->deviation_pixels;
-    }
-    cameras.push_back(camera);
-  }
-  return {{"frames", calibration.frames}, {"cameras", cameras}, {"warnings", calibration.warnings}};
+  return times;
 }
 
-report::Table placesOf(const Calibration& calibration) {
-  report::Table table{
+Values valuesOf(const Calibration& calibration, const CameraCalibration& c) {
+  const glm::dvec3 &turn = c.turn_deg, &deviation = c.turn_deviation_deg;
+  const std::string turned = c.unexplained ? "no pose fits"
+                             : c.turned    ? withDeviation(glm::length(turn), glm::length(deviation), 3) + "°"
+                                           : "–";
+  Values out{{"name", "camera", c.name},
+             {"outside_before", "outside before", jsonOf(c.before), fixedText(c.before.mean_pixels, 2) + " px"},
+             {"", "far", report::percentText(100 * c.before.far_share)},
+             {"outside_after", "after", jsonOf(c.after), fixedText(c.after.mean_pixels, 2) + " px"},
+             {"", "far", report::percentText(100 * c.after.far_share)}};
+  if (c.shift)
+    append(out, {{"best_shift_pixels", "best change", c.shift->pixels,
+                  withDeviation(c.shift->pixels, c.shift->deviation_pixels, 2) + " px"},
+                 {"best_shift_deviation_pixels", c.shift->deviation_pixels}});
+  else
+    out.push_back({"", "best change", "–"});
+  append(out, {{"turned", "turned by", c.turned, turned},
+               {"turn_deg", {turn.x, turn.y, turn.z}},
+               {"turn_deviation_deg", {deviation.x, deviation.y, deviation.z}},
+               {"times", timesOf(calibration, c)},
+               {"unexplained", c.unexplained}});
+  return out;
+}
+
+report::Table placesTable(const std::vector<Values>& cameras) {
+  return report::tableOf(
       "Cameras",
       "Outside: how far a camera's outlines stick out of the visual hull of all others, mean over the outline, and the "
       "share of it that does by more than 2 pixels. Best change: the turn that would fit best, as the shift of the "
       "outline in the picture with its standard deviation; a camera is turned only where that is clearly more than "
       "chance.",
-      {"camera", "outside before", "far", "after", "far", "best change", "turned by"},
-      {}};
-  for (const CameraCalibration& c : calibration.by_camera) {
-    const std::string turned = c.unexplained ? "no pose fits"
-                               : c.turned
-                                   ? withDeviation(glm::length(c.turn_deg), glm::length(c.turn_deviation_deg), 3) + "°"
-                                   : "–";
-    table.rows.push_back(
-        {c.name, fixedText(c.before.mean_pixels, 2) + " px", report::percentText(100 * c.before.far_share),
-         fixedText(c.after.mean_pixels, 2) + " px", report::percentText(100 * c.after.far_share),
-         c.shift ? withDeviation(c.shift->pixels, c.shift->deviation_pixels, 2) + " px" : "–", turned});
-  }
-  return table;
+      cameras);
 }
 
-report::Table timesOf(const Calibration& calibration) {
-  report::Table table{"Times",
-                      "Frames by which a camera's pictures come after those of the median camera, with the standard "
-                      "deviation; set: written as \"offset_frames\". The nearest picture is what is read.",
-                      {"camera"},
-                      {}};
-  for (const std::string& sequence : calibration.sequences) table.columns.push_back(sequence);
-  for (const CameraCalibration& c : calibration.by_camera) {
-    std::vector<std::string> row{c.name};
+report::Table timesTable(const Calibration& calibration) {
+  const auto rows = report::rowsOf(calibration.by_camera, [&](const CameraCalibration& c) {
+    Values row{{"", "camera", c.name}};
     for (size_t s = 0; s < calibration.sequences.size(); ++s) {
       const CameraTime& time = c.times[s];
-      row.push_back(!time.known ? "–"
-                                : withDeviation(time.offset_frames, time.deviation_frames, 2) +
-                                      (c.time_changed[s] ? " (set)" : ""));
+      row.push_back({"", calibration.sequences[s],
+                     !time.known ? "–"
+                                 : withDeviation(time.offset_frames, time.deviation_frames, 2) +
+                                       (c.time_changed[s] ? " (set)" : "")});
     }
-    table.rows.push_back(row);
-  }
-  return table;
+    return row;
+  });
+  return report::tableOf("Times",
+                         "Frames by which a camera's pictures come after those of the median camera, with the standard "
+                         "deviation; set: written as \"offset_frames\". The nearest picture is what is read.",
+                         rows);
 }
 
 report::BarChart outside(const Calibration& calibration) {
@@ -142,19 +133,21 @@ std::vector<std::string> calibrationLines(const Calibration& calibration) {
 }
 
 Status writeCalibrationReport(const std::string& folder, const std::string& name, const Calibration& calibration) {
-  report::Document document;
-  document.title = "Calibration of " + std::filesystem::path(name + "/").parent_path().filename().string();
-  document.subtitle = std::to_string(calibration.by_camera.size()) + " cameras, " + std::to_string(calibration.frames) +
-                      " frames looked at";
   report::Section section{"cameras", "In step and in place"};
   for (const std::string& line : calibrationLines(calibration)) section.text += line + ".\n\n";
   for (const std::string& warning : calibration.warnings) section.text += "Warning: " + warning + ".\n\n";
-  section.tables = {placesOf(calibration), timesOf(calibration)};
+  const auto cameras =
+      report::rowsOf(calibration.by_camera, [&](const CameraCalibration& c) { return valuesOf(calibration, c); });
+  section.tables = {placesTable(cameras), timesTable(calibration)};
   section.bar_charts = {outside(calibration)};
   if (calibration.worst) FOURDVT_TRY(addPictures(folder, *calibration.worst, section));
-  document.sections.push_back(std::move(section));
-  FOURDVT_TRY(platform::writeFileAtomic(folder + "/" + kCalibrationJson, jsonOf(calibration).dump(2) + "\n"));
-  return platform::writeFileAtomic(folder + "/" + kCalibrationHtml, report::documentHtml(document));
+  const report::Document page{"Calibration of " + std::filesystem::path(name + "/").parent_path().filename().string(),
+                              std::to_string(calibration.by_camera.size()) + " cameras, " +
+                                  std::to_string(calibration.frames) + " frames looked at",
+                              {std::move(section)}};
+  return report::writeReport(
+      folder, "calibrate", page,
+      {{"frames", calibration.frames}, {"cameras", report::jsonOf(cameras)}, {"warnings", calibration.warnings}});
 }
 
 }  // namespace fourdvt::refine
