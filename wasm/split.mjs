@@ -5,7 +5,8 @@
 //   node split.mjs --module FILE.wasm --objects FOLDER --list more.txt --mark TEXT --nm emnm --wasm-split wasm-split --wasm-dis wasm-dis
 //                  --archive FILE.a --more FILE.wasm
 // --module is replaced by the first part. It must have its name section with mangled names (--profiling-funcs,
-// --no-demangle). Functions: by the objects that define them, see more.txt; those of the archive go. Data: texts whose first line is //MARK.
+// --no-demangle). Functions: by their names, or by the objects that define them, see more.txt; those of the archive go. Data:
+// texts whose first line is //MARK.
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -92,7 +93,8 @@ export function cutTextsOf(segments, numbers, chosen) {
 function readList(path) {
   const lines = readFileSync(path, 'utf8').split('\n').map((line) => line.replace(/#.*/, '').trim()).filter(Boolean);
   const after = (word) => lines.filter((line) => line.startsWith(`${word} `)).map((line) => line.slice(word.length + 1));
-  return { keep: new Set(after('keep')), move: after('move'), sources: lines.filter((line) => !/^(keep|move) /.test(line)) };
+  const sources = lines.filter((line) => !/^(keep|move|function) /.test(line));
+  return { keep: new Set(after('keep')), move: after('move'), functions: after('function'), sources };
 }
 
 // Paths of the sources, without their endings, that an object of CMake was made from: "a/b" of
@@ -105,17 +107,31 @@ function sourcesOf(folder, object) {
 
 const kMergedBytes = 100; // functions shorter than this may have been merged with others of the same code
 
-// Symbols by kind: "plain" functions, and "shared", those of libraries' templates that every source may have.
+// Symbols by kind, each with its readable name: "plain" functions, and "shared", those of libraries' templates that every source
+// may have.
 function symbolsOf(nm, files) {
   const list = (...more) => execFileSync(nm, ['--defined-only', '--format=posix', ...more, ...files],
     { encoding: 'utf8', maxBuffer: 1 << 28, stdio: ['ignore', 'pipe', 'ignore'] }).split('\n');
-  const found = { plain: new Set(), shared: new Set() };
+  const found = { plain: new Map(), shared: new Map() };
   const readable = list('--demangle');
   list().forEach((line, i) => {
     const [name, type] = line.split(' ');
-    if (type) (/^(void |unsigned |bool |int |auto )?(std|glm|fourdvt::Result)\b/.test(readable[i]) ? found.shared : found.plain).add(name);
+    if (type) (/^(void |unsigned |bool |int |auto )?(std|glm|fourdvt::Result)\b/.test(readable[i]) ? found.shared : found.plain).set(name, readable[i]);
   });
   return found;
+}
+
+/**
+ * Moves the functions of the list's names from the first part's symbols to the second's: with a qualified name ("a::b"), or all of
+ * a class or namespace ("a::B::"). Returns the names that none has.
+ */
+export function moveNamed(names, first, more) {
+  return names.filter((wanted) => {
+    const isNamed = (readable) => readable.startsWith(wanted) && (wanted.endsWith('::') || readable[wanted.length] === '(');
+    const found = [...first].filter(([, readable]) => isNamed(readable));
+    for (const [name, readable] of found) first.delete(name), more.set(name, readable);
+    return !found.length;
+  });
 }
 
 /** Functions of a module in WebAssembly's text form: callers by name, and those that something else than a call reaches. */
@@ -153,7 +169,7 @@ export function numbersOf(text) {
 }
 
 /**
- * Names of the functions for the second part: those that only its sources define, and what only these call. A short one or
+ * Names of the functions for the second part: those that the list names or only its sources define, and what only these call. A short one or
  * one of a library's templates may stand for an equal one of the first part: it goes only if it is called by such functions
  * alone. bytes: length by name. first, more: symbolsOf their objects. keep: names that stay; move: beginnings of names that go.
  */
@@ -174,7 +190,7 @@ export function chooseFunctions({ bytes, callers, pinned }, first, more, keep, m
 }
 
 function chosen(wasm, text, options) {
-  const { keep, move, sources } = readList(options.list);
+  const { keep, move, functions, sources } = readList(options.list);
   const files = readdirSync(options.objects, { recursive: true }).filter((path) => /\.c(pp|xx)\.o$/.test(path) && !path.startsWith('tests/'));
   const madeOf = new Map(files.map((file) => [file, sourcesOf(options.objects, file)])), built = [...madeOf.values()].flat();
   const goes = (path) => sources.some((source) => (source.endsWith('/') ? path.startsWith(source) : path === source));
@@ -184,7 +200,9 @@ function chosen(wasm, text, options) {
   const mixed = files.find((file) => madeOf.get(file).some(goes) && !isMore(file));
   if (mixed) throw new Error(`${mixed} has sources of both parts, by ${options.list}: configure the build again`);
   const symbols = (wanted, archives) => symbolsOf(options.nm, [...files.filter((file) => isMore(file) === wanted).map((file) => join(options.objects, file)), ...archives]);
-  return chooseFunctions({ bytes: new Map(functionsOf(wasm).map(({ name, code }) => [name, code.length])), ...callGraph(text) }, symbols(false, []), symbols(true, [options.archive]), keep, move);
+  const first = symbols(false, []), more = symbols(true, [options.archive]), unknown = moveNamed(functions, first.plain, more.plain);
+  if (unknown.length) throw new Error(`${options.list}: no function is named ${unknown.join(', ')}`);
+  return chooseFunctions({ bytes: new Map(functionsOf(wasm).map(({ name, code }) => [name, code.length])), ...callGraph(text) }, first, more, keep, move);
 }
 
 // --- the two parts ---

@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
 import { joinSegments, orderFunctions, placeFunctions } from '../../wasm/pack.mjs';
-import { callGraph, chooseFunctions, cutTexts, cutTextsOf, numbersOf } from '../../wasm/split.mjs';
+import { callGraph, chooseFunctions, cutTexts, cutTextsOf, moveNamed, numbersOf } from '../../wasm/split.mjs';
 
 test('marked texts are cut out with their closing 0, and what lies between them stays at its address', () => {
   const bytes = Buffer.from('ab\0//m\nX\0//m\nYY\0cd\0//m\nZ\0', 'latin1');
@@ -80,4 +80,12 @@ test('functions go by their sources; one that may stand for another goes with al
   assert.deepEqual(chosen.sort(), ['helper', 'more', 'more.1', 'small']);
   const moved = chooseFunctions({ bytes, callers, pinned: new Set(['exported', 'core']) }, symbols(['core', 'exported']), symbols([]), new Set(), ['cor']);
   assert.ok(moved.includes('core') && !moved.includes('exported'));
+});
+
+test('functions of the first sources go by their qualified names, with what stands in them, or with their class', () => {
+  const first = new Map([['a', 'f::Ladder::judge(unsigned int, bool) T 0'], ['b', 'f::Ladder::judge(unsigned int, bool)::$_0::operator()() const t 0'],
+    ['c', 'f::Ladder::judgeAll() T 0'], ['d', 'f::Steps::take() T 0'], ['e', 'vtable for f::Steps D 0']]);
+  const more = new Map();
+  assert.deepEqual(moveNamed(['f::Ladder::judge', 'f::Steps::', 'f::Ladder::jud'], first, more), ['f::Ladder::jud']);
+  assert.deepEqual([[...more.keys()], [...first.keys()]], [['a', 'b', 'd'], ['c', 'e']]);
 });
