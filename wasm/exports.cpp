@@ -75,7 +75,6 @@ void openPlayer(Instance* h, abi::PictureKind kind, int32_t readable, int32_t sl
   options.paced = kind == abi::PictureKind::Video;
   options.readable = readable != 0;
   options.picture_slots = slots;
-  options.cameras = &cameraParts();
   options.rendition = kAutomaticRendition;
   options.preview_seeks = true;
   options.transitions = false;

@@ -13,7 +13,6 @@ int32_t fdvt_live_load(Instance* h, abi::PictureKind kind, int32_t readable, int
   options.picture_kind = kind == abi::PictureKind::I420 ? PictureTextures::Kind::I420 : PictureTextures::Kind::Rgba;
   options.readable = readable != 0;
   options.picture_slots = slots;
-  options.cameras = &cameraParts();
   auto made = LivePlayer::create(*h->canvas->device, h->canvas->recipe, options);
   if (!made.ok()) return keep(h, made.error());
   h->live = made.value().get();

@@ -123,11 +123,11 @@ function symbolsOf(nm, files) {
 
 /**
  * Moves the functions of the list's names from the first part's symbols to the second's: with a qualified name ("a::b"), or all of
- * a class or namespace ("a::B::"). Returns the names that none has.
+ * a class ("a::B::") or template ("a::C<"). Returns the names that none has.
  */
 export function moveNamed(names, first, more) {
   return names.filter((wanted) => {
-    const isNamed = (readable) => readable.startsWith(wanted) && (wanted.endsWith('::') || readable[wanted.length] === '(');
+    const isNamed = (readable) => readable.startsWith(wanted) && (/(::|<)$/.test(wanted) || readable[wanted.length] === '(');
     const found = [...first].filter(([, readable]) => isNamed(readable));
     for (const [name, readable] of found) first.delete(name), more.set(name, readable);
     return !found.length;

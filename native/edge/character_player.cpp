@@ -55,7 +55,7 @@ class FilePlayer final : public CharacterPlayer {
 
   Status load(gpu::Device& device, const std::string& manifest_path) {
     FOURDVT_ASSIGN(auto json, readJsonFlat(manifest_path));
-    FOURDVT_ASSIGN(player_, Player::create(device, recipe_, {.cameras = &cameraParts(), .rendition = rendition_}));
+    FOURDVT_ASSIGN(player_, Player::create(device, recipe_, {.rendition = rendition_}));
     FOURDVT_TRY(player_->loadManifest(json));
     if (player_->character()->appearance == package::AppearanceKind::Layers) return {};
     FOURDVT_ASSIGN(auto made, render::makeMethodOf(device, *player_->character()));

@@ -22,27 +22,24 @@ bool isFed(const auto& frame) { return frame.fed; }
 
 Result<std::unique_ptr<LivePlayer>> LivePlayer::create(gpu::Device& device, std::shared_ptr<render::Recipe> recipe,
                                                        const PlayerOptions& options) {
-  if (options.picture_slots < 2 || !options.cameras)
-    return Error{ErrorId::InvalidArgument, "a live stream needs picture_slots of at least 2, and cameras"};
+  if (options.picture_slots < 2)
+    return Error{ErrorId::InvalidArgument, "a live stream needs picture_slots of at least 2"};
   return std::unique_ptr<LivePlayer>(new LivePlayer(device, std::move(recipe), options));
 }
 
 LivePlayer::LivePlayer(gpu::Device& device, std::shared_ptr<render::Recipe> recipe, const PlayerOptions& options)
     : device_(device),
       recipe_(std::move(recipe)),
-      cameras_(options.cameras),
       playback_(outbox_),
       checks_(device),
       on_gpu_(options.picture_kind == render::PictureTextures::Kind::Rgba),
       readable_(options.readable),
-      slots_(options.picture_slots, options.picture_kind),
-      surface_(options.cameras),
-      composer_(options.cameras) {}
+      slots_(options.picture_slots, options.picture_kind) {}
 
 Status LivePlayer::loadManifest(const FlatJson& manifest, std::span<const uint8_t>) {
   if (live_) return Error{ErrorId::InvalidArgument, "a live player takes one manifest"};
   FOURDVT_ASSIGN(package::LiveCharacter live, package::readLiveManifest(manifest));
-  FOURDVT_ASSIGN(render::CharacterModel model, cameras_->makeModel(device_, live.character));
+  FOURDVT_ASSIGN(render::CharacterModel model, render::CharacterModel::createForSurfaces(device_, live.character));
   composer_.setModel(std::move(model));
   live_ = std::move(live);
   outbox_.emit(EventKind::LoadedMetadata);
@@ -307,7 +304,7 @@ bool LivePlayer::showNewest() {
 
 bool LivePlayer::show(const Frame& frame) {
   const package::Character& character = live_->character;
-  auto opened = cameras_->open(frame.chunk, live_->index, 0, character, *sequence());
+  auto opened = package::SurfaceChunk::open(frame.chunk, live_->index, 0, character, *sequence());
   Status status = opened.ok() ? opened.value()->decodeTo(0) : Status(opened.error());
   if (!status.ok()) {
     outbox_.emit({EventKind::Error, {ErrorId::StreamInvalid, "live stream: " + status.error().message}, 0, 0});

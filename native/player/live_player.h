@@ -22,7 +22,7 @@ namespace fourdvt {
 
 class LivePlayer final : public Player {
  public:
-  // options: with `cameras`. Errors: InvalidArgument.
+  // Errors: InvalidArgument.
   static Result<std::unique_ptr<LivePlayer>> create(gpu::Device& device, std::shared_ptr<render::Recipe> recipe,
                                                     const PlayerOptions& options);
 
@@ -123,7 +123,6 @@ class LivePlayer final : public Player {
 
   gpu::Device& device_;
   std::shared_ptr<render::Recipe> recipe_;
-  const CameraParts* cameras_;
   Outbox outbox_;
   Playback playback_;
   render::PictureChecks checks_;

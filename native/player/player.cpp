@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/later.h"
 #include "player/player_impl.h"
 
 namespace fourdvt {
@@ -13,8 +14,7 @@ constexpr size_t kReordered = 4;      // samples that a decoder may keep to itse
 constexpr size_t kPacedSamples = 60;  // a <video> element begins to play with more of them
 
 Track makeTrack(int decoder, const PlayerOptions& options) {
-  return {decoder, options.picture_slots, options.picture_kind, options.paced ? kPacedSamples : kReordered,
-          options.cameras};
+  return {decoder, options.picture_slots, options.picture_kind, options.paced ? kPacedSamples : kReordered};
 }
 
 }  // namespace
@@ -35,13 +35,12 @@ PlayerImpl::PlayerImpl(gpu::Device& device, const PlayerOptions& options, std::s
     : device_(device),
       options_(options),
       recipe_(std::move(recipe)),
-      loading_(outbox_, options.encoded_budget_bytes, options.cameras, options.rendition),
+      loading_(outbox_, options.encoded_budget_bytes, options.rendition),
       playback_(outbox_),
       checks_(device),
       tracks_{makeTrack(0, options), makeTrack(1, options)},
       root_motion_(options.turn_rate_rad_s),
-      parameters_(options.parameter_rate),
-      composer_(options.cameras) {
+      parameters_(options.parameter_rate) {
   loading_.allowGraph(options.transitions);
 }
 
@@ -53,7 +52,7 @@ Status PlayerImpl::loadManifest(const FlatJson& gltf, std::span<const uint8_t> s
     return read;
   }
   if (fromCameras()) {
-    auto model = options_.cameras->makeModel(device_, *character());
+    auto model = later<&render::CharacterModel::createForSurfaces>(device_, *character());
     if (!model.ok()) {
       fail(model.error(), -1);
       return model.error();
@@ -145,7 +144,7 @@ Status PlayerImpl::goTo(const std::string& state) {
   const int target = loading_.find(state);
   const bool by_graph = playback_.running() && hasFrame() && !loading_.lacksGraph();
   if (target < 0 || !by_graph || loading_.broken(main().head.sequence())) return selectSequence(state);
-  (this->*transition_calls_.go)(target);
+  later<&PlayerImpl::goByGraph>(*this, target);
   return {};
 }
 

@@ -44,7 +44,6 @@ struct PlayerOptions {
   bool readable = true;
   double turn_rate_rad_s = 2.1;            // heading follows the wanted one at most this fast
   double parameter_rate = 1.5;             // a class's parameter crosses its whole range at most this often a second
-  const CameraParts* cameras = nullptr;    // null: characters from cameras are refused
   uint32_t rendition = kHighestRendition;  // that is played, as Ladder::setQuality takes it
   // A seek shows the key of the wanted frame's GOP until that frame is there, if the key is nearer to it than what is
   // shown.

@@ -2,6 +2,7 @@
 // What passes between the player and its edge: requests, answers to fetches, decoded pictures, failures.
 #include <cstdlib>
 
+#include "base/later.h"
 #include "package/barcode.h"
 #include "player/player_impl.h"
 
@@ -27,7 +28,7 @@ void PlayerImpl::requestMissing() {
   if (starting()) needs[count++] = {0, 0, loops(0), {}, !playback_.playing()};
   const bool wanted = transitions_.phase() == Transitions::Phase::Wanted;
   loading_.requestMissing(std::span(needs.data(), count), wanted ? transitions_.target() : -1);
-  if (looks_ahead_ && commanded_ && loading_.idle()) (this->*fetch_ahead_)();
+  if (looks_ahead_ && commanded_ && loading_.idle()) later<&PlayerImpl::fetchAhead>(*this);
 }
 
 void PlayerImpl::onRangeReceived(uint32_t id, std::span<const uint8_t> bytes) {
@@ -69,7 +70,7 @@ void PlayerImpl::giveUp(const Track& t, const Error& error) {
   if (isMain(t))
     fail(error, -1);
   else
-    (this->*transition_calls_.select)();
+    later<&PlayerImpl::selectInstead>(*this);
 }
 
 FedSequence PlayerImpl::fedBy(const Track& t) const {
@@ -188,7 +189,7 @@ bool PlayerImpl::checkNumber(Track& t, int slot, std::optional<uint32_t> seen) {
     misfits_ = 0;
     return true;
   }
-  if (options_.paced) return takeAs(t, slot, seen);
+  if (options_.paced) return later<&PlayerImpl::takeAs>(*this, t, slot, seen);
   ++stats_.barcode_mismatches;
   t.slots.reject(slot);
   const bool sought = t.head.seeking() && k == t.head.wantedK();
@@ -243,7 +244,7 @@ void PlayerImpl::onDecoderFailed(int decoder, DecoderFault fault, const std::str
   }
   if (!isMain(t)) {
     outbox_.request(CloseDecoder{decoder});
-    (this->*transition_calls_.select)();
+    later<&PlayerImpl::selectInstead>(*this);
     return;
   }
   constexpr ErrorId kIds[] = {ErrorId::VideoInvalid, ErrorId::DecoderUnsupported, ErrorId::DecoderLost};

@@ -8,6 +8,7 @@
 #include <array>
 #include <optional>
 
+#include "base/later.h"
 #include "player/parts/figure_composer.h"
 #include "player/parts/loading.h"
 #include "player/parts/playback.h"
@@ -123,17 +124,10 @@ class PlayerImpl final : public Player {
   void stagePictures();
   FrameGeometry geometryOf(int sequence, uint32_t frame, bool due);
 
-  // player_transitions.cpp. Called by pointer, so that no caller has a copy of what serves after the first picture
-  // only.
-  struct TransitionCalls {
-    void (PlayerImpl::*step)() = &PlayerImpl::stepTransition;
-    void (PlayerImpl::*go)(int target) = &PlayerImpl::goByGraph;
-    void (PlayerImpl::*cancel)() = &PlayerImpl::cancelTransition;
-    void (PlayerImpl::*select)() = &PlayerImpl::selectInstead;
-  };
+  // player_transitions.cpp
   bool inPhase() const { return transitions_.phase() != Transitions::Phase::None; }
   void giveUpTransition() {
-    if (inPhase()) (this->*transition_calls_.cancel)();
+    if (inPhase()) later<&PlayerImpl::cancelTransition>(*this);
   }
   void goByGraph(int target);
   TransitionView transitionView() const;
@@ -188,7 +182,6 @@ class PlayerImpl final : public Player {
   std::array<Track, kDecoders> tracks_;  // by decoder
   int main_ = 0;                         // the track whose sequence is the current one
   Transitions transitions_;
-  TransitionCalls transition_calls_;
   RootMotion root_motion_;
   Parameters parameters_;
   FigureComposer composer_;
@@ -200,11 +193,8 @@ class PlayerImpl final : public Player {
   // Beginnings of other motions are fetched while both hold.
   bool looks_ahead_ = false;  // lookAhead was called
   bool commanded_ = false;    // a motion was chosen since the first picture, or need not be
-  // Pointers, as in Loading; null until they are asked for.
-  void (PlayerImpl::*fetch_ahead_)() = nullptr;
-  void (PlayerImpl::*decode_ahead_)() = nullptr;
-  int misfits_ = 0;       // pictures in a row with other frames' barcodes
-  PlayerStats stats_;  // without what Loading counts
+  int misfits_ = 0;           // pictures in a row with other frames' barcodes
+  PlayerStats stats_;         // without what Loading counts
 };
 
 }  // namespace fourdvt

@@ -19,14 +19,10 @@ void PlayerImpl::judgeRendition(uint32_t sequence, uint32_t rendition, bool play
 void PlayerImpl::lookAhead(bool at_once) {
   looks_ahead_ = true;
   commanded_ = commanded_ || at_once;
-  fetch_ahead_ = &PlayerImpl::fetchAhead;
   loading_.lookAhead();
 }
 
-void PlayerImpl::sliceDecoding(const DecodeSlice& slice) {
-  loading_.sliceDecoding(slice);
-  decode_ahead_ = &PlayerImpl::decodeAhead;
-}
+void PlayerImpl::sliceDecoding(const DecodeSlice& slice) { loading_.sliceDecoding(slice); }
 
 void PlayerImpl::decodeAhead() {
   std::array<Need, kDecoders> needs;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/later.h"
 #include "player/player_impl.h"
 
 namespace fourdvt {
@@ -18,12 +19,12 @@ void PlayerImpl::tick(double now_s) {
   glideParameters(playback_.tick_s());
   if (playback_.running() && !seeking()) root_motion_.turn(playback_.tick_s());
   requestMissing();
-  if (decode_ahead_) (this->*decode_ahead_)();
+  if (loading_.slicing()) later<&PlayerImpl::decodeAhead>(*this);
   for (Track* t : {&main(), &other()})
     if (isReady(*t)) choosePicture(*t);
   // A motion that was asked for and does not come makes the player wait as a picture that does not come does.
   if (playback_.playing() && hasFrame() && seeking()) playback_.noteStarvation(playback_.canPlay());
-  if (inPhase() || transitions_.returnTo() >= 0) (this->*transition_calls_.step)();
+  if (inPhase() || transitions_.returnTo() >= 0) later<&PlayerImpl::stepTransition>(*this);
   if (!playback_.playing()) sharpen();
   composeMesh();
   stagePictures();

@@ -13,9 +13,8 @@
 namespace fourdvt {
 
 struct Track {
-  Track(int decoder, int picture_slots, render::PictureTextures::Kind kind, size_t samples_ahead,
-        const CameraParts* cameras)
-      : feeding(decoder, samples_ahead), slots(picture_slots, kind), frame(cameras) {}
+  Track(int decoder, int picture_slots, render::PictureTextures::Kind kind, size_t samples_ahead)
+      : feeding(decoder, samples_ahead), slots(picture_slots, kind) {}
 
   Playhead head;
   Feeding feeding;

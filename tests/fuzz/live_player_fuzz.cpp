@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The live player of the manifest of live_stream_fixture.h, fed with any messages (each after its length in 4 bytes, little
-// endian; length 0: an interruption) and with pictures of any frames: it shows only what fits, and holds little.
+// The live player of the manifest of live_stream_fixture.h, fed with any messages (each after its length in 4 bytes,
+// little endian; length 0: an interruption) and with pictures of any frames: it shows only what fits, and holds little.
 #include <cstdlib>
 #include <cstring>
 
@@ -42,7 +42,7 @@ void decode(LivePlayer& player) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const std::unique_ptr<gpu::Device> device = gpu::createNullDevice();
   static const std::shared_ptr<render::Recipe> recipe = render::Recipe::create(*device).take();
-  auto player = LivePlayer::create(*device, recipe, {.cameras = &cameraParts()}).take();
+  auto player = LivePlayer::create(*device, recipe, {}).take();
   require(player->loadManifest(testing::liveManifest(), {}).ok());
   player->play();
   double now_s = 0;

@@ -102,9 +102,8 @@ struct Gpu {
 // Stands for the page: answers the player's requests when an event of the input does, in the input's order.
 class Page {
  public:
-  Page(const FakeCharacter& character, bool is_honest, bool has_cameras) : character_(character), honest_(is_honest) {
+  Page(const FakeCharacter& character, bool is_honest) : character_(character), honest_(is_honest) {
     PlayerOptions options{.encoded_budget_bytes = kBudget_bytes, .preview_seeks = true};
-    if (has_cameras) options.cameras = &cameraParts();
     player_ = Player::create(device_, gpu_.recipe, options).take();
   }
 
@@ -287,6 +286,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const bool is_edited = edit(character, in);
   const uint8_t flags = in.u8();
   if (flags & 1) rehash(character);
-  Page(character, !is_edited, flags & 2).run(in);
+  Page(character, !is_edited).run(in);
   return 0;
 }

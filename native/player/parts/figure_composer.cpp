@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/later.h"
 #include "motion/mesh_blend.h"
 #include "motion/placement.h"
 
@@ -12,7 +13,7 @@ Status ShownFrame::present(gpu::Device& device, const render::CharacterModel& mo
                            const package::Character& character, const package::Sequence& sequence,
                            const package::Rendition& rendition, const FrameGeometry& geometry) {
   if (geometry.surfaces) {
-    cameras_->placePictures(character, sequence, rendition, *geometry.surfaces, surface_);
+    later<&SurfaceFrame::place>(surface_, character, sequence, rendition, *geometry.surfaces);
     stale_ = true;
     return {};
   }
@@ -34,7 +35,7 @@ Status ShownFrame::present(gpu::Device& device, const render::CharacterModel& mo
 
 void ShownFrame::blend(const FrameGeometry& geometry, const motion::BlendWeights& weights) {
   if (geometry.surfaces)
-    cameras_->takeSurface(geometry, positions_, surface_);
+    later<&SurfaceFrame::take>(surface_, geometry, positions_);
   else
     motion::blendFrame(*geometry.frames, geometry.row, *geometry.index, weights, positions_);
   stale_ = false;
@@ -54,7 +55,9 @@ void FigureComposer::compose(gpu::Device& device, const ShownFrame& first, const
   stale_ = false;
   if (first.surface().topology_serial != topology_serial_) {
     topology_serial_ = first.surface().topology_serial;
-    cameras_->setTopology(device, first.surface(), first.positions().size(), *model_);
+    // It keeps to the manifest's counts: the reader of surfaces has checked that.
+    (void)later<&render::CharacterModel::setTopology>(*model_, device, first.surface().faces,
+                                                      static_cast<uint32_t>(first.positions().size()));
   }
   if (!second) {
     model_->setPositions(device, first.positions());

@@ -20,8 +20,6 @@ namespace fourdvt {
 // the present weights. Does not upload the mesh: that is FigureComposer's.
 class ShownFrame {
  public:
-  // cameras: null where characters from cameras are not played.
-  explicit ShownFrame(const CameraParts* cameras = nullptr) : cameras_(cameras) {}
   // Labels and alignment of the frame, or where its cameras' pictures lie in the rendition's, go on screen; its mesh
   // is stale until it is blended. Errors: GpuFailure.
   Status present(gpu::Device& device, const render::CharacterModel& model, const package::Character& character,
@@ -36,7 +34,6 @@ class ShownFrame {
   const SurfaceFrame& surface() const { return surface_; }               // of a character from cameras
 
  private:
-  const CameraParts* cameras_;
   std::optional<render::Appearance> appearance_;
   Positions positions_;
   SurfaceFrame surface_;
@@ -52,7 +49,6 @@ struct MeshFade {
 
 class FigureComposer {
  public:
-  explicit FigureComposer(const CameraParts* cameras = nullptr) : cameras_(cameras) {}  // as of ShownFrame
   // Errors: GpuFailure.
   Status setMesh(gpu::Device& device, const package::Character& character, const package::BaseMesh& mesh);
   void setModel(render::CharacterModel model) { model_ = std::move(model); }  // of a character from cameras
@@ -71,7 +67,6 @@ class FigureComposer {
   render::Figure figure(std::span<const render::Look> looks, float fade, const glm::mat4& world_from_character) const;
 
  private:
-  const CameraParts* cameras_;
   std::optional<render::CharacterModel> model_;
   bool stale_ = false;
   uint64_t topology_serial_ = 0;  // of the surface that the model has

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/hash.h"
+#include "base/later.h"
 #include "package/mesh_code.h"
 #include "package/start_file.h"
 
@@ -32,8 +33,6 @@ Error named(const std::string& uri, const Error& error) { return {error.id, uri 
 Status Loading::readManifest(const FlatJson& gltf, std::span<const uint8_t> start) {
   auto read = package::readManifest(gltf);
   if (!read.ok()) return read.error();
-  if (read.value().appearance == package::AppearanceKind::Cameras && !cameras_)
-    return Error{ErrorId::Unsupported, "this player does not play characters from cameras"};
   character_ = read.take();
   ladder_.forget();
   streams_.clear();
@@ -108,12 +107,12 @@ void Loading::requestMissing(std::span<const Need> needs, int next_sequence) {
   }
   if (next_sequence >= 0) requestHeader(next_sequence);
   if (waits || next_sequence >= 0) cancelRaises();
-  if (settle_ahead_) (this->*settle_ahead_)(needs, next_sequence, keep);
+  if (looks_ahead_) later<&Loading::settleAhead>(*this, needs, next_sequence, keep);
   cancelUnneeded(keep);
   if (fetches_.progressEnded() && fetches_.empty()) requestGraph();
   lower(keep);
   if (fetches_.empty()) raise(keep, !needs.empty() && needs[0].stands);
-  if (keep_ahead_) (this->*keep_ahead_)(keep);
+  if (looks_ahead_) later<&Loading::keepAhead>(*this, keep);
   cache_.trim(keep);
 }
 
@@ -383,7 +382,7 @@ Arrival Loading::receive(uint32_t id, std::span<const uint8_t> bytes) {
       return read.ok() ? Arrival{Arrival::What::Header, purpose.sequence, {}} : lose(purpose, read.error());
     }
     case Kind::Graph:
-      (this->*receive_graph_)(bytes);
+      later<&Loading::receiveGraph>(*this, bytes);
       break;
     default:
       receiveGop(purpose, bytes);
@@ -548,7 +547,8 @@ Status Loading::open(GopKey key, stream::Gop& gop) {
   if (gop.decoded()) return {};
   const package::StreamIndex& coded = indexOf(key, gop);
   if (fromCameras()) {
-    FOURDVT_ASSIGN(gop.surfaces, cameras_->open(gop.chunk, coded, key.gop, *character_, sequence(key.sequence)));
+    FOURDVT_ASSIGN(gop.surfaces,
+                   later<&package::SurfaceChunk::open>(gop.chunk, coded, key.gop, *character_, sequence(key.sequence)));
   } else {
     FOURDVT_ASSIGN(gop.geometry, package::ChunkDecoder::open(gop.chunk, coded, key.gop, chunk_mesh_));
   }

@@ -13,8 +13,8 @@
 
 #include "motion/motion_graph.h"
 #include "package/chunk_mesh.h"
-#include "player/parts/camera_parts.h"
 #include "player/parts/fetches.h"
+#include "player/parts/frame_geometry.h"
 #include "player/parts/ladder.h"
 #include "stream/gop_cache.h"
 
@@ -64,16 +64,11 @@ struct Arrival {
 class Loading {
  public:
   // rendition: as Ladder::setQuality takes it.
-  Loading(Outbox& outbox, uint64_t encoded_budget_bytes, const CameraParts* cameras = nullptr,
-          uint32_t rendition = kHighestRendition)
-      : cameras_(cameras),
-        ladder_(rendition),
-        budget_bytes_(encoded_budget_bytes),
-        cache_(encoded_budget_bytes),
-        fetches_(outbox) {}
+  Loading(Outbox& outbox, uint64_t encoded_budget_bytes, uint32_t rendition = kHighestRendition)
+      : ladder_(rendition), budget_bytes_(encoded_budget_bytes), cache_(encoded_budget_bytes), fetches_(outbox) {}
 
   // start: the bytes of the character's start file; not used if they are not those that the manifest's hash is of.
-  // Errors: as of package::readManifest; Unsupported: from cameras, without CameraParts. What was there stays.
+  // Errors: as of package::readManifest. What was there stays.
   Status readManifest(const FlatJson& gltf, std::span<const uint8_t> start = {});
   const package::Character* character() const { return character_ ? &*character_ : nullptr; }  // null: no manifest yet
   int sequenceCount() const { return static_cast<int>(character_ ? character_->sequences.size() : 0); }
@@ -108,7 +103,7 @@ class Loading {
     int sequence = -1;
     uint32_t frame = 0;
   };
-  void lookAhead();  // fetchAhead may be called from now on
+  void lookAhead() { looks_ahead_ = true; }  // fetchAhead may be called from now on
   // Requests, if nothing is on its way, a part of the first landing that lacks one: its header, or its GOP in the
   // lowest rendition. A need that is due soon calls it off. With an automatic choice of renditions only.
   void fetchAhead(std::span<const Landing> landings);
@@ -134,6 +129,7 @@ class Loading {
   void tick(double step_s);
   // From now on decodeAhead decodes what `geometry` does not.
   void sliceDecoding(const DecodeSlice& slice) { slice_ = slice; }
+  bool slicing() const { return slice_.has_value(); }
   // Decodes within the limits of a tick: as far as each need's frame, then what follows it, nearest first.
   void decodeAhead(std::span<const Need> needs, bool seeking);
   // On: of layered characters decodeAhead decodes only a GOP that it has begun and that is due; the others become jobs.
@@ -215,7 +211,6 @@ class Loading {
 
   bool fromCameras() const { return character_->appearance == package::AppearanceKind::Cameras; }
 
-  const CameraParts* cameras_;
   Ladder ladder_;
   uint64_t bytes_before_ = 0;  // bytesFetched at the last tick
   std::optional<package::Character> character_;
@@ -223,14 +218,11 @@ class Loading {
   package::ChunkMesh chunk_mesh_;
   std::optional<motion::MotionGraph> graph_;
   bool graph_allowed_ = true;
-  void (Loading::*receive_graph_)(std::span<const uint8_t>) = &Loading::receiveGraph;  // by pointer, as below
   stream::PartState mesh_state_ = stream::PartState::Absent, graph_state_ = stream::PartState::Absent;
   std::vector<Stream> streams_;
   package::Sequence start_;
   bool started_ = false;
-  // Null until lookAhead: by pointer, so that no caller has a copy of what runs after the first picture only.
-  void (Loading::*settle_ahead_)(std::span<const Need>, int, const std::vector<stream::GopKey>&) = nullptr;
-  void (Loading::*keep_ahead_)(std::vector<stream::GopKey>&) = nullptr;
+  bool looks_ahead_ = false;           // fetchAhead may be called
   std::vector<stream::GopKey> ahead_;  // beginnings, of some sequences that may be next
   uint64_t budget_bytes_, needed_bytes_ = 0;
   stream::GopCache cache_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Methods of Loading and Ladder that serve after the first picture only: the motion graph, judgements of renditions by the
-// page, and prefetching the first GOPs of motions that may come next while the network is idle.
+// Methods of Loading and Ladder that serve after the first picture only: the motion graph, judgements of renditions by
+// the page, and prefetching the first GOPs of motions that may come next while the network is idle.
 #include <algorithm>
 
 #include "player/parts/loading.h"
@@ -33,11 +33,6 @@ void Ladder::judge(const package::Sequence& s, uint32_t rendition, bool plays) {
 bool Loading::holds(int sequence, uint32_t gop_index) const {
   const stream::Gop* gop = cache_.find({sequence, gop_index});
   return gop && gop->video_state == PartState::Present && gop->chunk_state == PartState::Present;
-}
-
-void Loading::lookAhead() {
-  settle_ahead_ = &Loading::settleAhead;
-  keep_ahead_ = &Loading::keepAhead;
 }
 
 void Loading::fetchAhead(std::span<const Landing> landings) {

@@ -21,7 +21,7 @@ struct LiveEdge {
   explicit LiveEdge(int slots = 4) {
     auto recipe = render::Recipe::create(*device);
     EXPECT_TRUE(recipe.ok());
-    player = LivePlayer::create(*device, recipe.take(), {.picture_slots = slots, .cameras = &cameraParts()}).take();
+    player = LivePlayer::create(*device, recipe.take(), {.picture_slots = slots}).take();
     EXPECT_TRUE(player->loadManifest(liveManifest(), {}).ok());
     player->play();
   }
@@ -398,8 +398,8 @@ TEST(LivePlayer, ThereIsNothingToSeekOrChoose) {
 TEST(LivePlayer, NothingIsTakenBeforeTheManifest) {
   std::unique_ptr<gpu::Device> device = gpu::createNullDevice();
   std::shared_ptr<render::Recipe> recipe = render::Recipe::create(*device).take();
-  EXPECT_FALSE(LivePlayer::create(*device, recipe, {}).ok()) << "without cameras";
-  auto player = LivePlayer::create(*device, recipe, {.cameras = &cameraParts()}).take();
+  EXPECT_FALSE(LivePlayer::create(*device, recipe, {.picture_slots = 1}).ok());
+  auto player = LivePlayer::create(*device, recipe, {}).take();
   EXPECT_FALSE(player->onLiveFrame(liveMessage(1, true)).ok());
   EXPECT_FALSE(player->loadManifest({}, {}).ok());
   player->onDecoderFailed(0, DecoderFault::Samples, "");

@@ -2,7 +2,6 @@
 // Geometry decoded in slices: how much a tick decodes and what first, that playing and seeking show what they show
 // without slices, and that damage is still reported.
 #include "camera_character.h"
-#include "player/parts/camera_parts.h"
 #include "player_edge.h"
 
 using namespace fourdvt;
@@ -263,7 +262,7 @@ TEST(DecodeSlices, ADamagedRowIsReportedThoughALaterOneIsSought) {
 }
 
 TEST(DecodeSlices, SurfacesComeRowByRow) {
-  SimulatedEdge edge(fakeCameraCharacter(), {.player = {.cameras = &cameraParts()}});
+  SimulatedEdge edge(fakeCameraCharacter(), {});
   edge.player->sliceDecoding({.steps = 1});
   ASSERT_TRUE(edge.load());
   const uint64_t rows = edge.player->stats().decoded.rows;

@@ -28,7 +28,7 @@ struct OneGop {
     s.renditions[0].tiles = {16, 4, 128, 96};  // the layout of 64 × 48 texels, twice as large
     chunk = package::SurfaceChunk::open(bytes, index, 0, character, s).take();
     EXPECT_TRUE(chunk->decodeTo(3).ok());
-    composer.setModel(cameraParts().makeModel(device, character).take());
+    composer.setModel(render::CharacterModel::createForSurfaces(device, character).take());
   }
   void show(uint32_t frame) {
     const FrameGeometry geometry{nullptr, &index, frame, chunk.get()};
@@ -46,8 +46,8 @@ struct OneGop {
   std::unique_ptr<package::SurfaceChunk> chunk;
   std::unique_ptr<gpu::Device> owned = gpu::createNullDevice();
   gpu::Device& device = *owned;
-  FigureComposer composer{&cameraParts()};
-  ShownFrame shown{&cameraParts()};
+  FigureComposer composer;
+  ShownFrame shown;
 };
 
 }  // namespace
@@ -94,7 +94,7 @@ TEST(PlayerSurfaces, TilesAreScaledIntoThePicture) {
 
 // There is no file with a base mesh, and GOP 1 has no picture of the second camera.
 TEST(PlayerSurfaces, ACharacterFromCamerasPlaysWithoutABaseMesh) {
-  SimulatedEdge edge(fakeCameraCharacter(), {.player = {.cameras = &cameraParts()}});
+  SimulatedEdge edge(fakeCameraCharacter(), {});
   ASSERT_TRUE(edge.load());
   edge.player->play();
   EXPECT_TRUE(edge.runUntil([&] { return edge.player->stats().frames_shown >= 20; })) << "two and a half loops";
@@ -107,19 +107,11 @@ TEST(PlayerSurfaces, ACharacterFromCamerasPlaysWithoutABaseMesh) {
   EXPECT_EQ(edge.player->draw(view, {}, 0).error().id, ErrorId::Unsupported) << "nobody has given it a method";
 }
 
-TEST(PlayerSurfaces, ACharacterFromCamerasIsRefusedWhereNoneArePlayed) {
-  SimulatedEdge edge(fakeCameraCharacter(), {});
-  const Status loaded = edge.player->loadManifest(fakeCameraCharacter().manifest);
-  ASSERT_FALSE(loaded.ok());
-  EXPECT_EQ(loaded.error().id, ErrorId::Unsupported);
-  EXPECT_NE(loaded.error().message.find("from cameras"), std::string::npos);
-}
-
 TEST(PlayerSurfaces, ADamagedChunkIsOneErrorThatNamesTheFile) {
   FakeCharacter character = fakeCameraCharacter();
   std::vector<uint8_t>& stream = character.files.at("turn.bin");
   stream.back() ^= 0xff;
-  SimulatedEdge edge(character, {.player = {.cameras = &cameraParts()}});
+  SimulatedEdge edge(character, {});
   ASSERT_TRUE(edge.player->loadManifest(character.manifest).ok());
   EXPECT_TRUE(edge.runUntil([&] { return !edge.errors.empty(); }));
   EXPECT_EQ(edge.errors.size(), 1u);
