@@ -12,8 +12,8 @@
 
 #include "package/live_frame.h"
 #include "package/live_manifest.h"
-#include "player/parts/figure_composer.h"
-#include "player/parts/picture_slots.h"
+#include "player/parts/figure.h"
+#include "player/parts/pictures.h"
 #include "player/parts/playback.h"
 #include "player/player.h"
 #include "render/barcodes/picture_checks.h"

@@ -9,15 +9,29 @@
 #include <optional>
 
 #include "base/later.h"
-#include "player/parts/figure_composer.h"
+#include "player/parts/figure.h"
 #include "player/parts/loading.h"
+#include "player/parts/motion.h"
+#include "player/parts/pictures.h"
 #include "player/parts/playback.h"
-#include "player/parts/transitions.h"
 #include "player/player.h"
-#include "player/track.h"
 #include "render/barcodes/picture_checks.h"
 
 namespace fourdvt {
+
+// One sequence that is being played by one decoder: the parts that each track has of its own. A player has two tracks;
+// the second is used only around a transition.
+struct Track {
+  Track(int decoder, int picture_slots, render::PictureTextures::Kind kind, size_t samples_ahead)
+      : feeding(decoder, samples_ahead), slots(picture_slots, kind) {}
+
+  Playhead head;
+  Feeding feeding;
+  PictureSlots slots;
+  ShownParameters parameters;
+  RootTrail roots;
+  ShownFrame frame;
+};
 
 class PlayerImpl final : public Player {
  public:

@@ -29,7 +29,7 @@ struct Loading::SliceLeft {
 };
 
 void Loading::decodeAhead(std::span<const Need> needs, bool seeking) {
-  if (!slice_ || mesh_state_ != stream::PartState::Present) return;
+  if (!slice_ || mesh_state_ != PartState::Present) return;
   jobs_.clear();
   SliceLeft left{*slice_};
   const double least_s = slice_->seconds * kMinSlices, most_s = slice_->seconds * kMaxSlices;
@@ -53,9 +53,9 @@ Loading::Ahead Loading::reach(const Need& need, uint32_t ahead) {
   uint32_t frame = need.frame + ahead;
   if (frame >= streamed.frame_count && !need.loops) return {};
   frame %= streamed.frame_count;
-  const stream::GopKey key{need.sequence, streamed.chunkOfFrame(frame)};
-  stream::Gop* gop = cache_.find(key);
-  if (!gop || gop->chunk_state != stream::PartState::Present) return {};
+  const GopKey key{need.sequence, streamed.chunkOfFrame(frame)};
+  Gop* gop = cache_.find(key);
+  if (!gop || gop->chunk_state != PartState::Present) return {};
   const package::ChunkEntry& chunk = streamed.chunks[key.gop];
   const uint32_t row = frame - chunk.first_frame;
   if (ahead == 0)
@@ -77,7 +77,7 @@ bool Loading::decodeAhead(const Ahead& at, bool urgent, SliceLeft& left) {
 
 // Makes a job of a GOP that was begun here and is not due: its rows stay, and come elsewhere before those that follow.
 void Loading::handOver(const Ahead& at) {
-  stream::Gop& gop = *at.gop;
+  Gop& gop = *at.gop;
   if (!gop.geometry || gop.job || gop.here || gop.damaged || gop.decodedRows() == at.row_count) return;
   const uint32_t rows = gop.decodedRows();
   gop.geometry = package::receivedChunk(gop.geometry->take(), rows);
@@ -87,7 +87,7 @@ void Loading::handOver(const Ahead& at) {
 // Turns a GOP that is not begun into a job, and lists each job until it is done: whole while memory allows it, else as
 // far as its rows are wanted.
 void Loading::giveAway(const Ahead& at, bool urgent) {
-  stream::Gop& gop = *at.gop;
+  Gop& gop = *at.gop;
   if (!elsewhere_ && gop.job && gop.decodedRows() < at.row_count) gop.dropDecoded();
   const bool room = cache_.hasRoomForDecoded();
   if (!gop.decoded() && elsewhere_ && !gop.here && !fromCameras() && (urgent || room)) {
@@ -105,7 +105,7 @@ void Loading::giveAway(const Ahead& at, bool urgent) {
 
 std::optional<DecodeJob> Loading::decodeJob(size_t number) {
   for (const Job& job : jobs_) {
-    const stream::Gop* gop = cache_.find(job.key);
+    const Gop* gop = cache_.find(job.key);
     if (!gop || gop->job != job.id || number-- > 0) continue;
     return DecodeJob{job.id, gop->chunk, &indexOf(job.key, *gop), job.key.gop, job.frames};
   }
@@ -114,7 +114,7 @@ std::optional<DecodeJob> Loading::decodeJob(size_t number) {
 
 bool Loading::takeDecoded(uint32_t id, uint32_t row, std::span<const uint8_t> bytes, double seconds) {
   const auto job = std::find_if(jobs_.begin(), jobs_.end(), [&](const Job& j) { return j.id == id; });
-  stream::Gop* gop = job == jobs_.end() ? nullptr : cache_.find(job->key);
+  Gop* gop = job == jobs_.end() ? nullptr : cache_.find(job->key);
   if (!gop || gop->job != id) return false;
   if (row != gop->decodedRows()) return true;
   if (gop->geometry->append(bytes)) {

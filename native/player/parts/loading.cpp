@@ -11,8 +11,6 @@
 namespace fourdvt {
 
 using Kind = FetchPurpose::Kind;
-using stream::GopKey;
-using stream::PartState;
 
 namespace {
 
@@ -61,7 +59,7 @@ Status Loading::takeStart(std::span<const uint8_t> bytes) {
   streams_.resize(streams_.size() + 1);
   streams_.back().header = PartState::Present;
   streams_.back().index = std::move(file.index);
-  stream::Gop& gop = cache_.touch({sequenceCount(), 0});
+  Gop& gop = cache_.touch({sequenceCount(), 0});
   gop.chunk = std::move(file.chunk);
   gop.video = std::move(file.video);
   gop.chunk_state = gop.video_state = PartState::Present;
@@ -69,7 +67,7 @@ Status Loading::takeStart(std::span<const uint8_t> bytes) {
 }
 
 uint32_t Loading::renditionOf(int sequence_index, uint32_t gop) const {
-  const stream::Gop* held = cache_.find({sequence_index, gop});
+  const Gop* held = cache_.find({sequence_index, gop});
   return held && held->video_state != PartState::Absent
              ? held->rendition
              : ladder_.choose(sequence(sequence_index), stream(sequence_index).rendition);
@@ -141,7 +139,7 @@ void Loading::requestGraph() {
 void Loading::addNeededGops(const Need& need, std::vector<GopKey>& keys) const {
   if (!playable(need.sequence)) return;
   const auto ahead = static_cast<uint32_t>(kAhead_s * sequence(need.sequence).fps);
-  for (uint32_t gop : stream::neededGops(index(need.sequence), need.frame, need.loops, ahead))
+  for (uint32_t gop : neededGops(index(need.sequence), need.frame, need.loops, ahead))
     keys.push_back({need.sequence, gop});
   if (need.fed_gop) keys.push_back({need.sequence, *need.fed_gop});
 }
@@ -149,7 +147,7 @@ void Loading::addNeededGops(const Need& need, std::vector<GopKey>& keys) const {
 // True: some of it is on its way.
 bool Loading::requestGop(GopKey key, double ahead_s, bool stands) {
   const package::Sequence& q = sequence(key.sequence);
-  stream::Gop& gop = cache_.touch(key);
+  Gop& gop = cache_.touch(key);
   const bool new_video = gop.video_state == PartState::Absent;
   if (new_video) {
     uint32_t& chosen = stream(key.sequence).rendition;
@@ -171,7 +169,7 @@ bool Loading::requestGop(GopKey key, double ahead_s, bool stands) {
   return gop.chunk_state == PartState::Fetching || gop.video_state == PartState::Fetching;
 }
 
-const package::StreamIndex& Loading::indexOf(GopKey key, const stream::Gop& gop) const {
+const package::StreamIndex& Loading::indexOf(GopKey key, const Gop& gop) const {
   return gop.coarse ? stream(key.sequence).coarse : index(key.sequence);
 }
 
@@ -180,7 +178,7 @@ void Loading::requestChunk(GopKey key, Kind kind, const package::ChunkEntry& ent
 }
 
 // Requests the chunk that takes the place of a coarse one, once.
-void Loading::requestFine(GopKey key, stream::Gop& gop) {
+void Loading::requestFine(GopKey key, Gop& gop) {
   if (!gop.coarse || gop.fine_state != PartState::Absent) return;
   gop.fine_state = PartState::Fetching;
   requestChunk(key, Kind::Fine, index(key.sequence).chunks[key.gop]);
@@ -217,9 +215,9 @@ uint32_t Loading::chooseStill(GopKey key) const {
 // in a higher rendition, one GOP after the other, the lowest first.
 void Loading::raise(const std::vector<GopKey>& keys, bool stands) {
   GopKey chosen;
-  stream::Gop* lowest = nullptr;
+  Gop* lowest = nullptr;
   for (const GopKey& key : keys) {
-    stream::Gop* gop = cache_.find(key);
+    Gop* gop = cache_.find(key);
     if (!gop || gop->rendition >= ladder_.highest(sequence(key.sequence)) || gop->better_state != PartState::Absent)
       continue;
     if (!(stands && key == keys[0]) && !holdsWhole(key.sequence)) continue;
@@ -249,13 +247,13 @@ uint32_t Loading::raised(int sequence_index, uint32_t from) const {
 }
 
 bool Loading::takeSharper(int sequence_index, uint32_t gop_index, uint32_t rendition) {
-  stream::Gop* gop = cache_.find({sequence_index, gop_index});
+  Gop* gop = cache_.find({sequence_index, gop_index});
   if (!gop || gop->video_state != PartState::Present || gop->fine_state == PartState::Fetching) return false;
   const bool better = gop->better_state == PartState::Present && gop->better_rendition > gop->rendition;
   const uint32_t next = better ? gop->better_rendition : gop->rendition;
   const package::Sequence& q = sequence(sequence_index);
   if (next <= rendition || ladder_.tooSlow(q, next) || ladder_.isOut(q, next)) return false;
-  gop->row = stream::Gop::kNoRow;  // its decoding begins anew, with the fine geometry
+  gop->row = Gop::kNoRow;  // its decoding begins anew, with the fine geometry
   return true;
 }
 
@@ -264,7 +262,7 @@ bool Loading::takeSharper(int sequence_index, uint32_t gop_index, uint32_t rendi
 void Loading::lower(const std::vector<GopKey>& keys) {
   int under_way = 0;
   for (const GopKey& key : keys) {
-    stream::Gop* gop = cache_.find(key);
+    Gop* gop = cache_.find(key);
     const package::Sequence& q = sequence(key.sequence);
     if (!gop || gop->video_state != PartState::Present || !ladder_.tooSlow(q, gop->rendition)) continue;
     const uint32_t rendition = ladder_.choose(q, 0);
@@ -283,7 +281,7 @@ void Loading::lower(const std::vector<GopKey>& keys) {
 // They would share the network with what is due.
 void Loading::cancelRaises() {
   fetches_.cancel([&](const FetchPurpose& purpose) {
-    const stream::Gop* gop = cache_.find({purpose.sequence, purpose.gop});
+    const Gop* gop = cache_.find({purpose.sequence, purpose.gop});
     const bool raises =
         gop && (purpose.kind == Kind::Better
                     ? gop->better_rendition > gop->rendition
@@ -310,7 +308,7 @@ void Loading::cancelUnneeded(const std::vector<GopKey>& keep) {
 }
 
 // Only where decoding begins anew: within a pass all rows before would have to be decoded at once.
-void Loading::takeFine(stream::Gop& gop) {
+void Loading::takeFine(Gop& gop) {
   if (gop.fine_state != PartState::Present) return;
   gop.dropDecoded();
   gop.chunk = std::move(gop.fine);
@@ -320,7 +318,7 @@ void Loading::takeFine(stream::Gop& gop) {
 }
 
 void Loading::takeBetter(int sequence_index, uint32_t gop_index) {
-  stream::Gop* gop = cache_.find({sequence_index, gop_index});
+  Gop* gop = cache_.find({sequence_index, gop_index});
   if (!gop || gop->better_state != PartState::Present) return;
   const package::Sequence& q = sequence(sequence_index);
   if (!ladder_.tooSlow(q, gop->better_rendition) || ladder_.isOut(q, gop->rendition)) {
@@ -341,7 +339,7 @@ void Loading::dropOtherRenditions() {
     if (!hasHeader(s)) continue;
     stream(s).rendition = ladder_.choose(sequence(s), stream(s).rendition);
     for (uint32_t g = 0; g < index(s).chunks.size(); ++g) {
-      stream::Gop* gop = cache_.find({s, g});
+      Gop* gop = cache_.find({s, g});
       if (!gop) continue;
       gop->better_state = gop->fine_state = PartState::Absent;
       gop->better.clear();
@@ -445,7 +443,7 @@ uint64_t Loading::hashOf(const FetchPurpose& purpose) const {
 
 // That samples under way are of.
 uint32_t Loading::renditionOf(const FetchPurpose& purpose) const {
-  const stream::Gop* gop = cache_.find({purpose.sequence, purpose.gop});
+  const Gop* gop = cache_.find({purpose.sequence, purpose.gop});
   return !gop ? 0 : purpose.kind == Kind::Video ? gop->rendition : gop->better_rendition;
 }
 
@@ -454,7 +452,7 @@ PartState* Loading::stateOf(const FetchPurpose& purpose) {
   if (purpose.kind == Kind::Mesh) return &mesh_state_;
   if (purpose.kind == Kind::Graph) return &graph_state_;
   if (purpose.kind == Kind::Header) return &stream(purpose.sequence).header;
-  stream::Gop* gop = cache_.find({purpose.sequence, purpose.gop});
+  Gop* gop = cache_.find({purpose.sequence, purpose.gop});
   if (!gop) return nullptr;
   if (purpose.kind == Kind::Better) return &gop->better_state;
   if (purpose.kind == Kind::Fine) return &gop->fine_state;
@@ -508,7 +506,7 @@ Status Loading::checkHeader(const package::Sequence& q, const package::StreamInd
 }
 
 void Loading::receiveGop(const FetchPurpose& purpose, std::span<const uint8_t> bytes) {
-  stream::Gop& gop = cache_.touch({purpose.sequence, purpose.gop});
+  Gop& gop = cache_.touch({purpose.sequence, purpose.gop});
   std::vector<uint8_t>& part = purpose.kind == Kind::Chunk   ? gop.chunk
                                : purpose.kind == Kind::Fine  ? gop.fine
                                : purpose.kind == Kind::Video ? gop.video
@@ -538,12 +536,12 @@ bool Loading::revive(int sequence_index) {
 }
 
 const std::vector<uint8_t>* Loading::video(int sequence, uint32_t gop_index) const {
-  const stream::Gop* gop = cache_.find({sequence, gop_index});
+  const Gop* gop = cache_.find({sequence, gop_index});
   return gop && gop->video_state == PartState::Present ? &gop->video : nullptr;
 }
 
 // Opens the decoder if that is yet to be done.
-Status Loading::open(GopKey key, stream::Gop& gop) {
+Status Loading::open(GopKey key, Gop& gop) {
   if (gop.decoded()) return {};
   const package::StreamIndex& coded = indexOf(key, gop);
   if (fromCameras()) {
@@ -556,7 +554,7 @@ Status Loading::open(GopKey key, stream::Gop& gop) {
 }
 
 // Decodes as far as a row, or one step: kStep. Opening the decoder is one of the steps.
-Status Loading::decode(GopKey key, stream::Gop& gop, uint32_t row) {
+Status Loading::decode(GopKey key, Gop& gop, uint32_t row) {
   const bool timed = slice_ && slice_->now_s, opens = !gop.decoded();
   const double start_s = timed ? slice_->now_s() : 0;
   const uint32_t rows = gop.decodedRows();
@@ -579,7 +577,7 @@ Status Loading::decode(GopKey key, stream::Gop& gop, uint32_t row) {
 }
 
 // A frame of the GOP is wanted: a pass of it begins, or goes on.
-void Loading::enter(stream::Gop& gop, uint32_t row) {
+void Loading::enter(Gop& gop, uint32_t row) {
   if (row < gop.row || !gop.decoded()) takeFine(gop);
   gop.row = row;
 }
@@ -588,7 +586,7 @@ Status Loading::geometry(int sequence_index, uint32_t frame, bool due, FrameGeom
   if (mesh_state_ != PartState::Present || !playable(sequence_index)) return {};
   const package::StreamIndex& streamed = index(sequence_index);
   const GopKey key{sequence_index, streamed.chunkOfFrame(frame)};
-  stream::Gop* gop = cache_.find(key);
+  Gop* gop = cache_.find(key);
   if (!gop || gop->chunk_state != PartState::Present) return {};
   const uint32_t row = frame - streamed.chunks[key.gop].first_frame;
   enter(*gop, row);

@@ -13,10 +13,10 @@
 
 #include "motion/motion_graph.h"
 #include "package/chunk_mesh.h"
-#include "player/parts/fetches.h"
-#include "player/parts/frame_geometry.h"
+#include "player/parts/figure.h"
+#include "player/parts/gop_cache.h"
 #include "player/parts/ladder.h"
-#include "stream/gop_cache.h"
+#include "player/parts/messages.h"
 
 namespace fourdvt {
 
@@ -85,7 +85,7 @@ class Loading {
   void dropOtherRenditions();
   int find(const std::string& name) const;                  // -1: there is no sequence of that name
   const package::BaseMesh& mesh() const { return *mesh_; }  // after Arrival::What::Mesh
-  bool hasHeader(int sequence) const { return stream(sequence).header == stream::PartState::Present; }
+  bool hasHeader(int sequence) const { return stream(sequence).header == PartState::Present; }
   bool broken(int sequence) const { return stream(sequence).broken; }
   bool playable(int sequence) const { return hasHeader(sequence) && !broken(sequence); }
   const package::StreamIndex& index(int sequence) const { return stream(sequence).index; }  // once it has its header
@@ -93,7 +93,7 @@ class Loading {
   // The manifest names no motion graph, or it could not be had.
   bool lacksGraph() const { return !graph_allowed_ || character_->graph_uri.empty() || graphFailed(); }
   void allowGraph(bool allowed) { graph_allowed_ = allowed; }  // at first it is
-  bool graphFailed() const { return graph_state_ == stream::PartState::Failed; }
+  bool graphFailed() const { return graph_state_ == PartState::Failed; }
 
   // Asks for what the needs lack, the most urgent first: mesh, header and GOPs of each need in turn, then the header of
   // `next_sequence` (-1: none). Frees what nobody needs when the budget is exceeded.
@@ -152,7 +152,7 @@ class Loading {
 
  private:
   struct Stream {  // one of each sequence
-    stream::PartState header = stream::PartState::Absent;
+    PartState header = PartState::Absent;
     package::StreamIndex index, coarse;  // coarse: of those chunks, if there are any
     bool broken = false;
     uint32_t rendition = 0;     // that was chosen last
@@ -163,20 +163,20 @@ class Loading {
   const Stream& stream(int sequence) const { return streams_[static_cast<size_t>(sequence)]; }
   void requestMesh();
   void requestHeader(int sequence);
-  bool requestGop(stream::GopKey key, double ahead_s, bool stands = false);
-  uint32_t choose(stream::GopKey key, double ahead_s, bool stands) const;
-  uint32_t chooseStill(stream::GopKey key) const;
-  void requestChunk(stream::GopKey key, FetchPurpose::Kind kind, const package::ChunkEntry& entry);
-  void requestFine(stream::GopKey key, stream::Gop& gop);
-  void takeFine(stream::Gop& gop);
-  void enter(stream::Gop& gop, uint32_t row);
-  Status open(stream::GopKey key, stream::Gop& gop);
+  bool requestGop(GopKey key, double ahead_s, bool stands = false);
+  uint32_t choose(GopKey key, double ahead_s, bool stands) const;
+  uint32_t chooseStill(GopKey key) const;
+  void requestChunk(GopKey key, FetchPurpose::Kind kind, const package::ChunkEntry& entry);
+  void requestFine(GopKey key, Gop& gop);
+  void takeFine(Gop& gop);
+  void enter(Gop& gop, uint32_t row);
+  Status open(GopKey key, Gop& gop);
   static constexpr uint32_t kStep = UINT32_MAX;
-  Status decode(stream::GopKey key, stream::Gop& gop, uint32_t row);
+  Status decode(GopKey key, Gop& gop, uint32_t row);
   struct SliceLeft;
   struct Ahead {
-    stream::GopKey key;
-    stream::Gop* gop = nullptr;
+    GopKey key;
+    Gop* gop = nullptr;
     uint32_t row = 0, row_count = 0;
   };
   Ahead reach(const Need& need, uint32_t ahead);
@@ -184,23 +184,23 @@ class Loading {
   void handOver(const Ahead& at);
   void giveAway(const Ahead& at, bool urgent);
   // That the GOP's chunk is of.
-  const package::StreamIndex& indexOf(stream::GopKey key, const stream::Gop& gop) const;
-  void requestAhead(stream::GopKey key);
-  void settleAhead(std::span<const Need> needs, int next_sequence, const std::vector<stream::GopKey>& keep);
-  void keepAhead(std::vector<stream::GopKey>& keep);
-  uint64_t bytesOf(const std::vector<stream::GopKey>& keys) const;
-  void requestVideo(stream::GopKey key, FetchPurpose::Kind kind, uint32_t rendition);
-  void raise(const std::vector<stream::GopKey>& keys, bool stands);
+  const package::StreamIndex& indexOf(GopKey key, const Gop& gop) const;
+  void requestAhead(GopKey key);
+  void settleAhead(std::span<const Need> needs, int next_sequence, const std::vector<GopKey>& keep);
+  void keepAhead(std::vector<GopKey>& keep);
+  uint64_t bytesOf(const std::vector<GopKey>& keys) const;
+  void requestVideo(GopKey key, FetchPurpose::Kind kind, uint32_t rendition);
+  void raise(const std::vector<GopKey>& keys, bool stands);
   uint32_t raised(int sequence, uint32_t from) const;
   void cancelRaises();
-  void lower(const std::vector<stream::GopKey>& keys);
+  void lower(const std::vector<GopKey>& keys);
   bool holdsWhole(int sequence) const;
-  void cancelUnneeded(const std::vector<stream::GopKey>& keep);
-  void addNeededGops(const Need& need, std::vector<stream::GopKey>& keys) const;
+  void cancelUnneeded(const std::vector<GopKey>& keep);
+  void addNeededGops(const Need& need, std::vector<GopKey>& keys) const;
   uint64_t hashOf(const FetchPurpose& purpose) const;
   uint32_t renditionOf(const FetchPurpose& purpose) const;
   Arrival lose(const FetchPurpose& purpose, Error error);
-  stream::PartState* stateOf(const FetchPurpose& purpose);
+  PartState* stateOf(const FetchPurpose& purpose);
   Status receiveMesh(std::span<const uint8_t> bytes);
   Status takeMesh(Result<package::BaseMesh> mesh);
   Status takeStart(std::span<const uint8_t> bytes);
@@ -218,19 +218,19 @@ class Loading {
   package::ChunkMesh chunk_mesh_;
   std::optional<motion::MotionGraph> graph_;
   bool graph_allowed_ = true;
-  stream::PartState mesh_state_ = stream::PartState::Absent, graph_state_ = stream::PartState::Absent;
+  PartState mesh_state_ = PartState::Absent, graph_state_ = PartState::Absent;
   std::vector<Stream> streams_;
   package::Sequence start_;
   bool started_ = false;
-  bool looks_ahead_ = false;           // fetchAhead may be called
-  std::vector<stream::GopKey> ahead_;  // beginnings, of some sequences that may be next
+  bool looks_ahead_ = false;   // fetchAhead may be called
+  std::vector<GopKey> ahead_;  // beginnings, of some sequences that may be next
   uint64_t budget_bytes_, needed_bytes_ = 0;
-  stream::GopCache cache_;
+  GopCache cache_;
   std::optional<DecodeSlice> slice_;  // none: what a frame needs is decoded at once
   DecodeStats decoded_;
   struct Job {
     uint32_t id;
-    stream::GopKey key;
+    GopKey key;
     uint32_t frames;
   };
   bool elsewhere_ = false;

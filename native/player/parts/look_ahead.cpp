@@ -8,8 +8,6 @@
 namespace fourdvt {
 
 using Kind = FetchPurpose::Kind;
-using stream::GopKey;
-using stream::PartState;
 
 namespace {
 constexpr int kMostGops = 4;            // of one sequence: entries from all frames of a short loop
@@ -31,7 +29,7 @@ void Ladder::judge(const package::Sequence& s, uint32_t rendition, bool plays) {
 }
 
 bool Loading::holds(int sequence, uint32_t gop_index) const {
-  const stream::Gop* gop = cache_.find({sequence, gop_index});
+  const Gop* gop = cache_.find({sequence, gop_index});
   return gop && gop->video_state == PartState::Present && gop->chunk_state == PartState::Present;
 }
 
@@ -62,7 +60,7 @@ void Loading::requestAhead(GopKey key) {
   const package::StreamIndex& streamed = index(key.sequence);
   const uint64_t bytes = streamed.chunks[key.gop].bytes + streamed.renditions[rendition].videoOf(key.gop).bytes;
   if (needed_bytes_ + bytesOf(ahead_) + bytes > budget_bytes_ / kBudgetDivisor) return;
-  stream::Gop& gop = cache_.touch(key);
+  Gop& gop = cache_.touch(key);
   if (gop.video_state == PartState::Absent) {
     gop.rendition = rendition;
     gop.video_state = PartState::Fetching;
@@ -74,7 +72,7 @@ void Loading::requestAhead(GopKey key) {
 uint64_t Loading::bytesOf(const std::vector<GopKey>& keys) const {
   uint64_t total = 0;
   for (size_t i = 0; i < keys.size(); ++i)
-    if (const stream::Gop* gop = cache_.find(keys[i]); gop && std::find(&keys[0], &keys[i], keys[i]) == &keys[i])
+    if (const Gop* gop = cache_.find(keys[i]); gop && std::find(&keys[0], &keys[i], keys[i]) == &keys[i])
       total += gop->encodedBytes();
   return total;
 }

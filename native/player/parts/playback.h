@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// What holds for the whole player whatever its tracks do: playing or paused, rate, loop, the edge's time; and the
-// events of a media element that follow from them. Does NOT choose frames (playhead.h) and does NOT know sequences.
+// Time: of the whole player (Playback), and of one track (Playhead, on a PlaybackClock).
 #pragma once
 
 #include "package/character.h"
-#include "player/parts/outbox.h"
+#include "player/parts/messages.h"
+#include "player/parts/pictures.h"
 
 namespace fourdvt {
 
 constexpr double kMaxStep_s = 0.25;  // a longer time between two ticks (a sleeping tab) counts as this
 
+// What holds for the whole player whatever its tracks do: playing or paused, rate, loop, the edge's time; and the
+// events of a media element that follow from them. Does NOT choose frames (Playhead).
 class Playback {
  public:
   explicit Playback(Outbox& outbox) : outbox_(outbox) {}
@@ -48,6 +50,77 @@ class Playback {
   double now_s_ = 0, tick_s_ = 0;
   bool ticked_ = false;
   double last_time_update_s_ = -1, starved_since_s_ = -1;  // -1: not starved
+};
+
+// Media time against the edge's monotonic clock. Pure logic, without frames or loops: the position is unwrapped.
+class PlaybackClock {
+ public:
+  void setRunning(bool running) { running_ = running; }
+  void setRate(double rate) { rate_ = rate; }
+  void jump(double position_s) { position_s_ = position_s; }
+  // Moves to `now_s`; a step longer than `max_step_s` (a sleeping tab) counts as that long. Going back counts as 0.
+  void advance(double now_s, double max_step_s = 0.25);
+  // Keeps the position from passing `limit_s`: playback waits for pictures instead of running away from them.
+  void holdAt(double limit_s) {
+    if (position_s_ > limit_s) position_s_ = limit_s;
+  }
+  double position() const { return position_s_; }
+  double rate() const { return rate_; }
+  bool running() const { return running_; }
+
+ private:
+  double position_s_ = 0, rate_ = 1, last_now_s_ = 0;
+  bool running_ = false, started_ = false;
+};
+
+// What is on screen.
+struct Presentation {
+  int slot = -1;      // -1: nothing
+  int sequence = -1;  // may differ from the wanted one until that is ready
+  int64_t k = 0;
+};
+
+// Where one track is: the sequence that it plays, the presentation that is wanted, the one on screen, and the clock
+// that leads from one to the next. A presentation k counts frames since the sequence's start, unwrapped over loops.
+// Does NOT hold pictures: it names slots of PictureSlots. It runs while it is set to.
+class Playhead {
+ public:
+  bool used() const { return sequence_ >= 0; }
+  int sequence() const { return sequence_; }  // wanted; -1: not in use
+  bool seeking() const { return seeking_; }   // the wanted presentation is not on screen yet
+  bool ended() const { return ended_; }
+  int64_t wantedK() const { return wanted_k_; }
+  const Presentation& shown() const { return shown_; }
+  bool hasPicture() const { return shown_.slot >= 0; }
+  int64_t position() const { return seeking_ ? wanted_k_ : shown_.k; }  // what must be at hand next
+
+  void select(int sequence) { sequence_ = sequence; }
+  void seek(int64_t k, double fps);  // of the wanted sequence; the clock stands until it is on screen
+  void seekShown();                  // wants again what is on screen, to be fed anew from there
+  // The ready picture to show next; -1: none. While seeking the wanted one, else the newest that is due by the clock.
+  int choose(const PictureSlots& slots, double fps) const;
+  bool isLate(double fps) const { return dueK(fps) > shown_.k; }  // a newer presentation than the shown one is due
+  void show(int slot, int64_t k) { shown_ = {slot, sequence_, k}; }
+  void finishSeek(double fps);  // the wanted presentation is shown
+  // Playback waits for pictures instead of running away from them.
+  void holdAtNewest(const PictureSlots& slots, double fps);
+  bool pastShown(double fps) const;  // the shown presentation's time is over
+  void end();
+  void close();
+
+  void advance(double now_s, double rate, double max_step_s);
+  void setRunning(bool running) { clock_.setRunning(running); }
+  double clockFrames(double fps) const { return clock_.position() * fps; }  // presentation by the clock, with fraction
+  const PlaybackClock& clock() const { return clock_; }
+
+ private:
+  int64_t dueK(double fps) const;
+
+  int sequence_ = -1;
+  bool seeking_ = true, ended_ = false;
+  int64_t wanted_k_ = 0;  // while seeking or paused
+  Presentation shown_;
+  PlaybackClock clock_;  // seconds at the sequence's own fps, whatever the weights
 };
 
 }  // namespace fourdvt

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feeding and picture slots alone: serial numbers to presentations over loops and seeks, and which picture may be
 // shown.
-#include "player/parts/feeding.h"
-
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "player/parts/playhead.h"
+#include "player/parts/pictures.h"
+#include "player/parts/playback.h"
 
 using namespace fourdvt;
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The figure alone: which mesh is uploaded when, and how two tracks are mixed.
+#include "player/parts/figure.h"
+
 #include <gtest/gtest.h>
 
-#include "player/parts/figure_composer.h"
 #include "player_fixture.h"
 
 using namespace fourdvt;

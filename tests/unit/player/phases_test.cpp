@@ -2,7 +2,7 @@
 // The state machine of transitions alone: its phases, what it waits for, when it gives up, where it returns to.
 #include <gtest/gtest.h>
 
-#include "player/parts/transitions.h"
+#include "player/parts/motion.h"
 
 using namespace fourdvt;
 

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Root motion and parameters alone: placing, steering, steps, fades; gliding values.
-#include "player/parts/root_motion.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "player/parts/parameters.h"
+#include "player/parts/motion.h"
 
 using namespace fourdvt;
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "camera_character.h"
-#include "player/parts/figure_composer.h"
+#include "player/parts/figure.h"
 #include "player/parts/loading.h"
 #include "player_edge.h"
 

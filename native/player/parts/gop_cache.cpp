@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stream/gop_cache.h"
+#include "player/parts/gop_cache.h"
 
 #include <algorithm>
 
-namespace fourdvt::stream {
+namespace fourdvt {
 
 Gop& GopCache::touch(GopKey key) {
   Gop& gop = gops_[key];
@@ -87,4 +87,4 @@ std::vector<uint32_t> neededGops(const package::StreamIndex& index, uint32_t fra
   return gops;
 }
 
-}  // namespace fourdvt::stream
+}  // namespace fourdvt

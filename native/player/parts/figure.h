@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The character's figure as a recipe takes it: one model, whose mesh is that of the shown frame, and the look of each
-// track on it; during a fade there are two looks on one cross-faded mesh. Uploads the mesh only when it changes. Does
-// NOT choose frames, weights or the placement (the player does), and does NOT draw (render/recipe.h).
+// The shown figure: one frame's geometry, the frame that a track shows, and the figure of both tracks as a recipe takes
+// it. Does NOT choose frames, weights or the placement (the player does), and does NOT draw (render/recipe.h).
 #pragma once
 
 #include <array>
@@ -11,10 +10,36 @@
 
 #include "base/mesh.h"
 #include "motion/parameter_space.h"
-#include "player/parts/camera_parts.h"
+#include "package/stream_file.h"
+#include "package/surface_chunk.h"
+#include "render/method.h"
 #include "render/recipe.h"
 
 namespace fourdvt {
+
+// One frame of a GOP's decoded geometry: of a layered character frames of one mesh, of a character from cameras a
+// surface. A view only: Loading owns what it points to, until the GOP leaves its cache.
+struct FrameGeometry {
+  const package::ChunkFrames* frames = nullptr;  // null: not there yet, or surfaces are
+  const package::StreamIndex* index = nullptr;
+  uint32_t row = 0;                                 // of the frame in its GOP
+  const package::SurfaceChunk* surfaces = nullptr;  // of a character from cameras; null: not there yet
+  explicit operator bool() const { return frames || surfaces; }
+};
+
+// A frame of a character from cameras, as a track shows it.
+struct SurfaceFrame {
+  std::vector<glm::uvec3> faces;
+  uint64_t topology_serial = 0;  // changes with the faces; 0: none yet
+  std::vector<render::CameraSource> sources;
+  render::CameraLook look;  // refers to `sources`; without a picture
+
+  // Places the cameras' pictures of this GOP in the decoded pictures of this rendition of the sequence.
+  void place(const package::Character& character, const package::Sequence& sequence,
+             const package::Rendition& rendition, const package::SurfaceChunk& chunk);
+  // Takes the decoded surface of the frame: positions, and faces if they changed.
+  void take(const FrameGeometry& geometry, Positions& positions);
+};
 
 // The frame that one track shows, as it goes into the figure: labels and alignment on the GPU, and the mesh blended at
 // the present weights. Does not upload the mesh: that is FigureComposer's.
@@ -47,6 +72,8 @@ struct MeshFade {
   glm::vec3 shift{0};  // the second's character frame seen from the first's, as of motion::Entry
 };
 
+// One model, whose mesh is that of the shown frame, and the look of each track on it; during a fade there are two looks
+// on one cross-faded mesh. Uploads the mesh only when it changes.
 class FigureComposer {
  public:
   // Errors: GpuFailure.

@@ -1,11 +1,54 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "player/parts/transitions.h"
+#include "player/parts/motion.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "motion/mesh_blend.h"
 #include "motion/parameter_space.h"
 
 namespace fourdvt {
+double Parameters::wanted(const package::Sequence& sequence, size_t parameter) const {
+  const motion::Range range = motion::parameterRange(sequence, parameter);
+  const auto set = wanted_.find(sequence.space.names[parameter]);
+  const std::vector<double>& first = sequence.members[0].parameter;
+  const double value = set != wanted_.end() ? set->second : parameter < first.size() ? first[parameter] : range.min;
+  return std::clamp(value, range.min, range.max);
+}
+
+std::vector<double> parametersAt(const package::Sequence& sequence, const std::vector<float>& weights) {
+  const package::ParameterSample* nearest = nullptr;
+  float min_distance = 1e30f;
+  for (const package::ParameterSample& sample : sequence.space.samples) {
+    float distance = 0;
+    for (size_t m = 0; m < weights.size(); ++m) distance += std::abs(weights[m] - sample.weights[m]);
+    if (distance >= min_distance) continue;
+    min_distance = distance;
+    nearest = &sample;
+  }
+  return nearest ? nearest->at : std::vector<double>{};
+}
+
+void ShownParameters::enter(const package::Sequence& sequence, const Parameters& parameters) {
+  values_ = std::move(entry_);
+  entry_.clear();
+  for (size_t p = values_.size(); p < sequence.space.names.size(); ++p)
+    values_.push_back(parameters.wanted(sequence, p));
+  weights_ = motion::weightsAt(sequence, values_);
+}
+
+bool ShownParameters::glide(const package::Sequence& sequence, const Parameters& parameters, double dt_s) {
+  bool moved = false;
+  for (size_t p = 0; p < values_.size(); ++p) {
+    const motion::Range range = motion::parameterRange(sequence, p);
+    const double max_step = (range.max - range.min) * parameters.rate() * dt_s;
+    const double step = std::clamp(parameters.wanted(sequence, p) - values_[p], -max_step, max_step);
+    values_[p] += step;
+    moved |= step != 0;
+  }
+  if (moved) weights_ = motion::weightsAt(sequence, values_);
+  return moved;
+}
 
 namespace {
 
@@ -113,6 +156,83 @@ bool Transitions::returnDue(const TransitionView& view, const package::Sequence&
     needed = (lead_s_ + kReturnChoice_s + entry->fade_frames * pass_s / to.frame_count) * rate;
   }
   return view.sequence->frame_count - 1 - frame <= needed;
+}
+
+void RootMotion::place(const motion::Placement& placement) {
+  if (!std::isfinite(placement.ground_m.x + placement.ground_m.y + placement.heading_rad)) return;
+  placement_ = placement;
+  wanted_heading_rad_.reset();
+}
+
+void RootMotion::steer(double heading_rad) {
+  if (std::isfinite(heading_rad)) wanted_heading_rad_ = heading_rad;
+}
+
+void RootMotion::turn(double dt_s) {
+  if (!wanted_heading_rad_) return;
+  const float max_turn = static_cast<float>(turn_rate_rad_s_ * dt_s);
+  const float left = motion::wrapAngle(static_cast<float>(*wanted_heading_rad_) - placement_.heading_rad);
+  placement_.heading_rad = motion::wrapAngle(placement_.heading_rad + std::clamp(left, -max_turn, max_turn));
+}
+
+motion::Placement RootMotion::sourcePlacement() const {
+  if (!fading_) return placement_;
+  return motion::moved(placement_, motion::stepBetween(fade_ * shift_, glm::vec3(0)));
+}
+
+void RootMotion::setSourcePlacement(const motion::Placement& placement) {
+  placement_ = motion::moved(placement, fade_ * shift_);
+}
+
+void RootMotion::move(const glm::vec3& step, Side side) {
+  if (!travel_) return;
+  if (!fading_) {
+    placement_ = motion::moved(placement_, step);
+    return;
+  }
+  motion::Placement source = sourcePlacement();
+  if (side == Side::Source) {
+    source = motion::moved(source, (1 - fade_) * step);
+  } else {
+    const motion::Placement target = motion::moved(source, shift_);
+    source = motion::moved(motion::moved(target, fade_ * step), motion::stepBetween(shift_, glm::vec3(0)));
+  }
+  setSourcePlacement(source);
+}
+
+void RootMotion::beginFade(const glm::vec3& shift) {
+  fading_ = true;
+  shift_ = shift;
+  fade_ = 0;
+}
+
+void RootMotion::setFade(float fade) {
+  const motion::Placement source = sourcePlacement();
+  fade_ = fade;
+  if (travel_) setSourcePlacement(source);
+}
+
+void RootMotion::cancelFade() {
+  if (travel_) placement_ = sourcePlacement();
+  fading_ = false;
+}
+
+void RootTrail::lead(RootMotion& motion, RootMotion::Side side, const RootFrame& to, int64_t passes) const {
+  glm::vec3 from(0), pass(0);
+  for (size_t m = 0; m < to.weights.size(); ++m) {
+    from += to.weights[m] * roots_[m];
+    pass += to.weights[m] * glm::vec3(to.sequence.members[m].travel);
+  }
+  for (; passes > 0; --passes) {
+    motion.move(motion::stepBetween(from, pass), side);
+    from = glm::vec3(0);
+  }
+  motion.move(motion::stepBetween(from, motion::rootOf(*to.geometry.frames, to.geometry.row, to.weights)), side);
+}
+
+void RootTrail::keep(const RootFrame& frame) {
+  const size_t members = frame.sequence.members.size();
+  for (size_t m = 0; m < members; ++m) roots_[m] = frame.geometry.frames->root[frame.geometry.row * members + m];
 }
 
 }  // namespace fourdvt

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pure parts of streaming: clock, which GOPs to hold, what to evict.
+// The playback clock and the cache of GOPs alone: which ones to hold, what to evict.
+#include "player/parts/gop_cache.h"
+
 #include <gtest/gtest.h>
 
-#include "stream/clock.h"
-#include "stream/gop_cache.h"
+#include "player/parts/playback.h"
 
 using namespace fourdvt;
-using namespace fourdvt::stream;
 
 namespace {
 

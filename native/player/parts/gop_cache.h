@@ -12,7 +12,7 @@
 #include "package/coding/chunk_decoder.h"
 #include "package/surface_chunk.h"
 
-namespace fourdvt::stream {
+namespace fourdvt {
 
 struct GopKey {
   int sequence = -1;
@@ -82,4 +82,4 @@ class GopCache {
 // after it, at least one, wrapping if looping.
 std::vector<uint32_t> neededGops(const package::StreamIndex& index, uint32_t frame, bool loop, uint32_t ahead);
 
-}  // namespace fourdvt::stream
+}  // namespace fourdvt
