@@ -123,13 +123,18 @@ function symbolsOf(nm, files) {
 
 /**
  * Moves the functions of the list's names from the first part's symbols to the second's: with a qualified name ("a::b"), or all of
- * a class ("a::B::") or template ("a::C<"). Returns the names that none has.
+ * a class ("a::B::") or template ("a::C<"). Those of a template only pass a call on, so that an equal one does, too: they go
+ * however short they are. Returns the names that none has.
  */
 export function moveNamed(names, first, more) {
+  more.forwards = new Set();
   return names.filter((wanted) => {
-    const isNamed = (readable) => readable.startsWith(wanted) && (/(::|<)$/.test(wanted) || readable[wanted.length] === '(');
-    const found = [...first].filter(([, readable]) => isNamed(readable));
-    for (const [name, readable] of found) first.delete(name), more.set(name, readable);
+    const isTemplate = wanted.endsWith('<'), isNamed = (readable) => readable.startsWith(wanted) && (isTemplate || wanted.endsWith('::') || readable[wanted.length] === '(');
+    const found = [...first.plain].filter(([, readable]) => isNamed(readable));
+    for (const [name, readable] of found) {
+      first.plain.delete(name), more.plain.set(name, readable);
+      if (isTemplate) more.forwards.add(name);
+    }
     return !found.length;
   });
 }
@@ -177,7 +182,7 @@ export function chooseFunctions({ bytes, callers, pinned }, first, more, keep, m
   // Link-time optimisation appends ".1" to local names that several objects have.
   const symbol = (name) => name.replace(/(\.\d+)+$/, '');
   const isFirst = (name) => first.plain.has(name) || first.shared.has(name) || keep.has(name);
-  const goes = (name) => bytes.get(name) >= kMergedBytes && (move.some((part) => name.startsWith(part)) || (more.plain.has(symbol(name)) && !isFirst(symbol(name))));
+  const goes = (name) => (bytes.get(name) >= kMergedBytes || more.forwards?.has(symbol(name))) && (move.some((part) => name.startsWith(part)) || (more.plain.has(symbol(name)) && !isFirst(symbol(name))));
   const names = [...bytes.keys()], chosen = new Set(names.filter((name) => goes(name) || !(pinned.has(name) || keep.has(symbol(name)))));
   for (let changed = true; changed; ) {
     changed = false;
@@ -200,7 +205,7 @@ function chosen(wasm, text, options) {
   const mixed = files.find((file) => madeOf.get(file).some(goes) && !isMore(file));
   if (mixed) throw new Error(`${mixed} has sources of both parts, by ${options.list}: configure the build again`);
   const symbols = (wanted, archives) => symbolsOf(options.nm, [...files.filter((file) => isMore(file) === wanted).map((file) => join(options.objects, file)), ...archives]);
-  const first = symbols(false, []), more = symbols(true, [options.archive]), unknown = moveNamed(functions, first.plain, more.plain);
+  const first = symbols(false, []), more = symbols(true, [options.archive]), unknown = moveNamed(functions, first, more);
   if (unknown.length) throw new Error(`${options.list}: no function is named ${unknown.join(', ')}`);
   return chooseFunctions({ bytes: new Map(functionsOf(wasm).map(({ name, code }) => [name, code.length])), ...callGraph(text) }, first, more, keep, move);
 }

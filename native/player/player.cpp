@@ -197,6 +197,22 @@ void PlayerImpl::setQuality(uint32_t rendition, uint32_t most_texels) {
   }
 }
 
+void PlayerImpl::judgeRendition(uint32_t sequence, uint32_t rendition, bool plays) {
+  if (!character() || sequence >= character()->sequences.size()) return;
+  const package::Sequence& s = character()->sequences[sequence];
+  if (rendition < s.renditions.size()) loading_.ladder().judge(s, rendition, plays);
+}
+
+void PlayerImpl::sliceDecoding(const DecodeSlice& slice) { loading_.sliceDecoding(slice); }
+
+void PlayerImpl::decodeElsewhere(bool on) { loading_.decodeElsewhere(on); }
+std::optional<DecodeJob> PlayerImpl::decodeJob(size_t number) { return loading_.decodeJob(number); }
+bool PlayerImpl::takeDecoded(uint32_t job, uint32_t row, std::span<const uint8_t> bytes, double seconds) {
+  return loading_.takeDecoded(job, row, bytes, seconds);
+}
+const package::BaseMesh* PlayerImpl::mesh() const { return loading_.hasMesh() ? &loading_.mesh() : nullptr; }
+const package::ChunkMesh* PlayerImpl::chunkMesh() const { return loading_.hasMesh() ? &loading_.chunkMesh() : nullptr; }
+
 Status PlayerImpl::setParameter(const std::string& name, double value, bool at_once) {
   if (!std::isfinite(value)) return Error{ErrorId::InvalidArgument, name + " must be a number"};
   const package::Character* c = character();
@@ -250,6 +266,32 @@ double PlayerImpl::currentTime() const {
   if (!t.head.used()) return 0;
   if (t.head.ended()) return wantedOf(t).duration_s();
   return frameOf(t, hasFrame() ? t.head.position() : t.head.wantedK()) / wantedOf(t).fps;
+}
+
+double PlayerImpl::clockTime() const {
+  const Track& t = main();
+  if (!t.head.used()) return 0;
+  const package::Sequence& s = wantedOf(t);
+  const double frames = t.head.clockFrames(s.fps);
+  return (frames - std::floor(frames / s.frame_count) * s.frame_count) / s.fps;  // fmod would be code of the first part
+}
+
+std::optional<TimeRange> PlayerImpl::buffered(size_t number) const {
+  const int sequence = main().head.sequence();
+  if (sequence < 0 || starting() || !loading_.playable(sequence)) return {};
+  const auto& chunks = loading_.index(sequence).chunks;
+  const double fps = wantedOf(main()).fps;
+  for (size_t first = 0; first < chunks.size(); ++first) {
+    size_t end = first;
+    while (end < chunks.size() && loading_.holds(sequence, static_cast<uint32_t>(end))) ++end;
+    if (end == first) continue;
+    if (number-- == 0) {
+      const package::ChunkEntry& last = chunks[end - 1];
+      return TimeRange{chunks[first].first_frame / fps, (last.first_frame + last.frame_count) / fps};
+    }
+    first = end;
+  }
+  return {};
 }
 
 PlayerStats PlayerImpl::stats() const {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Private to native/player: the player behind player.h. It brings the parts together and decides nothing that one part
-// can decide alone: player.cpp has commands and queries, player_tick.cpp shows frames, player_transitions.cpp carries
-// out the steps of a transition, player_points.cpp has points of its surface, player_answers.cpp talks with the edge:
-// requests, answers to fetches, pictures.
+// can decide alone. player.cpp has commands and queries; player_loading.cpp what is fetched; player_pictures.cpp what
+// is fed to decoders and comes back; player_tick.cpp what a tick does; player_transitions.cpp the steps of a
+// transition; player_figure.cpp what is drawn.
 #pragma once
 
 #include <array>
@@ -124,7 +124,29 @@ class PlayerImpl final : public Player {
   uint32_t frameOf(const Track& track, int64_t k) const;  // of the wanted sequence
   uint32_t shownFrameOf(const Track& track) const;
 
+  // player_loading.cpp
+  void requestMissing();
+  void settle(const Arrival& arrival);
+  void fail(Error error, int broken_sequence);
+  void giveUp(const Track& track, const Error& error);
+  void fetchAhead();
+  uint32_t landingOn(int target) const;
+
+  // player_pictures.cpp
+  FedSequence fedBy(const Track& track) const;
+  void stopFeed(Track& track);
+  bool previews(const Track& track) const;
+  void restartFeed(Track& track);
+  void feedAgain(Track& track);
+  void closeTrack(Track& track);
+  Track* trackOf(int& slot);
+  bool checkSize(Track& track, int slot, int width, int height);
+  bool checkNumber(Track& track, int slot, std::optional<uint32_t> seen);
+  bool takeAs(Track& track, int slot, std::optional<uint32_t> seen);
+  void settlePicture(int slot, std::optional<uint32_t> seen);
+
   // player_tick.cpp
+  void decodeAhead();
   double clockRate(const Track& track) const;
   void choosePicture(Track& track);
   int nextChoice(const Track& track, int slot) const;
@@ -134,8 +156,6 @@ class PlayerImpl final : public Player {
   void finishSeek(Track& track, int previous_sequence);
   void finishAtEnd(Track& track);
   void sharpen();
-  void composeMesh();
-  void stagePictures();
   FrameGeometry geometryOf(int sequence, uint32_t frame, bool due);
 
   // player_transitions.cpp
@@ -155,30 +175,10 @@ class PlayerImpl final : public Player {
   void selectInstead();
   void returnBeforeTheEnd();
 
-  // player_look_ahead.cpp
-  void fetchAhead();
-  uint32_t landingOn(int target) const;
-  bool takeAs(Track& track, int slot, std::optional<uint32_t> seen);
-  void decodeAhead();
-
-  // player_points.cpp
+  // player_figure.cpp
+  void composeMesh();
+  void stagePictures();
   const Positions* shownPositions() const;
-
-  // player_answers.cpp
-  void requestMissing();
-  void settle(const Arrival& arrival);
-  void stopFeed(Track& track);
-  void restartFeed(Track& track);
-  void feedAgain(Track& track);
-  bool previews(const Track& track) const;
-  void closeTrack(Track& track);
-  FedSequence fedBy(const Track& track) const;
-  bool checkSize(Track& track, int slot, int width, int height);
-  bool checkNumber(Track& track, int slot, std::optional<uint32_t> seen);
-  void settlePicture(int slot, std::optional<uint32_t> seen);
-  Track* trackOf(int& slot);
-  void fail(Error error, int broken_sequence);
-  void giveUp(const Track& track, const Error& error);
 
   Track& main() { return tracks_[static_cast<size_t>(main_)]; }
   const Track& main() const { return tracks_[static_cast<size_t>(main_)]; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A tick: the clock moves on, a picture is chosen, and what is drawn is composed.
+// A tick: the clock moves on, and a picture is chosen.
 #include <algorithm>
 #include <array>
 
@@ -158,53 +158,12 @@ void PlayerImpl::sharpen() {
   restartFeed(t);
 }
 
-void PlayerImpl::composeMesh() {
-  for (Track* t : {&main(), &other()}) {
-    if (!t->head.hasPicture() || !t->frame.stale() || !(isMain(*t) || transitions_.fading())) continue;
-    const FrameGeometry geometry = geometryOf(t->head.shown().sequence, shownFrameOf(*t), true);
-    if (!geometry) continue;
-    t->frame.blend(geometry, t->parameters.weights());
-    composer_.markStale();
-  }
-  if (!hasFrame()) return;
-  composer_.compose(device_, main().frame, transitions_.fading() ? &other().frame : nullptr,
-                    {transitions_.fade(), transitions_.shift()});
-}
-
-// The GPU gets what is drawn: of pictures on screen the members that have a weight.
-void PlayerImpl::stagePictures() {
-  for (Track* t : {&main(), &other()}) {
-    if (!t->head.hasPicture() || !(isMain(*t) || transitions_.fading())) continue;
-    const package::Sequence& sequence = shownOf(*t);
-    const int slot = t->head.shown().slot;
-    uint32_t wanted = 1;
-    const std::vector<float>& weights = t->parameters.weights().members;
-    for (size_t m = 1; m < weights.size(); ++m) wanted |= uint32_t{weights[m] > 0} << m;
-    if (!weights.empty() && weights[0] <= 0) wanted &= ~1u;
-    const Status staged = t->slots.stage(device_, slot, sequence.renditions[t->slots.rendition(slot)],
-                                         std::max<size_t>(1, sequence.members.size()), wanted);
-    if (!staged.ok()) giveUp(*t, staged.error());
-  }
-}
-
-Result<render::Figure> PlayerImpl::figure() const {
-  if (!hasFrame()) return Error{ErrorId::InvalidArgument, "nothing to draw yet: wait for canplay"};
-  const glm::mat4 world_from_character = motion::worldFromCharacter(root_motion_.sourcePlacement());
-  if (fromCameras())
-    return composer_.cameraFigure(main().frame, main().slots.picture(main().head.shown().slot), world_from_character);
-  const auto look = [](const Track& t) {
-    return render::Look{&t.frame.appearance(), &t.slots.picture(t.head.shown().slot), t.parameters.weights().members};
-  };
-  std::array<render::Look, 2> looks{look(main())};
-  if (transitions_.fading()) looks[1] = look(other());
-  return composer_.figure(std::span(looks.data(), transitions_.fading() ? 2 : 1), transitions_.fade(),
-                          world_from_character);
-}
-
-Status PlayerImpl::draw(const render::View& view, const render::RecipeOptions& options, gpu::TargetId target) {
-  auto drawn = figure();
-  if (!drawn.ok()) return drawn.error();
-  return recipe_->draw({&drawn.value(), 1}, nullptr, view, {options, align_, method_}, target);
+void PlayerImpl::decodeAhead() {
+  std::array<Need, kDecoders> needs;
+  size_t count = 0;
+  for (const Track* t : {&main(), &other()})
+    if (isReady(*t)) needs[count++] = {t->head.sequence(), frameOf(*t, t->head.position()), loops(*t), {}};
+  loading_.decodeAhead({needs.data(), count}, seeking());
 }
 
 }  // namespace fourdvt

@@ -83,9 +83,11 @@ test('functions go by their sources; one that may stand for another goes with al
 });
 
 test('functions of the first sources go by their qualified names, with what stands in them, or with their class', () => {
-  const first = new Map([['a', 'f::Ladder::judge(unsigned int, bool) T 0'], ['b', 'f::Ladder::judge(unsigned int, bool)::$_0::operator()() const t 0'],
-    ['c', 'f::Ladder::judgeAll() T 0'], ['d', 'f::Steps::take() T 0'], ['e', 'vtable for f::Steps D 0']]);
-  const more = new Map();
-  assert.deepEqual(moveNamed(['f::Ladder::judge', 'f::Steps::', 'f::Ladder::jud'], first, more), ['f::Ladder::jud']);
-  assert.deepEqual([[...more.keys()], [...first.keys()]], [['a', 'b', 'd'], ['c', 'e']]);
+  const first = { plain: new Map([['a', 'f::Ladder::judge(unsigned int, bool) T 0'], ['b', 'f::Ladder::judge(unsigned int, bool)::$_0::operator()() const t 0'],
+    ['c', 'f::Ladder::judgeAll() T 0'], ['d', 'f::Steps::take() T 0'], ['e', 'vtable for f::Steps D 0'], ['p', 'f::Pass<&f::Ladder::judge>::call() W 0']]), shared: new Map() };
+  const more = { plain: new Map(), shared: new Map() };
+  assert.deepEqual(moveNamed(['f::Ladder::judge', 'f::Steps::', 'f::Ladder::jud', 'f::Pass<'], first, more), ['f::Ladder::jud']);
+  assert.deepEqual([[...more.plain.keys()], [...first.plain.keys()]], [['a', 'b', 'd', 'p'], ['c', 'e']]);
+  const bytes = new Map([['d', 10], ['p', 10], ['judged', 1000]]), callers = new Map([['judged', new Set(['p'])]]);
+  assert.deepEqual(chooseFunctions({ bytes, callers, pinned: new Set(['d', 'p']) }, first, more, new Set()), ['p', 'judged'], 'a short one may be an equal one of the first part');
 });

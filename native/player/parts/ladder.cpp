@@ -50,6 +50,12 @@ bool Ladder::tooSlow(const package::Sequence& s, uint32_t r) const {
          ((too_slow_ && r >= too_slow_) || std::find(rough_.begin(), rough_.end(), &s.renditions[r]) != rough_.end());
 }
 
+void Ladder::judge(const package::Sequence& s, uint32_t rendition, bool plays) {
+  std::vector<const package::Rendition*>& list = plays ? rough_ : missing_;
+  list.push_back(&s.renditions[rendition]);
+  if (allOut(s)) list.pop_back();
+}
+
 bool Ladder::isOut(const package::Sequence& s, uint32_t r) const {
   return (left_out_ >> r & 1) != 0 || std::find(missing_.begin(), missing_.end(), &s.renditions[r]) != missing_.end();
 }

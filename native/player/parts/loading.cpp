@@ -14,17 +14,12 @@ using Kind = FetchPurpose::Kind;
 
 namespace {
 
-constexpr double kAhead_s = 6;    // of what is held or on its way
-constexpr double kStill_s = 2;    // that a standing picture may take to come in its best rendition
-constexpr double kRaise_s = 1.5;  // that a whole sequence may, in place of a rendition between
+constexpr int kMostAhead = 4;           // GOPs of one sequence: entries from all frames of a short loop
+constexpr size_t kSoonGops = 2;         // nearest ones of a need
+constexpr uint64_t kBudgetDivisor = 2;  // part of the budget that needs and beginnings fill together at most
+constexpr double kAhead_s = 6;          // of what is held or on its way
 // More would only share the network with the one that is due first.
-constexpr int kGopsOnTheirWay = 2, kGopsBeforeTheFirstPicture = 1;
-
-bool liesWithin(uint64_t offset, uint64_t bytes, uint64_t file_bytes) {
-  return offset <= file_bytes && bytes <= file_bytes - offset;
-}
-
-Error named(const std::string& uri, const Error& error) { return {error.id, uri + ": " + error.message}; }
+constexpr int kGopsBeforeTheFirstPicture = 1;
 
 }  // namespace
 
@@ -64,13 +59,6 @@ Status Loading::takeStart(std::span<const uint8_t> bytes) {
   gop.video = std::move(file.video);
   gop.chunk_state = gop.video_state = PartState::Present;
   return {};
-}
-
-uint32_t Loading::renditionOf(int sequence_index, uint32_t gop) const {
-  const Gop* held = cache_.find({sequence_index, gop});
-  return held && held->video_state != PartState::Absent
-             ? held->rendition
-             : ladder_.choose(sequence(sequence_index), stream(sequence_index).rendition);
 }
 
 void Loading::tick(double step_s) {
@@ -190,113 +178,6 @@ void Loading::requestVideo(GopKey key, Kind kind, uint32_t rendition) {
   fetches_.request({kind, key.sequence, key.gop}, uri, span.offset, span.bytes);
 }
 
-// The first picture comes in the lowest rendition; that of the start file is shown before its sequence.
-uint32_t Loading::choose(GopKey key, double ahead_s, bool stands) const {
-  const package::Sequence& q = sequence(key.sequence);
-  if (!ladder_.automatic()) return ladder_.choose(q, 0);
-  if (!fetches_.progressEnded() && !(started_ && key.sequence == 0)) return ladder_.lowest(q);
-  return stands ? chooseStill(key) : ladder_.choose(q, stream(key.sequence).rendition, ahead_s);
-}
-
-// The highest whose bytes of the GOP come in time, whatever the rate of the rest.
-uint32_t Loading::chooseStill(GopKey key) const {
-  const package::Sequence& q = sequence(key.sequence);
-  const package::StreamIndex& streamed = index(key.sequence);
-  const double most_bytes = ladder_.throughput_bps() / 8 * kStill_s;
-  for (uint32_t r = ladder_.highest(q); r > ladder_.lowest(q); --r) {
-    const auto& chunks = q.hasCoarseGeometry(r) ? stream(key.sequence).coarse.chunks : streamed.chunks;
-    const double bytes = double(streamed.renditions[r].videoOf(key.gop).bytes) + chunks[key.gop].bytes;
-    if (!ladder_.isOut(q, r) && bytes <= most_bytes) return r;
-  }
-  return ladder_.lowest(q);
-}
-
-// Nothing is on its way: a loop that is held whole, and the GOP of a standing picture, which is the first, comes again
-// in a higher rendition, one GOP after the other, the lowest first.
-void Loading::raise(const std::vector<GopKey>& keys, bool stands) {
-  GopKey chosen;
-  Gop* lowest = nullptr;
-  for (const GopKey& key : keys) {
-    Gop* gop = cache_.find(key);
-    if (!gop || gop->rendition >= ladder_.highest(sequence(key.sequence)) || gop->better_state != PartState::Absent)
-      continue;
-    if (!(stands && key == keys[0]) && !holdsWhole(key.sequence)) continue;
-    if (lowest && lowest->rendition <= gop->rendition) continue;
-    lowest = gop;
-    chosen = key;
-  }
-  if (!lowest) return;
-  lowest->better_rendition = raised(chosen.sequence, lowest->rendition);
-  lowest->better_state = PartState::Fetching;
-  if (!sequence(chosen.sequence).hasCoarseGeometry(lowest->better_rendition)) requestFine(chosen, *lowest);
-  requestVideo(chosen, Kind::Better, lowest->better_rendition);
-}
-
-// The highest rendition, or a nearer one where that is known to take long.
-uint32_t Loading::raised(int sequence_index, uint32_t from) const {
-  const package::Sequence& q = sequence(sequence_index);
-  const double most_bytes = ladder_.throughput_bps() / 8 * kRaise_s;
-  uint32_t to = ladder_.highest(q);
-  if (most_bytes <= 0) return to;
-  for (uint32_t r = to; r > from; --r) {
-    if (ladder_.isOut(q, r)) continue;
-    to = r;
-    if (double(q.renditions[r].video_bytes) <= most_bytes) break;
-  }
-  return to;
-}
-
-bool Loading::takeSharper(int sequence_index, uint32_t gop_index, uint32_t rendition) {
-  Gop* gop = cache_.find({sequence_index, gop_index});
-  if (!gop || gop->video_state != PartState::Present || gop->fine_state == PartState::Fetching) return false;
-  const bool better = gop->better_state == PartState::Present && gop->better_rendition > gop->rendition;
-  const uint32_t next = better ? gop->better_rendition : gop->rendition;
-  const package::Sequence& q = sequence(sequence_index);
-  if (next <= rendition || ladder_.tooSlow(q, next) || ladder_.isOut(q, next)) return false;
-  gop->row = Gop::kNoRow;  // its decoding begins anew, with the fine geometry
-  return true;
-}
-
-// A decoder is too slow for what is held: the nearest of it comes again in a lower rendition, and what is held plays
-// until that is there.
-void Loading::lower(const std::vector<GopKey>& keys) {
-  int under_way = 0;
-  for (const GopKey& key : keys) {
-    Gop* gop = cache_.find(key);
-    const package::Sequence& q = sequence(key.sequence);
-    if (!gop || gop->video_state != PartState::Present || !ladder_.tooSlow(q, gop->rendition)) continue;
-    const uint32_t rendition = ladder_.choose(q, 0);
-    if (ladder_.tooSlow(q, rendition)) continue;
-    if (gop->better_state == PartState::Absent ||
-        (gop->better_state == PartState::Present && ladder_.tooSlow(q, gop->better_rendition))) {
-      gop->better_rendition = rendition;
-      gop->better_state = PartState::Fetching;
-      requestVideo(key, Kind::Better, rendition);
-    }
-    under_way += gop->better_state == PartState::Fetching;
-    if (under_way == kGopsOnTheirWay) return;
-  }
-}
-
-// They would share the network with what is due.
-void Loading::cancelRaises() {
-  fetches_.cancel([&](const FetchPurpose& purpose) {
-    const Gop* gop = cache_.find({purpose.sequence, purpose.gop});
-    const bool raises =
-        gop && (purpose.kind == Kind::Better
-                    ? gop->better_rendition > gop->rendition
-                    : purpose.kind == Kind::Fine && sequence(purpose.sequence).hasCoarseGeometry(gop->rendition));
-    if (raises) *stateOf(purpose) = PartState::Absent;
-    return raises;
-  });
-}
-
-bool Loading::holdsWhole(int sequence) const {
-  for (uint32_t g = 0; g < index(sequence).chunks.size(); ++g)
-    if (!video(sequence, g)) return false;
-  return true;
-}
-
 // A seek or another sequence has made them useless.
 void Loading::cancelUnneeded(const std::vector<GopKey>& keep) {
   fetches_.cancel([&](const FetchPurpose& purpose) {
@@ -305,214 +186,6 @@ void Loading::cancelUnneeded(const std::vector<GopKey>& keep) {
     if (PartState* state = stateOf(purpose)) *state = PartState::Absent;
     return true;
   });
-}
-
-// Only where decoding begins anew: within a pass all rows before would have to be decoded at once.
-void Loading::takeFine(Gop& gop) {
-  if (gop.fine_state != PartState::Present) return;
-  gop.dropDecoded();
-  gop.chunk = std::move(gop.fine);
-  gop.fine.clear();
-  gop.fine_state = PartState::Absent;
-  gop.coarse = false;
-}
-
-void Loading::takeBetter(int sequence_index, uint32_t gop_index) {
-  Gop* gop = cache_.find({sequence_index, gop_index});
-  if (!gop || gop->better_state != PartState::Present) return;
-  const package::Sequence& q = sequence(sequence_index);
-  if (!ladder_.tooSlow(q, gop->better_rendition) || ladder_.isOut(q, gop->rendition)) {
-    gop->video = std::move(gop->better);
-    gop->rendition = gop->better_rendition;
-  }
-  gop->better.clear();
-  gop->better_state = PartState::Absent;
-}
-
-void Loading::dropOtherRenditions() {
-  fetches_.cancel([&](const FetchPurpose& purpose) {
-    if (!purpose.ofGop()) return false;
-    if (PartState* state = stateOf(purpose)) *state = PartState::Absent;
-    return true;
-  });
-  for (int s = 0; s < sequenceCount(); ++s) {
-    if (!hasHeader(s)) continue;
-    stream(s).rendition = ladder_.choose(sequence(s), stream(s).rendition);
-    for (uint32_t g = 0; g < index(s).chunks.size(); ++g) {
-      Gop* gop = cache_.find({s, g});
-      if (!gop) continue;
-      gop->better_state = gop->fine_state = PartState::Absent;
-      gop->better.clear();
-      gop->fine.clear();
-      if (gop->coarse && !sequence(s).hasCoarseGeometry(stream(s).rendition)) {
-        gop->chunk_state = PartState::Absent;
-        gop->dropDecoded();
-        gop->chunk.clear();
-      }
-      if (gop->video_state != PartState::Present || gop->rendition == stream(s).rendition) continue;
-      gop->video_state = PartState::Absent;
-      gop->video.clear();
-    }
-  }
-}
-
-Arrival Loading::receive(uint32_t id, std::span<const uint8_t> bytes) {
-  const Fetch* pending = fetches_.find(id);
-  if (!pending) return {};
-  if (bytes.size() != pending->range.bytes)
-    return refuse(id, "got " + std::to_string(bytes.size()) + " bytes of " + std::to_string(pending->range.bytes));
-  const FetchRange range = pending->range;
-  const FetchPurpose purpose = fetches_.finish(id);
-  PartState* state = stateOf(purpose);
-  if (!state) return {};
-  *state = PartState::Failed;  // until the bytes turn out to be good
-  if (fnv1a(bytes) != hashOf(purpose)) {
-    return lose(purpose, {ErrorId::FilesDiffer, range.uri + ": bytes " + std::to_string(range.offset) + "+" +
-                                                    std::to_string(range.bytes) +
-                                                    " are not those that were baked with character.gltf; if loading it "
-                                                    "again does not help, upload all files of one bake"});
-  }
-  switch (purpose.kind) {
-    case Kind::Mesh:
-      return {Arrival::What::Mesh, -1, receiveMesh(bytes)};
-    case Kind::Header: {
-      const Status read = receiveHeader(purpose.sequence, bytes);
-      return read.ok() ? Arrival{Arrival::What::Header, purpose.sequence, {}} : lose(purpose, read.error());
-    }
-    case Kind::Graph:
-      later<&Loading::receiveGraph>(*this, bytes);
-      break;
-    default:
-      receiveGop(purpose, bytes);
-  }
-  return {Arrival::What::Other, purpose.sequence, {}};
-}
-
-Arrival Loading::refuse(uint32_t id, const std::string& reason) {
-  if (!fetches_.find(id)) return {};
-  const Fetch failed = fetches_.drop(id);
-  if (PartState* state = stateOf(failed.purpose)) *state = PartState::Failed;
-  const FetchRange& range = failed.range;
-  return lose(failed.purpose,
-              {ErrorId::FetchFailed, range.uri + ": bytes " + std::to_string(range.offset) + "+" +
-                                         std::to_string(range.bytes) + " could not be fetched: " + reason});
-}
-
-// Samples that cannot be had leave out their rendition, while the sequence has another one.
-Arrival Loading::lose(const FetchPurpose& purpose, Error error) {
-  PartState* state = stateOf(purpose);
-  if (purpose.ahead) {
-    stream(purpose.sequence).failed_ahead = true;
-    if (state) *state = PartState::Absent;
-    return {};
-  }
-  if (!purpose.ofVideo())
-    return purpose.optional() ? Arrival{} : Arrival{Arrival::What::Nothing, purpose.sequence, error};
-  if (!state) return {};
-  const package::Sequence& q = sequence(purpose.sequence);
-  const uint32_t rendition = renditionOf(purpose);
-  const bool news = !ladder_.isOut(q, rendition);
-  if (news) ladder_.miss(q.renditions[rendition]);
-  if (ladder_.allOut(q)) return {Arrival::What::Nothing, purpose.sequence, error};
-  *state = PartState::Absent;
-  return news ? Arrival{Arrival::What::LeftOut, purpose.sequence, error}
-              : Arrival{Arrival::What::Other, purpose.sequence, {}};
-}
-
-// Returns the hash that the fetched bytes must have; needs a stateOf that is not null. Each hash comes from bytes that
-// were checked before, the first from the manifest.
-uint64_t Loading::hashOf(const FetchPurpose& purpose) const {
-  switch (purpose.kind) {
-    case Kind::Mesh:
-      return character_->mesh_hash;
-    case Kind::Graph:
-      return character_->graph_hash;
-    case Kind::Header:
-      return sequence(purpose.sequence).stream_header_hash;
-    case Kind::Video:
-    case Kind::Better:
-      return index(purpose.sequence).renditions[renditionOf(purpose)].chunk_hash[purpose.gop];
-    case Kind::Fine:
-      return index(purpose.sequence).chunks[purpose.gop].hash;
-    default: {
-      const GopKey key{purpose.sequence, purpose.gop};
-      return indexOf(key, *cache_.find(key)).chunks[purpose.gop].hash;
-    }
-  }
-}
-
-// That samples under way are of.
-uint32_t Loading::renditionOf(const FetchPurpose& purpose) const {
-  const Gop* gop = cache_.find({purpose.sequence, purpose.gop});
-  return !gop ? 0 : purpose.kind == Kind::Video ? gop->rendition : gop->better_rendition;
-}
-
-// Null: nobody needs it any more.
-PartState* Loading::stateOf(const FetchPurpose& purpose) {
-  if (purpose.kind == Kind::Mesh) return &mesh_state_;
-  if (purpose.kind == Kind::Graph) return &graph_state_;
-  if (purpose.kind == Kind::Header) return &stream(purpose.sequence).header;
-  Gop* gop = cache_.find({purpose.sequence, purpose.gop});
-  if (!gop) return nullptr;
-  if (purpose.kind == Kind::Better) return &gop->better_state;
-  if (purpose.kind == Kind::Fine) return &gop->fine_state;
-  return purpose.kind == Kind::Video ? &gop->video_state : &gop->chunk_state;
-}
-
-Status Loading::receiveMesh(std::span<const uint8_t> bytes) {
-  return takeMesh(package::decodeBaseMesh(bytes, character_->face_count));
-}
-
-Status Loading::takeMesh(Result<package::BaseMesh> mesh) {
-  if (!mesh.ok()) return named(character_->mesh_uri, mesh.error());
-  const MeshTopology& topology = mesh.value().topology;
-  if (topology.vertex_count != character_->vertex_count || topology.faceCount() != character_->face_count)
-    return Error{ErrorId::MeshDataInvalid,
-                 character_->mesh_uri + ": mesh and manifest disagree on vertices or faces; bake the character again"};
-  mesh_ = mesh.take();
-  chunk_mesh_ = package::makeChunkMesh(*mesh_);
-  mesh_state_ = PartState::Present;
-  return {};
-}
-
-Status Loading::receiveHeader(int sequence_index, std::span<const uint8_t> bytes) {
-  auto index = package::readStreamHeader(bytes);
-  if (!index.ok()) return named(sequence(sequence_index).stream_uri, index.error());
-  FOURDVT_TRY(checkHeader(sequence(sequence_index), index.value()));
-  if (sequence(sequence_index).coarse_renditions > 0) stream(sequence_index).coarse = index.value().coarse();
-  stream(sequence_index).index = index.take();
-  stream(sequence_index).header = PartState::Present;
-  return {};
-}
-
-Status Loading::checkHeader(const package::Sequence& q, const package::StreamIndex& i) const {
-  const auto isOf = [&](uint32_t count, uint32_t whole) { return fromCameras() ? count <= whole : count == whole; };
-  if (i.frame_count != q.frame_count || !isOf(i.vertex_count, character_->vertex_count) ||
-      !isOf(i.face_count, character_->face_count) || i.layer_count != static_cast<uint32_t>(character_->layer_count) ||
-      i.renditions.size() != q.renditions.size() || i.member_count != q.members.size() ||
-      i.reference_count != q.reference_count || i.coarse_chunks.empty() != (q.coarse_renditions == 0))
-    return Error{ErrorId::StreamInvalid,
-                 q.stream_uri + ": stream and manifest disagree on counts; bake the character again"};
-  for (const std::vector<package::ChunkEntry>* chunks : {&i.chunks, &i.coarse_chunks})
-    for (const package::ChunkEntry& chunk : *chunks)
-      if (!liesWithin(chunk.offset, chunk.bytes, q.stream_bytes))
-        return Error{ErrorId::StreamInvalid, q.stream_uri + ": a chunk lies beyond the end of the file"};
-  for (size_t r = 0; r < q.renditions.size(); ++r)
-    for (const package::VideoSample& sample : i.renditions[r].samples)
-      if (!liesWithin(sample.offset, sample.bytes, q.renditions[r].video_bytes))
-        return Error{ErrorId::StreamInvalid,
-                     q.renditions[r].video_uri + ": a video sample lies beyond the end of the file"};
-  return {};
-}
-
-void Loading::receiveGop(const FetchPurpose& purpose, std::span<const uint8_t> bytes) {
-  Gop& gop = cache_.touch({purpose.sequence, purpose.gop});
-  std::vector<uint8_t>& part = purpose.kind == Kind::Chunk   ? gop.chunk
-                               : purpose.kind == Kind::Fine  ? gop.fine
-                               : purpose.kind == Kind::Video ? gop.video
-                                                             : gop.better;
-  part.assign(bytes.begin(), bytes.end());
-  *stateOf(purpose) = PartState::Present;
 }
 
 bool Loading::markBroken(int sequence) {
@@ -540,62 +213,86 @@ const std::vector<uint8_t>* Loading::video(int sequence, uint32_t gop_index) con
   return gop && gop->video_state == PartState::Present ? &gop->video : nullptr;
 }
 
-// Opens the decoder if that is yet to be done.
-Status Loading::open(GopKey key, Gop& gop) {
-  if (gop.decoded()) return {};
-  const package::StreamIndex& coded = indexOf(key, gop);
-  if (fromCameras()) {
-    FOURDVT_ASSIGN(gop.surfaces,
-                   later<&package::SurfaceChunk::open>(gop.chunk, coded, key.gop, *character_, sequence(key.sequence)));
-  } else {
-    FOURDVT_ASSIGN(gop.geometry, package::ChunkDecoder::open(gop.chunk, coded, key.gop, chunk_mesh_));
+bool Loading::holds(int sequence, uint32_t gop_index) const {
+  const Gop* gop = cache_.find({sequence, gop_index});
+  return gop && gop->video_state == PartState::Present && gop->chunk_state == PartState::Present;
+}
+
+// --- beginnings of motions that may come next, while the network is idle ---
+
+void Loading::fetchAhead(std::span<const Landing> landings) {
+  if (!ladder_.automatic() || !fetches_.empty()) return;
+  std::erase_if(ahead_, [&](const GopKey& key) {
+    return std::none_of(landings.begin(), landings.end(), [&](const Landing& l) { return l.sequence == key.sequence; });
+  });
+  for (const Landing& l : landings) {
+    Stream& s = stream(l.sequence);
+    if (s.broken || s.failed_ahead) continue;
+    requestHeader(l.sequence);
+    if (hasHeader(l.sequence)) requestAhead({l.sequence, s.index.chunkOfFrame(l.frame)});
+    if (fetches_.empty()) continue;
+    fetches_.forEach([](Fetch& fetch) { fetch.purpose.ahead = true; });
+    return;
   }
-  return {};
 }
 
-// Decodes as far as a row, or one step: kStep. Opening the decoder is one of the steps.
-Status Loading::decode(GopKey key, Gop& gop, uint32_t row) {
-  const bool timed = slice_ && slice_->now_s, opens = !gop.decoded();
-  const double start_s = timed ? slice_->now_s() : 0;
-  const uint32_t rows = gop.decodedRows();
-  Status status = open(key, gop);
-  if (status.ok() && !(opens && row == kStep))
-    status = gop.surfaces   ? gop.surfaces->decodeTo(row == kStep ? rows : row)
-             : row == kStep ? gop.geometry->step()
-                            : gop.geometry->decodeTo(row);
-  gop.damaged = !status.ok();
-  const uint32_t more = gop.decodedRows() - rows;
-  decoded_.rows += more;
-  if (timed) {
-    const double spent_s = slice_->now_s() - start_s;
-    decoded_.timed_rows += more;
-    decoded_.seconds += spent_s;
-    tick_decode_s_ += spent_s;
-    decoded_.longest_tick_s = std::max(decoded_.longest_tick_s, tick_decode_s_);
+// Nothing where it is there, where there is no room for it, or enough of the sequence.
+void Loading::requestAhead(GopKey key) {
+  if (std::find(ahead_.begin(), ahead_.end(), key) == ahead_.end()) {
+    const auto of_sequence = [&](const GopKey& other) { return other.sequence == key.sequence; };
+    if (std::count_if(ahead_.begin(), ahead_.end(), of_sequence) >= kMostAhead) return;
+    ahead_.push_back(key);
   }
-  return status;
+  const uint32_t rendition = ladder_.lowest(sequence(key.sequence));
+  const package::StreamIndex& streamed = index(key.sequence);
+  const uint64_t bytes = streamed.chunks[key.gop].bytes + streamed.renditions[rendition].videoOf(key.gop).bytes;
+  if (needed_bytes_ + bytesOf(ahead_) + bytes > budget_bytes_ / kBudgetDivisor) return;
+  Gop& gop = cache_.touch(key);
+  if (gop.video_state == PartState::Absent) {
+    gop.rendition = rendition;
+    gop.video_state = PartState::Fetching;
+    requestVideo(key, Kind::Video, rendition);
+  }
+  requestGop(key, 0);
 }
 
-// A frame of the GOP is wanted: a pass of it begins, or goes on.
-void Loading::enter(Gop& gop, uint32_t row) {
-  if (row < gop.row || !gop.decoded()) takeFine(gop);
-  gop.row = row;
+uint64_t Loading::bytesOf(const std::vector<GopKey>& keys) const {
+  uint64_t total = 0;
+  for (size_t i = 0; i < keys.size(); ++i)
+    if (const Gop* gop = cache_.find(keys[i]); gop && std::find(&keys[0], &keys[i], keys[i]) == &keys[i])
+      total += gop->encodedBytes();
+  return total;
 }
 
-Status Loading::geometry(int sequence_index, uint32_t frame, bool due, FrameGeometry& out) {
-  if (mesh_state_ != PartState::Present || !playable(sequence_index)) return {};
-  const package::StreamIndex& streamed = index(sequence_index);
-  const GopKey key{sequence_index, streamed.chunkOfFrame(frame)};
-  Gop* gop = cache_.find(key);
-  if (!gop || gop->chunk_state != PartState::Present) return {};
-  const uint32_t row = frame - streamed.chunks[key.gop].first_frame;
-  enter(*gop, row);
-  if (slice_ && !gop->damaged && row >= gop->decodedRows() + due) return {};
-  const Status status = decode(key, *gop, row);
-  if (!status.ok()) return named(sequence(sequence_index).stream_uri, status.error());
-  if (row >= gop->decodedRows()) return {};  // it is decoded elsewhere
-  out = {gop->geometry ? &gop->geometry->frames() : nullptr, &indexOf(key, *gop), row, gop->surfaces.get()};
-  return {};
+// A beginning under way that has become a need stays; others are called off when a need is due soon that is under way,
+// after a seek or for another motion. What fills the far end of the buffer comes beside them.
+void Loading::settleAhead(std::span<const Need> needs, int next_sequence, const std::vector<GopKey>& keep) {
+  const auto needed = [&](const FetchPurpose& p) {
+    if (p.ofGop()) return std::find(keep.begin(), keep.end(), GopKey{p.sequence, p.gop}) != keep.end();
+    return p.sequence == next_sequence ||
+           std::any_of(needs.begin(), needs.end(), [&](const Need& need) { return need.sequence == p.sequence; });
+  };
+  const auto soon = [&](const FetchPurpose& p) {
+    const auto end = needs.size() > 1 ? keep.end() : keep.begin() + long(std::min(kSoonGops, keep.size()));
+    return !p.ofGop() || std::find(keep.begin(), end, GopKey{p.sequence, p.gop}) != end;
+  };
+  bool urgent = false;
+  fetches_.forEach([&](Fetch& fetch) {
+    fetch.purpose.ahead = fetch.purpose.ahead && !needed(fetch.purpose);
+    urgent = urgent || (!fetch.purpose.ahead && soon(fetch.purpose));
+  });
+  if (!urgent) return;
+  fetches_.cancel([&](const FetchPurpose& purpose) {
+    if (!purpose.ahead) return false;
+    if (PartState* state = stateOf(purpose)) *state = PartState::Absent;
+    return true;
+  });
+}
+
+// Beginnings stay as long as they fit into the budget beside what is needed.
+void Loading::keepAhead(std::vector<GopKey>& keep) {
+  needed_bytes_ = bytesOf(keep);
+  if (needed_bytes_ + bytesOf(ahead_) <= budget_bytes_) keep.insert(keep.end(), ahead_.begin(), ahead_.end());
 }
 
 }  // namespace fourdvt

@@ -171,6 +171,7 @@ class Loading {
   void takeFine(Gop& gop);
   void enter(Gop& gop, uint32_t row);
   Status open(GopKey key, Gop& gop);
+  static constexpr int kGopsOnTheirWay = 2;
   static constexpr uint32_t kStep = UINT32_MAX;
   Status decode(GopKey key, Gop& gop, uint32_t row);
   struct SliceLeft;

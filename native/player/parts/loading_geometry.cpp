@@ -1,18 +1,92 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decoding of geometry ahead of time: in slices here, how a tick's share is spent; or elsewhere, what is wanted there.
+// Decoding of geometry: as far as a frame needs, ahead of time in slices of a tick, or elsewhere.
 #include <algorithm>
 
+#include "base/later.h"
 #include "package/coding/decoded_frame.h"
 #include "player/parts/loading.h"
 
 namespace fourdvt {
 
 namespace {
+
 constexpr uint32_t kRowsAhead = 12;  // after the frame that is shown or sought
 constexpr size_t kMostJobs = 4;      // of two tracks, the GOP that plays and the next one
 // While seeking, when nothing moves until the frame is there: half the time between ticks, between so many slices.
 constexpr double kMinSlices = 3, kMaxSlices = 8;
+
 }  // namespace
+
+// Only where decoding begins anew: within a pass all rows before would have to be decoded at once.
+void Loading::takeFine(Gop& gop) {
+  if (gop.fine_state != PartState::Present) return;
+  gop.dropDecoded();
+  gop.chunk = std::move(gop.fine);
+  gop.fine.clear();
+  gop.fine_state = PartState::Absent;
+  gop.coarse = false;
+}
+
+// Opens the decoder if that is yet to be done.
+Status Loading::open(GopKey key, Gop& gop) {
+  if (gop.decoded()) return {};
+  const package::StreamIndex& coded = indexOf(key, gop);
+  if (fromCameras()) {
+    FOURDVT_ASSIGN(gop.surfaces,
+                   later<&package::SurfaceChunk::open>(gop.chunk, coded, key.gop, *character_, sequence(key.sequence)));
+  } else {
+    FOURDVT_ASSIGN(gop.geometry, package::ChunkDecoder::open(gop.chunk, coded, key.gop, chunk_mesh_));
+  }
+  return {};
+}
+
+// Decodes as far as a row, or one step: kStep. Opening the decoder is one of the steps.
+Status Loading::decode(GopKey key, Gop& gop, uint32_t row) {
+  const bool timed = slice_ && slice_->now_s, opens = !gop.decoded();
+  const double start_s = timed ? slice_->now_s() : 0;
+  const uint32_t rows = gop.decodedRows();
+  Status status = open(key, gop);
+  if (status.ok() && !(opens && row == kStep))
+    status = gop.surfaces   ? gop.surfaces->decodeTo(row == kStep ? rows : row)
+             : row == kStep ? gop.geometry->step()
+                            : gop.geometry->decodeTo(row);
+  gop.damaged = !status.ok();
+  const uint32_t more = gop.decodedRows() - rows;
+  decoded_.rows += more;
+  if (timed) {
+    const double spent_s = slice_->now_s() - start_s;
+    decoded_.timed_rows += more;
+    decoded_.seconds += spent_s;
+    tick_decode_s_ += spent_s;
+    decoded_.longest_tick_s = std::max(decoded_.longest_tick_s, tick_decode_s_);
+  }
+  return status;
+}
+
+// A frame of the GOP is wanted: a pass of it begins, or goes on.
+void Loading::enter(Gop& gop, uint32_t row) {
+  if (row < gop.row || !gop.decoded()) takeFine(gop);
+  gop.row = row;
+}
+
+Status Loading::geometry(int sequence_index, uint32_t frame, bool due, FrameGeometry& out) {
+  if (mesh_state_ != PartState::Present || !playable(sequence_index)) return {};
+  const package::StreamIndex& streamed = index(sequence_index);
+  const GopKey key{sequence_index, streamed.chunkOfFrame(frame)};
+  Gop* gop = cache_.find(key);
+  if (!gop || gop->chunk_state != PartState::Present) return {};
+  const uint32_t row = frame - streamed.chunks[key.gop].first_frame;
+  enter(*gop, row);
+  if (slice_ && !gop->damaged && row >= gop->decodedRows() + due) return {};
+  const Status status = decode(key, *gop, row);
+  if (!status.ok())
+    return Error{status.error().id, sequence(sequence_index).stream_uri + ": " + status.error().message};
+  if (row >= gop->decodedRows()) return {};  // it is decoded elsewhere
+  out = {gop->geometry ? &gop->geometry->frames() : nullptr, &indexOf(key, *gop), row, gop->surfaces.get()};
+  return {};
+}
+
+// --- ahead of time, here in slices of a tick or elsewhere ---
 
 // Counts down a tick's share of decoding.
 struct Loading::SliceLeft {

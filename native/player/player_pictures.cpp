@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What passes between the player and its edge: requests, answers to fetches, decoded pictures, failures.
+// What the decoders are fed, and the pictures that come back.
 #include <cstdlib>
 
 #include "base/later.h"
@@ -13,65 +13,6 @@ namespace {
 constexpr int kNoSlotNow = -1, kNotAwaited = -2;
 constexpr int kMostMisfits = 8;
 }  // namespace
-
-void PlayerImpl::requestMissing() {
-  if (!main().head.used()) return;
-  std::array<Need, kDecoders + 1> needs;
-  size_t count = 0;
-  for (const Track* t : {&main(), &other()}) {
-    if (!t->head.used()) continue;
-    Need& need = needs[count++];
-    need = {
-        t->head.sequence(), frameOf(*t, t->head.position()), loops(*t), {}, !playback_.playing() && !t->head.seeking()};
-    if (t->feeding.active() && !t->feeding.done()) need.fed_gop = t->feeding.gop();
-  }
-  if (starting()) needs[count++] = {0, 0, loops(0), {}, !playback_.playing()};
-  const bool wanted = transitions_.phase() == Transitions::Phase::Wanted;
-  loading_.requestMissing(std::span(needs.data(), count), wanted ? transitions_.target() : -1);
-  if (looks_ahead_ && commanded_ && loading_.idle()) later<&PlayerImpl::fetchAhead>(*this);
-}
-
-void PlayerImpl::onRangeReceived(uint32_t id, std::span<const uint8_t> bytes) {
-  Arrival arrival = loading_.receive(id, bytes);
-  if (arrival.status.ok() && arrival.what == Arrival::What::Mesh)
-    arrival.status = composer_.setMesh(device_, *character(), loading_.mesh());
-  if (arrival.status.ok() && arrival.what == Arrival::What::Header) {
-    for (Track& t : tracks_)
-      if (t.head.sequence() == arrival.sequence) restartFeed(t);
-  }
-  settle(arrival);
-}
-
-void PlayerImpl::onRangeFailed(uint32_t id, const std::string& reason) { settle(loading_.refuse(id, reason)); }
-
-void PlayerImpl::settle(const Arrival& arrival) {
-  if (arrival.what == Arrival::What::LeftOut)
-    outbox_.emit({EventKind::Warning, arrival.status.error(), 0, 0});
-  else if (!arrival.status.ok())
-    fail(arrival.status.error(), arrival.sequence);
-  if (arrival.what != Arrival::What::Nothing) requestMissing();
-}
-
-// Reports what is broken and stops asking for it: one sequence, or everything (-1). The player itself stays usable.
-void PlayerImpl::fail(Error error, int broken_sequence) {
-  if (broken_sequence >= 0 && broken_sequence == loading_.startSequence()) {  // all can do without
-    if (starting()) select(0);
-    return;
-  }
-  if (!loading_.markBroken(broken_sequence)) return;
-  for (Track& t : tracks_)
-    if (broken_sequence < 0 || broken_sequence == t.head.sequence()) stopFeed(t);
-  if (broken_sequence < 0 || broken_sequence == transitions_.target()) giveUpTransition();
-  outbox_.emit({EventKind::Error, std::move(error), 0, 0});
-}
-
-// The device has no memory for a track's pictures or labels: without the second track a transition is a cut.
-void PlayerImpl::giveUp(const Track& t, const Error& error) {
-  if (isMain(t))
-    fail(error, -1);
-  else
-    later<&PlayerImpl::selectInstead>(*this);
-}
 
 FedSequence PlayerImpl::fedBy(const Track& t) const {
   const int sequence = t.head.sequence();
@@ -264,6 +205,43 @@ void PlayerImpl::setInSight(bool in_sight) {
       t.feeding.close(outbox_);
     }
   }
+}
+
+// Keeps a picture or two ready: a decoder that runs ahead of the clock is slowed down, one that lags is sped up.
+double PlayerImpl::pace(int decoder) const {
+  const Track& t = tracks_[static_cast<size_t>(decoder != 0)];
+  if (!t.head.used() || !runs(t)) return 0;
+  constexpr double kPaces[] = {1.15, 1, 0.9};
+  const int ready = std::min(t.slots.readyCount(), 2);
+  return wantedOf(t).fps * clockRate(t) * kPaces[ready];
+}
+
+// The picture is another presentation's than it was named for: of what the element had when it was copied. It counts as
+// that one's where that is a neighbour and yet to be shown, and goes unused where that has passed. One that is sought
+// must be that one: it is awaited again.
+bool PlayerImpl::takeAs(Track& t, int slot, std::optional<uint32_t> seen) {
+  const int64_t named = t.slots.k(slot);
+  if (t.head.seeking()) {
+    t.slots.reject(slot);
+    t.feeding.awaitAgain(named);
+    return false;
+  }
+  // A late page copies a later picture, a time that runs ahead names one that is yet to come. Within less than a loop
+  // the frame tells which.
+  constexpr int64_t kBack = 8, kOn = 17;
+  const int64_t first = std::max<int64_t>(0, named - kBack);
+  const int64_t end = std::min(named + kOn, first + wantedOf(t).frame_count);
+  for (int64_t k = first; seen && k < end; ++k) {
+    if (frameOf(t, k) % 4096 != *seen) continue;
+    if (k > t.head.shown().k)
+      t.slots.renumber(slot, k);
+    else
+      t.slots.reject(slot);
+    return k > t.head.shown().k;
+  }
+  ++stats_.barcode_mismatches;
+  t.slots.reject(slot);
+  return false;
 }
 
 }  // namespace fourdvt
