@@ -74,7 +74,7 @@ class Costs {
   // of the process takes.
   double frames_mb() const { return kProcess_mb + 16 * megapixels_ + 25 * double(job_.cameras.size()) + decoders_mb(); }
   double gop_mb(const StreamPlan& plan) const {
-    const EncodeSettings& highest = plan.encode();
+    const encode::EncodeSettings& highest = plan.encode();
     return frames_mb() + 200 * double(highest.width) * highest.height / 1e6;
   }
   double labels_mb(size_t frames) const {

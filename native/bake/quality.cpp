@@ -27,7 +27,7 @@ const Quality* findQuality(const std::string& name) {
   return nullptr;
 }
 
-void applyQuality(const Quality& quality, Codec codec, BakeOptions& options) {
+void applyQuality(const Quality& quality, encode::Codec codec, BakeOptions& options) {
   options.texture = quality.texture;
   options.layers = quality.layers;
   options.codec = codec;

@@ -15,8 +15,8 @@ struct Quality {
   const char* meaning;  // one line for the help
   int texture, layers;
   // Per codec, in the order of the enum: CRF on the codec's own scale, and the encoder's preset.
-  int crf[kCodecs];
-  const char* preset[kCodecs];
+  int crf[encode::kCodecs];
+  const char* preset[encode::kCodecs];
 };
 
 constexpr const char* kDefaultQuality = "web";
@@ -25,6 +25,6 @@ const std::vector<Quality>& qualities();  // lowest bitrate first
 // nullptr: there is no such name.
 const Quality* findQuality(const std::string& name);
 // Sets texture, layers, codec, crf and preset; the rest of `options` stays.
-void applyQuality(const Quality& quality, Codec codec, BakeOptions& options);
+void applyQuality(const Quality& quality, encode::Codec codec, BakeOptions& options);
 
 }  // namespace fourdvt::bake

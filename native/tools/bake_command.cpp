@@ -32,7 +32,7 @@ const char* qualityHelp() {
 const char* presetHelp() {
   static const std::string text = [] {
     std::string t = "speed preset of the encoder, by its own name (default: of the quality):";
-    for (const bake::CodecInfo& info : bake::kCodecInfos) t += std::string("\n") + info.name + ": " + info.presets;
+    for (const encode::CodecInfo& info : encode::kCodecInfos) t += std::string("\n") + info.name + ": " + info.presets;
     return t;
   }();
   return text.c_str();
@@ -113,9 +113,9 @@ const CommandHelp& help() {
 
 // Applies quality and codec first, so that options that are given explicitly win.
 void readEncoding(Args& args, bake::BakeOptions& o) {
-  bake::Codec codec = o.codec;
-  if (args.has("--codec") && !bake::parseCodec(args.text("--codec"), codec))
-    args.complain("--codec must be one of " + bake::codecNames() + ", not \"" + args.text("--codec") + "\"");
+  encode::Codec codec = o.codec;
+  if (args.has("--codec") && !encode::parseCodec(args.text("--codec"), codec))
+    args.complain("--codec must be one of " + encode::codecNames() + ", not \"" + args.text("--codec") + "\"");
   const std::string name = args.text("--quality", bake::kDefaultQuality);
   if (const bake::Quality* quality = bake::findQuality(name))
     bake::applyQuality(*quality, codec, o);
@@ -123,12 +123,12 @@ void readEncoding(Args& args, bake::BakeOptions& o) {
     args.complain("--quality must be one of draft, web, high, not \"" + name + "\"");
   o.layers = args.integer("--layers", o.layers, 1, 6);
   o.texture = args.integer("--texture", o.texture, 64, 4096);
-  o.crf = args.integer("--crf", o.crf, 0, bake::infoOf(codec).highest_crf);
+  o.crf = args.integer("--crf", o.crf, 0, encode::infoOf(codec).highest_crf);
   o.preset = args.text("--preset", o.preset);
   o.equal_layers = args.has("--equal-layers");
-  if (!bake::knowsPreset(codec, o.preset))
-    args.complain(std::string("--preset for ") + bake::infoOf(codec).name + " must be " + bake::infoOf(codec).presets +
-                  ", not \"" + o.preset + "\"");
+  if (!encode::knowsPreset(codec, o.preset))
+    args.complain(std::string("--preset for ") + encode::infoOf(codec).name + " must be " +
+                  encode::infoOf(codec).presets + ", not \"" + o.preset + "\"");
 }
 
 // After readEncoding: the other codecs' presets are the quality's.
@@ -216,7 +216,7 @@ BakeCommandLine readBakeCommand(int argc, char** argv, const BakeExtension* exte
   }
   line.exit_code = helpOrProblem(known, args);
   if (line.exit_code) return line;
-  const Status found = bake::checkEncoder(line.options.codec, line.options.preset);
+  const Status found = encode::checkEncoder(line.options.codec, line.options.preset);
   if (!found.ok()) line.exit_code = fail(found.error());
   return line;
 }

@@ -400,7 +400,7 @@ export const sections = [
 // What the constants were chosen on: figures of that motion flatter them.
 export const constants = [
   ['quality presets: CRF and encoder preset', 'native/bake/quality.cpp', 'all motions of the sample; of VP9 and AV1: its run', 'rate and held-out quality of rendered views'],
-  ['encoder parameters', 'native/bake/video/encode_setup.cpp', 'deblocking and qcomp: all motions of the sample; the others: not recorded', 'bitrate and SSIM of rendered views'],
+  ['encoder parameters', 'native/encode/encoder.cpp', 'deblocking and qcomp: all motions of the sample; the others: not recorded', 'bitrate and SSIM of rendered views'],
   ['resampling: filter', 'native/bake/texels/resample.h', 'all motions of the sample', 'held-out SSIM and PSNR, and bitrate'],
   ['resampling: distances to mattes and contours', 'native/bake/texels/resample.h', 'walk and run of the sample', 'held-out SSIM and PSNR, no codec'],
   ['powers of the blend', 'native/render/recipe.h', 'all motions of the sample', 'held-out SSIM and PSNR, seams of a synthetic cylinder, change on an orbit'],

@@ -10,9 +10,9 @@
 #include <opencv2/imgproc.hpp>
 #include <thread>
 
-#include "bake/cameras/surfaces.h"
 #include "bench/blend_cost.h"
 #include "capture/capture.h"
+#include "encode/surfaces.h"
 #include "live/server/jpeg_planes.h"
 #include "live/server/live_encoder.h"
 #include "live/server/live_hull.h"
@@ -146,7 +146,7 @@ void run(Setup& setup, double tolerance_px, const char* preset, bool header) {
     if (key) tiles.plan(boxes, crops), painter.clear(), ++keys;
     const auto chunk = costs.time("chunk", [&] {
       const std::vector<package::QuantisedSurface> surface{
-          bake::quantisedSurface({glm::dvec3(kBounds.min), 0.001}, mesh.positions, mesh.faces, true)};
+          encode::quantisedSurface({glm::dvec3(kBounds.min), 0.001}, mesh.positions, mesh.faces, true)};
       return orStop(package::encodeSurfaceChunk(tiles.tiles(), surface));
     });
     costs.chunk_bytes.push_back(double(chunk.bytes.size()));

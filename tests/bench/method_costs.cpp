@@ -11,10 +11,10 @@
 #include <map>
 #include <string>
 
-#include "bake/cameras/surfaces.h"
 #include "bake/method/frame_drawing.h"
 #include "bake/method/method_choice.h"
 #include "capture/capture.h"
+#include "encode/surfaces.h"
 #include "or_stop.h"
 #include "platform/egl_context.h"
 #include "platform/ffmpeg_video.h"
@@ -77,7 +77,7 @@ int main(int argc, char** argv) {
   for (const size_t faces : {size_t(2000), size_t(8000), size_t(32'000)}) {
     TriangleMesh surface = given;
     while (surface.faces.size() < faces) surface = split(surface);
-    surface = bake::simplified(std::move(surface), faces);
+    surface = encode::simplified(std::move(surface), faces);
     std::map<std::string, std::vector<double>> times_s;
     std::map<std::string, std::unique_ptr<bake::FrameDrawing>> drawings;
     for (const std::string& method : methods) {

@@ -231,7 +231,7 @@ TEST_F(BakeClass, StreamHoldsMembersAtTheirPhases) {
 // Every decoded picture of every rendition carries its phase, and each member's layer 1 the grey of the nearest
 // captured frame.
 TEST_F(BakeClass, VideosTileTheNearestCapturedFrames) {
-  options.lower_renditions = {{128, 12, Codec::H264, "veryfast"}, {64, 10, Codec::H264, ""}};
+  options.lower_renditions = {{128, 12, encode::Codec::H264, "veryfast"}, {64, 10, encode::Codec::H264, ""}};
   ASSERT_TRUE(run());
   const Stream go = stream("go");
   auto opened = input.open();

@@ -8,8 +8,8 @@
 #include "bake/texels/fill.h"
 #include "bake/texels/frame_baker.h"
 #include "bake/texels/resample.h"
-#include "bake/video/tile.h"
 #include "capture/capture.h"
+#include "encode/tile.h"
 #include "gl_fixture.h"
 #include "lab/measure/seam_contrast.h"
 #include "platform/ffmpeg_video.h"
@@ -59,7 +59,7 @@ struct Seams : testing::GlFixture {
     std::vector<Image> layers;
   };
 
-  Baked bakeFrame(const Filmed& filmed, const TileLayout& layout, const BakeSettings& settings) {
+  Baked bakeFrame(const Filmed& filmed, const encode::TileLayout& layout, const BakeSettings& settings) {
     auto made = GpuCapture::create(*device, filmed.cameras, filmed.topology, false);
     EXPECT_TRUE(made) << (made ? "" : made.error().message);
     GpuCapture capture = made.take();
@@ -90,7 +90,7 @@ struct Seams : testing::GlFixture {
   Look look(const Filmed& filmed, const std::vector<PinholeCamera>& views, const BakeSettings& settings,
             double min_angle_deg) {
     constexpr int kLayers = 3;
-    const TileLayout layout = makeTileLayout(kLayers, settings.texture);
+    const encode::TileLayout layout = encode::makeTileLayout(kLayers, settings.texture);
     const Baked baked = bakeFrame(filmed, layout, settings);
     testing::Scene scene;
     scene.mesh.topology = filmed.topology;

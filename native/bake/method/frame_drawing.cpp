@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "bake/cameras/camera_layout.h"
 #include "bake/texels/picture_crop.h"
+#include "encode/camera_layout.h"
 
 namespace fourdvt::bake {
 
@@ -24,8 +24,8 @@ void FrameDrawing::setCameras(std::vector<PinholeCamera> cameras) {
 Status FrameDrawing::setFrame(const TriangleMesh& surface, std::span<const Image> pictures,
                               std::span<const ColourMap> maps) {
   std::vector<package::Rect> regions;
-  for (const PinholeCamera& camera : cameras_) regions.push_back(regionOfInterest(camera, surface.positions));
-  const CameraLayout layout = planCameraLayout(cameras_, {regions}, 1);
+  for (const PinholeCamera& camera : cameras_) regions.push_back(encode::regionOfInterest(camera, surface.positions));
+  const encode::CameraLayout layout = encode::planCameraLayout(cameras_, {regions}, 1);
   if (std::max(layout.width, layout.height) > device_.caps().max_texture_size)
     return Error{ErrorId::InvalidArgument, "the cameras' pictures do not fit into one texture of this device"};
 
@@ -35,7 +35,7 @@ Status FrameDrawing::setFrame(const TriangleMesh& surface, std::span<const Image
   for (size_t c = 0; c < cameras_.size(); ++c) {
     const package::CameraTile& tile = layout.gops[0][c];
     if (tile.empty()) continue;
-    const package::Rect cells = cellsOf(tile.tile);
+    const package::Rect cells = encode::cellsOf(tile.tile);
     const Image drawn = drawCameraTile(tile, pictures[c], maps.empty() ? nullptr : &maps[c]);
     for (int y = 0; y < drawn.height; ++y)
       for (int x = 0; x < drawn.width; ++x) std::memcpy(tiled.at(cells.x + x, cells.y + y), drawn.at(x, y), 3);

@@ -6,11 +6,11 @@
 #include <deque>
 #include <future>
 
-#include "bake/cameras/camera_choice.h"
-#include "bake/cameras/camera_layout.h"
+#include "bake/method/camera_choice.h"
 #include "bake/method/method_choice.h"
 #include "bake/method/view_scores.h"
 #include "bake/texels/picture_crop.h"
+#include "encode/camera_layout.h"
 #include "measure/picture_score.h"
 #include "render/cameras/camera_method.h"
 
@@ -83,7 +83,7 @@ std::optional<TrialView> makeView(const TrialFrame& frame, const SharedSight& si
     truth = shrunk(truth, factor);
     out.view = scaledCamera(out.view, truth.width, truth.height);
   }
-  out.box = regionOfInterest(out.view, frame.surface.positions);
+  out.box = encode::regionOfInterest(out.view, frame.surface.positions);
   if (out.box.width < measure::kSsimWindow || out.box.height < measure::kSsimWindow) return std::nullopt;
   out.truth = cropped(truth, out.box);
   const measure::Mask sees = sight.of(out.view, camera);
@@ -156,7 +156,7 @@ std::vector<size_t> trialCameras(const TrialFrame& frame) {
   std::vector<size_t> useful;
   std::vector<PinholeCamera> cameras;
   for (size_t c = 0; c < frame.cameras.size(); ++c) {
-    if (regionOfInterest(frame.cameras[c], frame.surface.positions).width == 0 || !hasMatte(frame.pictures[c]))
+    if (encode::regionOfInterest(frame.cameras[c], frame.surface.positions).width == 0 || !hasMatte(frame.pictures[c]))
       continue;
     useful.push_back(c);
     cameras.push_back(frame.cameras[c]);

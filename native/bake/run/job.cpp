@@ -16,13 +16,6 @@ uint32_t Job::streamFrames() const {
   return sum;
 }
 
-std::vector<uint32_t> planGops(uint32_t frame_count, int gop) {
-  const uint32_t count = (frame_count + gop - 1) / gop;
-  std::vector<uint32_t> first;
-  for (uint32_t g = 0; g < count; ++g) first.push_back(static_cast<uint32_t>(uint64_t(g) * frame_count / count));
-  return first;
-}
-
 Positions reordered(const package::EncodedBaseMesh& mesh, const Positions& source) {
   Positions out;
   out.reserve(mesh.source_vertex.size());

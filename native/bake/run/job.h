@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "bake/cameras/camera_layout.h"
 #include "bake/motion/class_plan.h"
 #include "bake/run/options.h"
-#include "bake/video/encode.h"
-#include "bake/video/tile.h"
 #include "capture/capture.h"
+#include "encode/camera_layout.h"
+#include "encode/encoder.h"
+#include "encode/tile.h"
 #include "package/base_mesh.h"
 
 namespace fourdvt::bake {
@@ -22,10 +22,10 @@ constexpr uint32_t kInputWindow = 32;  // frames, Job::input_digests
 
 // One encoding of a stream's tiled picture.
 struct RenditionPlan {
-  std::string suffix;   // of its file's name, before ".mp4"; empty: the highest
-  TileLayout layout;    // from cameras: without layers
-  package::Rect tiles;  // from cameras: where their layout lies in the picture
-  EncodeSettings encode;
+  std::string suffix;         // of its file's name, before ".mp4"; empty: the highest
+  encode::TileLayout layout;  // from cameras: without layers
+  package::Rect tiles;        // from cameras: where their layout lies in the picture
+  encode::EncodeSettings encode;
   bool shrunk = false;  // smaller than the highest's picture
   int eighths = 8;      // from cameras: its sides over the highest's, times 8
 };
@@ -35,12 +35,12 @@ struct StreamPlan {
   std::string name;
   // A captured sequence is a plan with one member, itself, at its own frames, without references and parameters.
   ClassPlan motion;
-  CameraLayout cameras;                    // from cameras
+  encode::CameraLayout cameras;            // from cameras
   std::vector<RenditionPlan> renditions;   // the highest first; it alone is read by the stages that follow
   std::vector<uint32_t> gop_first_frames;  // ascending, starts with 0
   float detail_correlation = 1;  // how much the details of a class's aligned members correlate; set by the align stage
-  const TileLayout& layout() const { return renditions[0].layout; }  // of the highest rendition
-  const EncodeSettings& encode() const { return renditions[0].encode; }
+  const encode::TileLayout& layout() const { return renditions[0].layout; }  // of the highest rendition
+  const encode::EncodeSettings& encode() const { return renditions[0].encode; }
   bool isClass() const { return motion.members.size() > 1; }
   uint32_t frameCount() const { return motion.frame_count; }
   uint32_t gopEnd(size_t gop) const {
@@ -63,8 +63,8 @@ struct Job {
   package::EncodedBaseMesh mesh;
   BoundingBox bounds;              // over all frames
   double length_scale = 0;         // base/length_scale.h; 0: not found yet
-  TileLayout layout;               // of one member
-  EncodeSettings encode;           // of a captured sequence
+  encode::TileLayout layout;       // of one member
+  encode::EncodeSettings encode;   // of a captured sequence
   uint32_t total_frames = 0;       // number of captured frames
   std::vector<std::string> notes;  // what the user should know about the plan
   // [sequence][frame][camera], from cameras: what each camera shows of the surface.
@@ -90,9 +90,6 @@ struct Job {
   // The report until it is published beside the character.
   std::string reportFolder() const { return workFolder() + "/report" + writer; }
 };
-
-// First frames of GOPs of at most `gop` frames, whose lengths differ by at most 1.
-std::vector<uint32_t> planGops(uint32_t frame_count, int gop);
 
 // `source` in the order of the decoded mesh.
 Positions reordered(const package::EncodedBaseMesh& mesh, const Positions& source);

@@ -2,7 +2,7 @@
 #include "bake/run/options.h"
 
 #include "bake/run/renditions.h"
-#include "bake/video/tile.h"
+#include "encode/tile.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -20,9 +20,9 @@ std::string BakeOptions::check() const {
     return "layers must be 1.." + std::to_string(package::kMaxLayers) + ", not " + std::to_string(layers);
   if (texture < 128 || texture % 32 != 0)
     return "texture must be a multiple of 32 from 128, not " + std::to_string(texture);
-  if (const std::string wrong = checkTileLayout(layers, texture, equal_layers); !wrong.empty()) return wrong;
-  if (crf < 0 || crf > infoOf(codec).highest_crf)
-    return "crf must be 0.." + std::to_string(infoOf(codec).highest_crf) + " for this codec, not " +
+  if (const std::string wrong = encode::checkTileLayout(layers, texture, equal_layers); !wrong.empty()) return wrong;
+  if (crf < 0 || crf > encode::infoOf(codec).highest_crf)
+    return "crf must be 0.." + std::to_string(encode::infoOf(codec).highest_crf) + " for this codec, not " +
            std::to_string(crf);
   if (gop < 1 || gop > 250) return "gop must be 1..250 frames, not " + std::to_string(gop);
   if (jobs < 0) return "jobs must not be negative";

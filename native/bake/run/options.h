@@ -11,8 +11,8 @@
 #include "bake/labels/labelling.h"
 #include "bake/method/method_choice.h"
 #include "bake/texels/resample.h"
-#include "bake/video/encode.h"
 #include "base/video.h"
+#include "encode/encoder.h"
 #include "gpu/device.h"
 #include "package/character.h"
 #include "refine/refine.h"
@@ -43,7 +43,7 @@ struct LowerRendition {
   // multiple of 1/8.
   double size = 0;
   int crf = 0;  // on the codec's own scale
-  Codec codec = Codec::H264;
+  encode::Codec codec = encode::Codec::H264;
   std::string preset;  // as BakeOptions::preset
 };
 
@@ -74,7 +74,7 @@ struct BakeOptions {
   bool equal_layers = false;  // all layers have the size of layer 1, as in the papers
   bool colour_calibration = true;
   ResampleOptions resample;
-  Codec codec = Codec::H264;
+  encode::Codec codec = encode::Codec::H264;
   std::string preset;  // in the encoder's own terms; empty: its default
   // Beside the highest rendition, which texture, crf, codec and preset describe (run/renditions.h).
   std::vector<LowerRendition> lower_renditions;

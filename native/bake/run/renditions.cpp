@@ -24,7 +24,7 @@ std::string sizeText(double size) {
 }
 
 std::string textOf(const LowerRendition& r) {
-  return sizeText(r.size) + ":" + std::to_string(r.crf) + ":" + infoOf(r.codec).name;
+  return sizeText(r.size) + ":" + std::to_string(r.crf) + ":" + encode::infoOf(r.codec).name;
 }
 
 bool parseNumber(const std::string& text, double& out) {
@@ -49,11 +49,12 @@ std::string parseOne(const std::string& entry, LowerRendition& out) {
   double crf = 0;
   if (parts.size() < 2 || parts.size() > 3 || !parseNumber(parts[0], out.size) || !parseNumber(parts[1], crf))
     return "\"" + entry + "\" is not SIZE:CRF or SIZE:CRF:CODEC";
-  if (parts.size() == 3 && !parseCodec(parts[2], out.codec))
-    return "\"" + entry + "\": the codec must be one of " + codecNames();
-  const int highest = infoOf(out.codec).highest_crf;
+  if (parts.size() == 3 && !encode::parseCodec(parts[2], out.codec))
+    return "\"" + entry + "\": the codec must be one of " + encode::codecNames();
+  const int highest = encode::infoOf(out.codec).highest_crf;
   if (!(crf >= 0 && crf <= highest) || crf != std::floor(crf))
-    return "\"" + entry + "\": the CRF must be 0 to " + std::to_string(highest) + " for " + infoOf(out.codec).name;
+    return "\"" + entry + "\": the CRF must be 0 to " + std::to_string(highest) + " for " +
+           encode::infoOf(out.codec).name;
   out.crf = static_cast<int>(crf);
   return {};
 }
@@ -76,8 +77,8 @@ std::string checkSize(const LowerRendition& r, const BakeOptions& o) {
 // CRF of the highest, `steps` of x264 coarser. By the measurements in quality.cpp, 7 steps halve the bitrate; VP9 and
 // AV1 need 10.
 int coarser(const BakeOptions& o, int steps) {
-  const int scaled = o.codec == Codec::H264 ? steps : static_cast<int>(std::lround(steps * 10 / 7.0));
-  return std::min(o.crf + scaled, infoOf(o.codec).highest_crf);
+  const int scaled = o.codec == encode::Codec::H264 ? steps : static_cast<int>(std::lround(steps * 10 / 7.0));
+  return std::min(o.crf + scaled, encode::infoOf(o.codec).highest_crf);
 }
 
 RenditionPlan planOf(const LowerRendition& r, const BakeOptions& o, const StreamPlan& stream) {
@@ -86,13 +87,14 @@ RenditionPlan planOf(const LowerRendition& r, const BakeOptions& o, const Stream
   if (fromCameras(o)) {
     out.eighths = static_cast<int>(std::lround(r.size * 8));
     out.shrunk = out.eighths < 8;
-    const CameraPicture picture = scaledPicture(stream.cameras, out.eighths);
+    const encode::CameraPicture picture = encode::scaledPicture(stream.cameras, out.eighths);
     out.tiles = picture.tiles;
     out.layout = {picture.width, picture.height, {}, picture.barcode};
   } else {
     const int texels = static_cast<int>(r.size);
     out.shrunk = texels < o.texture;
-    out.layout = makeTileLayout(o.layers, texels, o.equal_layers, static_cast<int>(stream.motion.members.size()));
+    out.layout =
+        encode::makeTileLayout(o.layers, texels, o.equal_layers, static_cast<int>(stream.motion.members.size()));
   }
   out.encode = {out.layout.width, out.layout.height, stream.encode().fps, r.crf, r.codec, r.preset, {}};
   return out;
@@ -128,7 +130,7 @@ std::string checkRenditions(const BakeOptions& o) {
     const bool as_large = r->size == o.texture || r->size == 1;
     if (as_large && r->codec == o.codec && r->crf <= o.crf)
       return "rendition " + textOf(*r) + ": it is not below the highest, which --crf " + std::to_string(o.crf) +
-             " and --codec " + infoOf(o.codec).name + " set; leave it out";
+             " and --codec " + encode::infoOf(o.codec).name + " set; leave it out";
     const auto same = [&](const LowerRendition& other) {
       return other.size == r->size && other.crf == r->crf && other.codec == r->codec;
     };
@@ -139,7 +141,7 @@ std::string checkRenditions(const BakeOptions& o) {
 
 std::string fileSuffix(const LowerRendition& r, const BakeOptions& o) {
   return "." + sizeText(r.size) + "-" + std::to_string(r.crf) +
-         (r.codec == o.codec ? "" : std::string("-") + infoOf(r.codec).name);
+         (r.codec == o.codec ? "" : std::string("-") + encode::infoOf(r.codec).name);
 }
 
 void addLowerRenditions(const BakeOptions& options, StreamPlan& stream) {
@@ -171,7 +173,7 @@ std::vector<package::Rect> partsOf(const StreamPlan& plan, const RenditionPlan& 
   if (plan.cameras.gops.empty()) return rendition.layout.layers;
   std::vector<package::Rect> out;
   for (const package::CameraTile& tile : plan.cameras.gops[gop])
-    if (!tile.empty()) out.push_back(scaledCells(cellsOf(tile.tile), rendition.eighths));
+    if (!tile.empty()) out.push_back(encode::scaledCells(encode::cellsOf(tile.tile), rendition.eighths));
   return out;
 }
 
@@ -185,9 +187,9 @@ Result<std::unique_ptr<LadderEncoder>> LadderEncoder::create(const StreamPlan& p
     rung.plan = &rendition;
     if (rendition.shrunk) {
       rung.rects = partsOf(plan, rendition, gop);
-      rung.picture = I420Picture(rendition.layout.width, rendition.layout.height);
+      rung.picture = encode::I420Picture(rendition.layout.width, rendition.layout.height);
     }
-    FOURDVT_ASSIGN(rung.encoder, GopEncoder::create(rendition.encode));
+    FOURDVT_ASSIGN(rung.encoder, encode::GopEncoder::create(rendition.encode));
   }
   return out;
 }
@@ -206,18 +208,18 @@ Status LadderEncoder::forEach(const Work& work) {
 Status LadderEncoder::push(const I420View& highest, const std::vector<const Image*>& parts, uint32_t frame) {
   return forEach([&](Rung& rung) {
     if (!rung.plan->shrunk) return rung.encoder->push(highest);
-    tileShrunk(rung.rects, parts, rung.plan->layout.barcode, frame, rung.picture);
+    encode::tileShrunk(rung.rects, parts, rung.plan->layout.barcode, frame, rung.picture);
     return rung.encoder->push(rung.picture.view());
   });
 }
 
-Result<std::vector<EncodedGop>> LadderEncoder::finish() {
+Result<std::vector<encode::EncodedGop>> LadderEncoder::finish() {
   FOURDVT_TRY(forEach([](Rung& rung) -> Status {
     FOURDVT_ASSIGN(rung.encoded, rung.encoder->finish());
     rung.encoder.reset();
     return {};
   }));
-  std::vector<EncodedGop> out;
+  std::vector<encode::EncodedGop> out;
   for (Rung& rung : rungs_) out.push_back(std::move(rung.encoded));
   return out;
 }

@@ -52,15 +52,15 @@ class LadderEncoder {
   // that have one.
   Status push(const I420View& highest, const std::vector<const Image*>& parts, uint32_t frame);
   // [rendition] of the plan; ends the GOP.
-  Result<std::vector<EncodedGop>> finish();
+  Result<std::vector<encode::EncodedGop>> finish();
 
  private:
   struct Rung {
     const RenditionPlan* plan = nullptr;
     std::vector<package::Rect> rects;  // of the parts in `picture`
-    I420Picture picture;               // of a shrunk rendition
-    std::unique_ptr<GopEncoder> encoder;
-    EncodedGop encoded;
+    encode::I420Picture picture;       // of a shrunk rendition
+    std::unique_ptr<encode::GopEncoder> encoder;
+    encode::EncodedGop encoded;
   };
   template <class Work>
   Status forEach(const Work& work);

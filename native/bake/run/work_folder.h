@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "bake/video/encode.h"
-#include "bake/video/tile.h"
+#include "encode/encoder.h"
+#include "encode/tile.h"
 #include "package/stream_file.h"
 #include "store/folder.h"
 
@@ -19,15 +19,15 @@ namespace fourdvt::bake {
 constexpr int kAtlasSide = 32;
 
 struct GopArtefact {
-  std::vector<EncodedGop> videos;     // [rendition] of the plan
-  package::ChunkFrames frames;        // of a class: what its chunk is coded from once it is aligned; else empty
-  std::vector<Image> atlases;         // [frame][member], RGB
-  std::vector<uint8_t> picture_jpeg;  // first GOP of a class: its tiled picture
+  std::vector<encode::EncodedGop> videos;  // [rendition] of the plan
+  package::ChunkFrames frames;             // of a class: what its chunk is coded from once it is aligned; else empty
+  std::vector<Image> atlases;              // [frame][member], RGB
+  std::vector<uint8_t> picture_jpeg;       // first GOP of a class: its tiled picture
 };
 
 // Frame 0 of the first sequence, from which poster and still are made.
 struct StillArtefact {
-  I420Picture picture;          // tiled
+  encode::I420Picture picture;  // tiled
   std::vector<uint8_t> labels;  // [layer][face]
   std::vector<uint8_t> texture_jpeg, tile_jpeg;
 };

@@ -112,14 +112,15 @@ Result<store::RecordFile> ClassAligner::recordsOf(uint32_t gop) const {
 Status ClassAligner::alignGop(uint32_t gop, store::RecordFile& file) {
   FOURDVT_ASSIGN(const GopArtefact artefact, run_.work.load<GopArtefact>(gopFile(plan_.name, gop)));
   Status aligned;
-  auto decoder = platform::SampleDecoder::create(infoOf(plan_.encode().codec).kind, artefact.videos[0].parameter_sets,
-                                                 [&](const I420View& view, int64_t frame) {
-                                                   const uint32_t row = static_cast<uint32_t>(frame);
-                                                   if (aligned.ok() && row == file.count())
-                                                     aligned = alignPicture(artefact.frames, gop, row, view, file);
-                                                 });
+  auto decoder =
+      platform::SampleDecoder::create(encode::infoOf(plan_.encode().codec).kind, artefact.videos[0].parameter_sets,
+                                      [&](const I420View& view, int64_t frame) {
+                                        const uint32_t row = static_cast<uint32_t>(frame);
+                                        if (aligned.ok() && row == file.count())
+                                          aligned = alignPicture(artefact.frames, gop, row, view, file);
+                                      });
   if (!decoder) return decoder.error();
-  for (const EncodedPacket& packet : artefact.videos[0].packets) {
+  for (const encode::EncodedPacket& packet : artefact.videos[0].packets) {
     FOURDVT_TRY(decoder.value()->decode(packet.bytes, packet.frame, packet.key));
     FOURDVT_TRY(aligned);
   }

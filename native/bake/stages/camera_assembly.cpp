@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "bake/cameras/vertex_colours.h"
 #include "bake/run/character_files.h"
 #include "bake/run/publish.h"
 #include "bake/stages/assemble.h"
@@ -12,6 +11,7 @@
 #include "bake/stages/start_stage.h"
 #include "base/bytes.h"
 #include "base/hash.h"
+#include "encode/surfaces.h"
 #include "package/writer.h"
 #include "platform/files.h"
 #include "platform/folders.h"
@@ -141,7 +141,8 @@ Status drawStills(BakeRun& run, const std::vector<ColourMap>& maps) {
   FOURDVT_ASSIGN(const auto webp, platform::encodeImage(poster, ".webp", 85));
   FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/" + kPosterFile, webp));
   const TriangleMesh surface{job.mesh.decoded.positions, job.mesh.decoded.topology.face_vertices};
-  FOURDVT_ASSIGN(job.mesh, package::encodePlainMesh(surface, vertexColours(surface, job.cameras, first.pictures)));
+  FOURDVT_ASSIGN(job.mesh,
+                 package::encodePlainMesh(surface, encode::vertexColours(surface, job.cameras, first.pictures)));
   return {};
 }
 

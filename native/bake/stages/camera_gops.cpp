@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <atomic>
 
-#include "bake/cameras/surfaces.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/camera_plan.h"
 #include "bake/stages/mesh_limit.h"
 #include "bake/texels/picture_crop.h"
+#include "encode/surfaces.h"
 #include "package/barcode.h"
 #include "platform/files.h"
 
@@ -16,7 +16,7 @@ namespace fourdvt::bake {
 
 struct CameraGops::OpenGop {
   uint32_t number = 0;
-  I420Picture picture;
+  encode::I420Picture picture;
   std::unique_ptr<LadderEncoder> encoder;  // made with the first frame
   std::vector<package::QuantisedSurface> surfaces;
   GopArtefact artefact;
@@ -100,26 +100,27 @@ Status CameraGops::drawFrame(OpenGop& open, const StreamPlan& plan, const captur
     for (int job = 1; job < job_.options.jobs; ++job) others.push_back(std::async(std::launch::async, drawSome));
     drawSome();
   }
-  I420Picture picture(plan.layout().width, plan.layout().height);
+  encode::I420Picture picture(plan.layout().width, plan.layout().height);
   {
     StageClock::Span span(run_.clock, Stage::Tile);
     for (size_t c = 0; c < tiles.size(); ++c)
-      if (!tiles[c].empty()) drawLayer(drawn[c], cellsOf(tiles[c].tile), picture);
+      if (!tiles[c].empty()) encode::drawLayer(drawn[c], encode::cellsOf(tiles[c].tile), picture);
     package::drawBarcode(plan.layout().barcode, frame.index, picture.y.data(), picture.width);
   }
   const bool constant = job_.capture.meshes == capture::CaptureMeshes::ConstantTopology;
   const TriangleMesh surface = streamedSurface(job_, frame);
   const size_t used = std::min(surface.positions.size(), 3 * surface.faces.size());
   FOURDVT_TRY(checkSurface(meshFile(*plan.motion.members[0].source, frame.index), used, surface.faces.size()));
-  open.surfaces.push_back(quantisedSurface({glm::dvec3(job_.bounds.min), double(float(*job_.options.position_step_m))},
-                                           surface.positions, surface.faces, !constant));
+  open.surfaces.push_back(
+      encode::quantisedSurface({glm::dvec3(job_.bounds.min), double(float(*job_.options.position_step_m))},
+                               surface.positions, surface.faces, !constant));
   if (open.encoding.valid()) FOURDVT_TRY(open.encoding.get());
   open.encoding = std::async(lane(), [this, &open, &plan, index = frame.index, picture = std::move(picture),
                                       drawn = std::move(drawn)] { return encode(open, plan, index, picture, drawn); });
   return {};
 }
 
-Status CameraGops::encode(OpenGop& open, const StreamPlan& plan, uint32_t index, const I420Picture& picture,
+Status CameraGops::encode(OpenGop& open, const StreamPlan& plan, uint32_t index, const encode::I420Picture& picture,
                           const std::vector<Image>& drawn) {
   StageClock::Span span(run_.clock, Stage::Encode);
   if (!open.encoder) {

@@ -26,7 +26,7 @@ class CameraGops {
   Status bakeStream(const StreamPlan& plan);
   Result<std::unique_ptr<OpenGop>> drawGop(const StreamPlan& plan, uint32_t gop, capture::FrameReader& reader);
   Status drawFrame(OpenGop& open, const StreamPlan& plan, const capture::CaptureFrame& frame);
-  Status encode(OpenGop& open, const StreamPlan& plan, uint32_t index, const I420Picture& picture,
+  Status encode(OpenGop& open, const StreamPlan& plan, uint32_t index, const encode::I420Picture& picture,
                 const std::vector<Image>& drawn);
   Status saveGop(OpenGop& open, const StreamPlan& plan, uint32_t gop);
   void tellFrame(const StreamPlan& plan, uint32_t frame);

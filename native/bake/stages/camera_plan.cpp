@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <functional>
 
-#include "bake/cameras/surfaces.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/mesh_limit.h"
 #include "bake/stages/validate.h"
 #include "base/length_scale.h"
+#include "encode/surfaces.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -49,7 +49,7 @@ Status checkLimit(const Job& job, const std::string& file, const TriangleMesh& s
 
 std::vector<Rect> regionsOf(const Job& job, const Positions& surface) {
   std::vector<Rect> out;
-  for (const PinholeCamera& camera : job.cameras) out.push_back(regionOfInterest(camera, surface));
+  for (const PinholeCamera& camera : job.cameras) out.push_back(encode::regionOfInterest(camera, surface));
   return out;
 }
 
@@ -58,8 +58,9 @@ Status checkFirstFrames(const Job& job) {
   const CameraOptions& o = job.options.cameras;
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
     FOURDVT_ASSIGN(const auto surface, capture::readSurfaceFrame(job.capture, sequence, 0));
-    const CameraLayout least = planCameraLayout(job.cameras, {regionsOf(job, surface.positions)}, o.tile_scale);
-    if (const std::string wrong = checkCameraLayout(least, o.tile_scale, o.max_texels); !wrong.empty())
+    const encode::CameraLayout least =
+        encode::planCameraLayout(job.cameras, {regionsOf(job, surface.positions)}, o.tile_scale);
+    if (const std::string wrong = encode::checkCameraLayout(least, o.tile_scale, o.max_texels); !wrong.empty())
       return Error{ErrorId::InvalidArgument, "sequence '" + sequence.name + "', frame 0 alone: " + wrong};
   }
   return {};
@@ -84,7 +85,7 @@ std::vector<std::vector<Rect>> regionsOfGops(const Job& job, size_t sequence, co
     const size_t end = g + 1 < first.size() ? first[g + 1] : frames.size();
     std::vector<Rect>& gop = out.emplace_back(job.cameras.size());
     for (size_t f = first[g]; f < end; ++f)
-      for (size_t c = 0; c < gop.size(); ++c) gop[c] = united(gop[c], frames[f][c]);
+      for (size_t c = 0; c < gop.size(); ++c) gop[c] = encode::united(gop[c], frames[f][c]);
   }
   return out;
 }
@@ -97,9 +98,9 @@ StreamPlan planStream(const Job& job, size_t number) {
   stream.motion.fps = job.capture.fps;
   stream.motion.loop = source.loop;
   stream.motion.members.emplace_back().source = &source;
-  stream.gop_first_frames = planGops(source.frame_count, job.options.gop);
-  stream.cameras = planCameraLayout(job.cameras, regionsOfGops(job, number, stream.gop_first_frames),
-                                    job.options.cameras.tile_scale);
+  stream.gop_first_frames = encode::planGops(source.frame_count, job.options.gop);
+  stream.cameras = encode::planCameraLayout(job.cameras, regionsOfGops(job, number, stream.gop_first_frames),
+                                            job.options.cameras.tile_scale);
   RenditionPlan& highest = stream.renditions.emplace_back();
   highest.layout = {stream.cameras.picture_width, stream.cameras.picture_height, {}, stream.cameras.barcode};
   highest.tiles = {0, 0, stream.cameras.width, stream.cameras.height};
@@ -117,8 +118,9 @@ Result<double> planStreamsOf(Job& job, const std::function<void(size_t sequence)
   for (size_t s = 0; s < job.capture.sequences.size(); ++s) {
     begins(s);
     job.streams.push_back(planStream(job, s));
-    const CameraLayout& layout = job.streams.back().cameras;
-    const std::string wrong = checkCameraLayout(layout, job.options.cameras.tile_scale, job.options.cameras.max_texels);
+    const encode::CameraLayout& layout = job.streams.back().cameras;
+    const std::string wrong =
+        encode::checkCameraLayout(layout, job.options.cameras.tile_scale, job.options.cameras.max_texels);
     if (!wrong.empty())
       return Error{ErrorId::InvalidArgument, "sequence '" + job.capture.sequences[s].name + "': " + wrong};
     bytes += layout.pictureTexels() * kVideoBytesPerTexel * job.streams.back().frameCount();
@@ -131,7 +133,7 @@ Result<double> planStreamsOf(Job& job, const std::function<void(size_t sequence)
 TriangleMesh streamedSurface(const Job& job, const capture::CaptureFrame& frame) {
   if (job.capture.meshes == capture::CaptureMeshes::ConstantTopology)
     return {frame.positions, job.capture.topology.face_vertices};
-  return simplified({frame.positions, frame.faces}, static_cast<size_t>(job.options.cameras.faces));
+  return encode::simplified({frame.positions, frame.faces}, static_cast<size_t>(job.options.cameras.faces));
 }
 
 Status planCameraSurfaces(Job& job, const BakeEnvironment& environment) {
@@ -146,7 +148,8 @@ Status planCameraSurfaces(Job& job, const BakeEnvironment& environment) {
       FOURDVT_ASSIGN(const auto surface, capture::readSurfaceFrame(job.capture, sequence, f));
       FOURDVT_TRY(checkLimit(job, meshFile(sequence, f), surface));
       if (s == 0 && f == 0) {
-        FOURDVT_ASSIGN(job.mesh, package::encodePlainMesh(simplified(surface, size_t(job.options.cameras.faces))));
+        FOURDVT_ASSIGN(job.mesh,
+                       package::encodePlainMesh(encode::simplified(surface, size_t(job.options.cameras.faces))));
       }
       add(all, surface);
       job.regions[s].push_back(regionsOf(job, surface.positions));

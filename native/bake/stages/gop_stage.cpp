@@ -86,7 +86,7 @@ Result<std::unique_ptr<StreamReader>> GopStage::openStream(const StreamPlan& pla
   FOURDVT_ASSIGN(auto reader, StreamReader::create(run_, plan));
   looks_.assign(plan.motion.members.size(), {});
   kept_ = shownByClasses(job_, plan);
-  picture_ = I420Picture(plan.layout().width, plan.layout().height);
+  picture_ = encode::I420Picture(plan.layout().width, plan.layout().height);
   return reader;
 }
 
@@ -197,7 +197,7 @@ Status GopStage::finishFrame(OpenGop& open, const StreamPlan& plan, DrawnFrame f
   }
   {
     StageClock::Span span(run_.clock, Stage::Tile);
-    tileFrame(plan.layout(), layers, index, picture_);
+    encode::tileFrame(plan.layout(), layers, index, picture_);
   }
   open.chunk.add(frame.geometry, labels);
   if (index == 0 && isFirst(plan)) FOURDVT_TRY(saveStill());

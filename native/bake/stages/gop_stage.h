@@ -62,7 +62,7 @@ class GopStage {
   package::ChunkMesh chunk_mesh_;
   std::unique_ptr<FrameBaker> frames_;
   std::vector<MemberLook> looks_;  // of the stream's frame finished last
-  I420Picture picture_;
+  encode::I420Picture picture_;
   std::vector<bool> kept_;      // [frame] of the stream: a class shows it later
   std::future<Status> saving_;  // of the GOP before; ends before the next encoder is made: only one is in memory
   uint32_t baked_ = 0;

@@ -38,12 +38,12 @@ void addStream(Job& job, const std::string& name, ClassPlan motion) {
   stream.name = name;
   const BakeOptions& o = job.options;
   RenditionPlan& highest = stream.renditions.emplace_back();
-  highest.layout = makeTileLayout(o.layers, o.texture, o.equal_layers, static_cast<int>(motion.members.size()));
+  highest.layout = encode::makeTileLayout(o.layers, o.texture, o.equal_layers, static_cast<int>(motion.members.size()));
   highest.encode = job.encode;
   highest.encode.width = highest.layout.width;
   highest.encode.height = highest.layout.height;
   highest.encode.fps = motion.fps;
-  stream.gop_first_frames = planGops(motion.frame_count, o.gop);
+  stream.gop_first_frames = encode::planGops(motion.frame_count, o.gop);
   stream.motion = std::move(motion);
   addLowerRenditions(o, stream);
   job.streams.push_back(std::move(stream));

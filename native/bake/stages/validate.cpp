@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <thread>
 
-#include "bake/cameras/camera_choice.h"
+#include "bake/method/camera_choice.h"
 #include "bake/motion/class_plan.h"
 #include "bake/run/character_files.h"
 #include "bake/run/options.h"
@@ -125,14 +125,15 @@ Status checkRenditionNames(const Job& job) {
 Status resolveRenditions(BakeOptions& o) {
   if (o.standard_renditions) o.lower_renditions = standardRenditions(o);
   if (const std::string wrong = checkRenditions(o); !wrong.empty()) return bad(wrong);
-  for (const LowerRendition& r : o.lower_renditions) FOURDVT_TRY(checkEncoder(r.codec, r.preset));
+  for (const LowerRendition& r : o.lower_renditions) FOURDVT_TRY(encode::checkEncoder(r.codec, r.preset));
   return {};
 }
 
 Status checkClassPictures(const Job& job) {
   const BakeOptions& o = job.options;
   for (const capture::CaptureClass* c : bakedClasses(job)) {
-    const std::string wrong = checkTileLayout(o.layers, o.texture, o.equal_layers, static_cast<int>(c->members.size()));
+    const std::string wrong =
+        encode::checkTileLayout(o.layers, o.texture, o.equal_layers, static_cast<int>(c->members.size()));
     if (!wrong.empty()) return bad("class '" + c->name + "': " + wrong + ", or leave classes out with --no-classes");
   }
   return {};
@@ -287,7 +288,7 @@ Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environm
   job.options = options;
   if (job.options.jobs == 0) job.options.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   FOURDVT_TRY(checkOutput(job.options));
-  FOURDVT_TRY(checkEncoder(job.options.codec, job.options.preset));
+  FOURDVT_TRY(encode::checkEncoder(job.options.codec, job.options.preset));
   FOURDVT_TRY(openCapture(job, environment));
   FOURDVT_TRY(resolveRenditions(job.options));
   FOURDVT_TRY(checkClasses(job));
@@ -301,7 +302,7 @@ Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environm
     job.options.sequences.push_back(sequence.name);
     job.total_frames += sequence.frame_count;
   }
-  job.layout = makeTileLayout(options.layers, options.texture, options.equal_layers);
+  job.layout = encode::makeTileLayout(options.layers, options.texture, options.equal_layers);
   job.encode = {job.layout.width, job.layout.height, job.capture.fps, options.crf, options.codec, options.preset};
   FOURDVT_TRY(checkWorkFolder(job.workFolder()));
   FOURDVT_TRY(checkReportFolder(reportFolderOf(job.options.character_folder)));

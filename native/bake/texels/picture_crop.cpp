@@ -96,8 +96,8 @@ Image drawCameraTile(const package::CameraTile& tile, const Image& picture, cons
     std::copy_n(picture.at(source.x, source.y + y), size_t(source.width) * 4, crop.at(0, y));
   replaceEdgeColours(crop);
   if (map) applyColours(*map, crop);
-  const package::Rect cells = cellsOf(tile.tile);
-  return drawTile(crop, {tile.tile.width, tile.tile.height}, {cells.width, cells.height});
+  const package::Rect cells = encode::cellsOf(tile.tile);
+  return encode::drawTile(crop, {tile.tile.width, tile.tile.height}, {cells.width, cells.height});
 }
 
 }  // namespace fourdvt::bake

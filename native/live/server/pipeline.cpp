@@ -8,7 +8,7 @@
 #include <random>
 #include <thread>
 
-#include "bake/cameras/surfaces.h"
+#include "encode/surfaces.h"
 #include "live/server/camera_regions.h"
 #include "live/server/clock_offset.h"
 #include "live/server/instants.h"
@@ -335,9 +335,9 @@ class LivePipeline final : public Pipeline {
 
   Result<std::vector<uint8_t>> encode(const FrameInWork& frame, const TriangleMesh& mesh,
                                       std::span<const package::Rect> crops) const {
-    const bake::PositionGrid grid{glm::dvec3(rig_.bounds.min), double(kPositionStep_m)};
+    const encode::PositionGrid grid{glm::dvec3(rig_.bounds.min), double(kPositionStep_m)};
     const std::vector<package::QuantisedSurface> surface{
-        bake::quantisedSurface(grid, mesh.positions, mesh.faces, true)};
+        encode::quantisedSurface(grid, mesh.positions, mesh.faces, true)};
     FOURDVT_ASSIGN(auto encoded, package::encodeSurfaceChunk(shownTiles(frame.tiles, crops), surface));
     if (encoded.vertex_count > kMostVertices || encoded.face_count > kMostFaces)
       return Error{ErrorId::Internal, "a surface of too many triangles"};

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <opencv2/imgproc.hpp>
 
-#include "bake/cameras/camera_layout.h"
+#include "encode/camera_layout.h"
 #include "package/barcode.h"
 
 namespace fourdvt::live {
@@ -93,7 +93,7 @@ void TilePainter::drawBarcode(uint32_t number) {
 void TilePainter::draw(const package::CameraTile& tile, const JpegPlanes& planes, const package::Rect& crop,
                        const std::vector<Ring16>& rings) {
   if (tile.empty()) return;
-  const package::Rect cells = bake::cellsOf(tile.tile);
+  const package::Rect cells = encode::cellsOf(tile.tile);
   const auto resized = [](Plane& plane, int width, int height) {
     plane.width = width, plane.height = height;
     plane.texels.resize(size_t(width) * height);

@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/cameras/camera_layout.h"
-#include "bake/cameras/packing.h"
+#include "encode/camera_layout.h"
 
 namespace fourdvt::live {
 namespace {
@@ -21,7 +20,7 @@ constexpr int kCells = 2 * 16;       // of the barcode, in a row
 constexpr int kLargeCell = 16, kSmallCell = 8;
 
 int wholeCells(double texels) {
-  return std::max(1, int(std::ceil(texels / bake::kCellTexels - 1e-9))) * bake::kCellTexels;
+  return std::max(1, int(std::ceil(texels / encode::kCellTexels - 1e-9))) * encode::kCellTexels;
 }
 
 int right(const Rect& r) { return r.x + r.width; }
@@ -40,10 +39,10 @@ Result<PackedSize> packedSize(std::span<const PinholeCamera> cameras, double sha
   PackedSize out;
   out.width = std::max(wholeCells(std::sqrt(share * pixels * kAspect)), kCells * kSmallCell);
   const int height = wholeCells(share * pixels / out.width);
-  out.height = height + bake::kCellTexels;
+  out.height = height + encode::kCellTexels;
   out.tiles = {0, 0, out.width, height};
   out.barcode.cell_size = out.width >= kCells * kLargeCell ? kLargeCell : kSmallCell;
-  out.barcode.rect = {0, height, kCells * out.barcode.cell_size, bake::kCellTexels};
+  out.barcode.rect = {0, height, kCells * out.barcode.cell_size, encode::kCellTexels};
   if (std::max(out.width, out.height) <= package::kMaxPictureSide) return out;
   return Error{ErrorId::InvalidArgument, "the packed picture would have " + std::to_string(out.width) + " x " +
                                              std::to_string(out.height) + " texels, more than " +
@@ -94,11 +93,11 @@ bool LiveTiles::wantsLayout(std::span<const Rect> boxes, std::span<const Rect> c
 bool LiveTiles::place(std::vector<CameraTile>& tiles) const {
   std::vector<glm::ivec2> sizes;
   for (const CameraTile& t : tiles) {
-    const Rect cells = t.empty() ? Rect{} : bake::cellsOf(t.tile);
+    const Rect cells = t.empty() ? Rect{} : encode::cellsOf(t.tile);
     if (cells.width > size_.tiles.width) return false;
     sizes.emplace_back(cells.width, cells.height);
   }
-  const bake::Packing packing = bake::packInto(sizes, size_.tiles.width);
+  const encode::Packing packing = encode::packInto(sizes, size_.tiles.width);
   if (packing.height > size_.tiles.height) return false;
   for (size_t c = 0; c < tiles.size(); ++c)
     if (!tiles[c].empty()) tiles[c].tile.x = packing.places[c].x, tiles[c].tile.y = packing.places[c].y;

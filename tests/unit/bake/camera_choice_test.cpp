@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cameras that a character keeps of many: spread in direction, and none that shows little.
-#include "bake/cameras/camera_choice.h"
+#include "bake/method/camera_choice.h"
 
 #include <gtest/gtest.h>
 

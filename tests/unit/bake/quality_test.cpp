@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of named settings: every entry is one that a bake accepts, in order, and the default is the default.
+// The options of a bake and the table of named settings: every entry is one that a bake accepts, in order, and the
+// default is the default.
 #include "bake/quality.h"
 
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace fourdvt::bake {
 namespace {
@@ -16,13 +19,13 @@ BakeOptions named() {
 
 TEST(Quality, EveryEntryIsAcceptedForEveryCodec) {
   for (const Quality& quality : qualities()) {
-    for (const Codec codec : {Codec::H264, Codec::Vp9, Codec::Av1}) {
+    for (const encode::Codec codec : {encode::Codec::H264, encode::Codec::Vp9, encode::Codec::Av1}) {
       BakeOptions options = named();
       applyQuality(quality, codec, options);
-      EXPECT_EQ(options.check(), "") << quality.name << " " << infoOf(codec).name;
+      EXPECT_EQ(options.check(), "") << quality.name << " " << encode::infoOf(codec).name;
       EXPECT_EQ(options.codec, codec);
-      EXPECT_TRUE(knowsPreset(codec, options.preset)) << quality.name << " " << infoOf(codec).name;
-      EXPECT_LE(options.crf, infoOf(codec).highest_crf);
+      EXPECT_TRUE(encode::knowsPreset(codec, options.preset)) << quality.name << " " << encode::infoOf(codec).name;
+      EXPECT_LE(options.crf, encode::infoOf(codec).highest_crf);
       EXPECT_EQ(findQuality(quality.name), &quality);
     }
   }
@@ -48,7 +51,7 @@ TEST(Quality, LeavesTheRestAlone) {
   options.equal_layers = true;
   const Labelling other{"other", false, nullptr};
   options.labels = &other;
-  applyQuality(*findQuality("draft"), Codec::Vp9, options);
+  applyQuality(*findQuality("draft"), encode::Codec::Vp9, options);
   EXPECT_EQ(options.gop, 7);
   EXPECT_TRUE(options.equal_layers);
   EXPECT_EQ(options.labels, &other);
@@ -64,7 +67,25 @@ TEST(Quality, DefaultIsThatOfBakeOptions) {
   EXPECT_EQ(options.texture, defaults.texture);
   EXPECT_EQ(options.layers, defaults.layers);
   EXPECT_EQ(options.crf, defaults.crf);
-  EXPECT_EQ(options.preset, defaults.preset.empty() ? infoOf(defaults.codec).default_preset : defaults.preset);
+  EXPECT_EQ(options.preset, defaults.preset.empty() ? encode::infoOf(defaults.codec).default_preset : defaults.preset);
+}
+
+TEST(BakeOptions, CheckNamesWhatIsWrong) {
+  const BakeOptions good = named();
+  EXPECT_EQ(good.check(), "");
+  const auto wrong = [&](auto change) {
+    BakeOptions options = good;
+    change(options);
+    return options.check();
+  };
+  EXPECT_NE(wrong([](BakeOptions& o) { o.layers = 7; }).find("layers"), std::string::npos);
+  EXPECT_NE(wrong([](BakeOptions& o) { o.texture = 1000; }).find("texture"), std::string::npos);
+  EXPECT_NE(wrong([](BakeOptions& o) { o.texture = 4096; }).find("smaller texture"), std::string::npos);
+  EXPECT_NE(wrong([](BakeOptions& o) { o.crf = 52; }).find("crf"), std::string::npos);
+  EXPECT_NE(wrong([](BakeOptions& o) { o.gop = 0; }).find("gop"), std::string::npos);
+  EXPECT_NE(wrong([](BakeOptions& o) { o.jobs = -1; }).find("jobs"), std::string::npos);
+  EXPECT_NE(wrong([](BakeOptions& o) { o.position_step_m = std::nan(""); }).find("step"), std::string::npos);
+  EXPECT_NE(wrong([](BakeOptions& o) { o.character_folder = ""; }).find("-o"), std::string::npos);
 }
 
 }  // namespace

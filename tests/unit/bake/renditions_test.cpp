@@ -9,7 +9,7 @@
 namespace fourdvt::bake {
 namespace {
 
-BakeOptions named(Codec codec = Codec::H264) {
+BakeOptions named(encode::Codec codec = encode::Codec::H264) {
   BakeOptions options;
   options.capture_folder = "capture";
   options.character_folder = "character";
@@ -45,9 +45,9 @@ TEST(Renditions, AreReadWithTheBakesCodecUnlessTheyNameOne) {
   ASSERT_EQ(parseRenditions({"1024:36", "384:34", "512:50:av1", "0.5:34"}, named(), all), "");
   EXPECT_EQ(text(all), ".1024-36.384-34.512-50-av1.0.5-34");
   all.clear();
-  ASSERT_EQ(parseRenditions({"384:60", "384:30:h264"}, named(Codec::Av1), all), "");
-  EXPECT_EQ(all[0].codec, Codec::Av1);
-  EXPECT_EQ(all[1].codec, Codec::H264);
+  ASSERT_EQ(parseRenditions({"384:60", "384:30:h264"}, named(encode::Codec::Av1), all), "");
+  EXPECT_EQ(all[0].codec, encode::Codec::Av1);
+  EXPECT_EQ(all[1].codec, encode::Codec::H264);
 }
 
 TEST(Renditions, TheStandardOnesFollowFromTheHighest) {
@@ -60,7 +60,7 @@ TEST(Renditions, TheStandardOnesFollowFromTheHighest) {
   cameras.appearance = package::AppearanceKind::Cameras;
   EXPECT_EQ(text(standardRenditions(cameras)), ".0.5-34.1-36");
   for (const Quality& quality : qualities())
-    for (const Codec codec : {Codec::H264, Codec::Vp9, Codec::Av1})
+    for (const encode::Codec codec : {encode::Codec::H264, encode::Codec::Vp9, encode::Codec::Av1})
       for (const auto kind : {package::AppearanceKind::Layers, package::AppearanceKind::Cameras})
         for (const int texture : {128, 160, 512, 1024}) {
           BakeOptions options = named();
@@ -68,7 +68,7 @@ TEST(Renditions, TheStandardOnesFollowFromTheHighest) {
           options.texture = texture;
           options.appearance = kind;
           options.lower_renditions = standardRenditions(options);
-          EXPECT_EQ(options.check(), "") << quality.name << " " << infoOf(codec).name << " " << texture;
+          EXPECT_EQ(options.check(), "") << quality.name << " " << encode::infoOf(codec).name << " " << texture;
         }
 }
 
@@ -111,7 +111,7 @@ TEST(Renditions, OfAStreamHaveLayoutsOfTheirOwn) {
   StreamPlan stream;
   stream.motion.members.resize(4);
   RenditionPlan& highest = stream.renditions.emplace_back();
-  highest.layout = makeTileLayout(options.layers, options.texture, false, 4);
+  highest.layout = encode::makeTileLayout(options.layers, options.texture, false, 4);
   highest.encode.fps = 27.5;
   addLowerRenditions(options, stream);
   ASSERT_EQ(stream.renditions.size(), 3u);

@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "bake/cameras/camera_layout.h"
+#include "encode/camera_layout.h"
 #include "live/server/camera_regions.h"
 #include "live_fixture.h"
 
@@ -67,7 +67,7 @@ TEST(LiveTiles, NeverOverlapAndStayInside) {
     for (size_t a = 0; a < 6; ++a) {
       ASSERT_EQ(tiles[a].empty(), boxes[a].width == 0);
       if (tiles[a].empty()) continue;
-      const Rect cells = bake::cellsOf(tiles[a].tile);
+      const Rect cells = encode::cellsOf(tiles[a].tile);
       EXPECT_EQ(cells.x % 16, 0);
       EXPECT_EQ(cells.y % 16, 0);
       EXPECT_LE(cells.x + cells.width, stage.size.tiles.width);
@@ -77,7 +77,7 @@ TEST(LiveTiles, NeverOverlapAndStayInside) {
       EXPECT_EQ(common(s, boxes[a]).width, boxes[a].width);
       EXPECT_EQ(common(s, boxes[a]).height, boxes[a].height);
       for (size_t b = 0; b < a; ++b)
-        EXPECT_FALSE(!tiles[b].empty() && overlap(cells, bake::cellsOf(tiles[b].tile))) << run;
+        EXPECT_FALSE(!tiles[b].empty() && overlap(cells, encode::cellsOf(tiles[b].tile))) << run;
     }
     EXPECT_FALSE(stage.tiles.wantsLayout(boxes, stage.crops));
   }

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "bake/cameras/surfaces.h"
 #include "capture/mesh_file.h"
+#include "encode/surfaces.h"
 #include "lab/study/run/projective_rows.h"
 #include "platform/files.h"
 #include "platform/folders.h"
@@ -69,8 +69,8 @@ Result<TriangleMesh> Proxies::surface(const std::string& proxy, FrameWindow& fra
   if (optionsOf(proxy)) return reconstructed(proxy, frames, frame);
   FOURDVT_ASSIGN(auto given, capture::readSurfaceFrame(capture_, frames.sequence(), frame));
   if (proxy == rows::kProxyGiven) return given;
-  if (proxy == "given-2000") return bake::simplified(std::move(given), 2000);
-  if (proxy == "given-500") return bake::simplified(std::move(given), 500);
+  if (proxy == "given-2000") return encode::simplified(std::move(given), 2000);
+  if (proxy == "given-500") return encode::simplified(std::move(given), 500);
   return Error{ErrorId::InvalidArgument, "there is no proxy " + proxy};
 }
 

@@ -31,17 +31,17 @@ Result<std::vector<uint8_t>> encodeJpeg(const Image& image, int quality) {
   return encoded(image, ".jpg", {cv::IMWRITE_JPEG_QUALITY, quality});
 }
 
-void fillI420(const Image& image, bake::I420Picture& out) {
-  bake::drawLayer(image, {0, 0, image.width, image.height}, out);
+void fillI420(const Image& image, encode::I420Picture& out) {
+  encode::drawLayer(image, {0, 0, image.width, image.height}, out);
 }
 
-uint64_t gopBytes(const bake::EncodedGop& gop) {
+uint64_t gopBytes(const encode::EncodedGop& gop) {
   uint64_t bytes = gop.parameter_sets.size();
-  for (const bake::EncodedPacket& packet : gop.packets) bytes += packet.bytes.size();
+  for (const encode::EncodedPacket& packet : gop.packets) bytes += packet.bytes.size();
   return bytes;
 }
 
-Status decodeGop(const bake::EncodedGop& gop,
+Status decodeGop(const encode::EncodedGop& gop,
                  const std::function<Status(uint32_t frame, const I420View&)>& on_picture) {
   Status first;
   uint32_t pictures = 0;
@@ -51,7 +51,7 @@ Status decodeGop(const bake::EncodedGop& gop,
                    if (first.ok()) first = on_picture(static_cast<uint32_t>(timestamp_us), picture);
                  }));
   std::vector<uint8_t> bytes = gop.parameter_sets;
-  for (const bake::EncodedPacket& packet : gop.packets) {
+  for (const encode::EncodedPacket& packet : gop.packets) {
     bytes.insert(bytes.end(), packet.bytes.begin(), packet.bytes.end());
     FOURDVT_TRY(decoder->decode(bytes, packet.frame, packet.key));
     bytes.clear();

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "bake/video/encode.h"
-#include "bake/video/tile.h"
 #include "base/image.h"
+#include "encode/encoder.h"
+#include "encode/tile.h"
 
 namespace fourdvt::study {
 
@@ -17,11 +17,12 @@ Result<std::vector<uint8_t>> encodePng(const Image& image);
 Result<std::vector<uint8_t>> encodeJpeg(const Image& image, int quality);
 
 // Converts RGB(A) with even sides to 4:2:0.
-void fillI420(const Image& image, bake::I420Picture& out);
+void fillI420(const Image& image, encode::I420Picture& out);
 
-uint64_t gopBytes(const bake::EncodedGop& gop);
+uint64_t gopBytes(const encode::EncodedGop& gop);
 // H.264 only. Pictures in presentation order. Errors: VideoInvalid and those of `on_picture`.
-Status decodeGop(const bake::EncodedGop& gop, const std::function<Status(uint32_t frame, const I420View&)>& on_picture);
+Status decodeGop(const encode::EncodedGop& gop,
+                 const std::function<Status(uint32_t frame, const I420View&)>& on_picture);
 
 // Sum of squared differences over RGB of the pixels inside; PSNR of what was added.
 struct SquaredError {

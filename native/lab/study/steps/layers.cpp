@@ -10,7 +10,6 @@
 #include <map>
 
 #include "lab/labels/paper_labellings.h"
-#include "measure/picture_score.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/rows.h"
 #include "lab/study/run/run_steps.h"
@@ -18,6 +17,7 @@
 #include "lab/study/steps/codec.h"
 #include "lab/study/steps/layers_drawing.h"
 #include "lab/study/steps/steps.h"
+#include "measure/picture_score.h"
 #include "platform/files.h"
 
 namespace fourdvt::study {
@@ -105,7 +105,7 @@ class LayerStudy {
   std::map<uint32_t, std::vector<Image>> references_;     // the same
   // Of the size at hand, by variant.
   std::map<std::string, Shown> shown_;
-  std::map<std::string, std::vector<std::vector<bake::I420Picture>>> gop_;  // [layer][frame]
+  std::map<std::string, std::vector<std::vector<encode::I420Picture>>> gop_;  // [layer][frame]
   std::unique_ptr<LayerDrawing> drawing_;
   measure::ScoreLane lane_;
   bool has_error_map_ = false;
@@ -238,16 +238,16 @@ Status LayerStudy::addFrame(const LayerVariant& variant, int size, uint32_t fram
 Status LayerStudy::encodeGop(const std::vector<LayerVariant>& variants, int size) {
   struct Stream {
     Stored* stored;
-    const std::vector<bake::I420Picture>* pictures;
+    const std::vector<encode::I420Picture>* pictures;
   };
   std::vector<Stream> streams;
   for (const LayerVariant& variant : variants)
     if (auto queue = gop_.find(keyOf(variant)); queue != gop_.end())
       for (const auto& pictures : queue->second) streams.push_back({&shown_[keyOf(variant)].stored, &pictures});
   const auto encode = [&](const Stream& stream) -> Result<uint64_t> {
-    FOURDVT_ASSIGN(auto encoder, bake::GopEncoder::create(
+    FOURDVT_ASSIGN(auto encoder, encode::GopEncoder::create(
                                      {.width = size, .height = size, .fps = context_.capture->fps, .crf = kStudyCrf}));
-    for (const bake::I420Picture& picture : *stream.pictures) {
+    for (const encode::I420Picture& picture : *stream.pictures) {
       FOURDVT_TRY(checkStop(context_));
       FOURDVT_TRY(encoder->push(picture.view()));
     }
@@ -286,7 +286,7 @@ Result<Rows> LayerStudy::measureSize(int size, double before, double share) {
     shown_[keyOf(variant)].gpu_bytes = static_cast<double>(bytes);
   }
   FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(*context_.capture, sequence_, context_.open_video));
-  const std::vector<uint32_t> gops = bake::planGops(sequence_.frame_count, kStudyGop);
+  const std::vector<uint32_t> gops = encode::planGops(sequence_.frame_count, kStudyGop);
   const uint32_t frames = std::max(plan_.video_frames, views_.empty() ? 0 : views_.rbegin()->first + 1);
   for (uint32_t f = 0; f < frames; ++f) {
     FOURDVT_TRY(checkStop(context_));

@@ -34,7 +34,7 @@ struct Method {
   bake::BakeOptions options;
   std::string setting() const {
     return "layers=" + std::to_string(options.layers) + " size=" + std::to_string(options.texture) +
-           " codec=" + bake::infoOf(options.codec).name + " crf=" + std::to_string(options.crf) +
+           " codec=" + encode::infoOf(options.codec).name + " crf=" + std::to_string(options.crf) +
            " layout=" + (options.equal_layers ? "equal" : "default");
   }
 };
@@ -109,7 +109,7 @@ Status MethodStudy::bakeCharacter() {
   for (const auto& [stage, seconds] : baked_.seconds_by_stage)
     RowWriter(out_, rows::kBake, "", rows::kJointDefault, "stage=" + stage)
         .add(rows::kSecondsFrame, seconds / baked_.frames, "s");
-  std::string encoder = std::string(bake::infoOf(method_.options.codec).name);
+  std::string encoder = std::string(encode::infoOf(method_.options.codec).name);
   if (const auto version = report_.string("/versions/libavcodec")) encoder += ", libavcodec " + *version;
   RowWriter(out_, rows::kAbout, "", "", "text=" + encoder + ", crf " + std::to_string(method_.options.crf))
       .add(rows::kAboutEncoder, 0, "");

@@ -24,7 +24,7 @@ struct LayerSetting {
 };
 
 struct CodecSetting {
-  bake::Codec codec;
+  encode::Codec codec;
   const char* preset;
   std::vector<int> crfs;
 };
@@ -39,7 +39,7 @@ struct Group {
 constexpr uint32_t kQuickClipFrames = 9;
 constexpr int kFallbackCameras = 3;  // views without held-out cameras
 
-using bake::Codec;
+using encode::Codec;
 
 // L = 1, 2, 3 over the same bitrates: fewer layers take fewer bits, and reach as far with a lower rate factor.
 std::vector<Group> layerGroups(bool quick) {
@@ -66,7 +66,7 @@ std::vector<Group> codecGroups() {
           {{2048, 3, false}, some}};
 }
 
-std::string settingOf(const LayerSetting& layers, const bake::EncodeSettings& encode) {
+std::string settingOf(const LayerSetting& layers, const encode::EncodeSettings& encode) {
   return "preset=" + encode.preset + " crf=" + std::to_string(encode.crf) + " size=" + std::to_string(layers.texture) +
          " layers=" + std::to_string(layers.layers) + " layout=" + (layers.equal ? "equal" : "default");
 }
@@ -91,7 +91,7 @@ class RateStudy {
   Status measureGroup(const Group& group);
   Status bakeLayers(SurveyedJob& surveyed, RateClip& clip) const;
   Result<std::vector<RateView>> makeViews(uint32_t frame_count) const;
-  Status measurePoint(RateMeter& meter, const LayerSetting& layers, const bake::EncodeSettings& encode, bool chosen,
+  Status measurePoint(RateMeter& meter, const LayerSetting& layers, const encode::EncodeSettings& encode, bool chosen,
                       const std::vector<RateView>& views);
   void write(const std::string& method, const std::string& setting, const RateScore& score);
   void tell(const std::string& detail) const;
@@ -113,7 +113,7 @@ Status RateStudy::bakeLayers(SurveyedJob& surveyed, RateClip& clip) const {
   FOURDVT_ASSIGN(auto baker, makeBaker(context_, job, bakerOptions(surveyed)));
   FOURDVT_ASSIGN(auto reader,
                  capture::FrameReader::open(job.capture, *job.capture.find(sequence_.name), context_.open_video));
-  bake::I420Picture picture(job.layout.width, job.layout.height);
+  encode::I420Picture picture(job.layout.width, job.layout.height);
   for (uint32_t f = 0; f < clip.frame_count; ++f) {
     FOURDVT_TRY(checkStop(context_));
     tell("layers of " + std::to_string(job.options.texture) + ", frame " + std::to_string(f + 1));
@@ -122,7 +122,7 @@ Status RateStudy::bakeLayers(SurveyedJob& surveyed, RateClip& clip) const {
     FOURDVT_ASSIGN(auto labels, surveyed.survey->labels(*job.capture.find(sequence_.name), f));
     FOURDVT_ASSIGN(auto layers, baker->resample(labels));
     baker->fill(layers);
-    bake::tileFrame(job.layout, layers, f, picture);
+    encode::tileFrame(job.layout, layers, f, picture);
     FOURDVT_TRY(appendPicture(clip.pictures_path, picture, f == 0));
     clip.positions.push_back(bake::reordered(job.mesh, frame.positions));
     clip.labels.push_back(std::move(labels));
@@ -163,13 +163,13 @@ void RateStudy::write(const std::string& method, const std::string& setting, con
   out.add(rows::kPsnrFgDb, score.psnr_fg_db, "dB");
 }
 
-Status RateStudy::measurePoint(RateMeter& meter, const LayerSetting& layers, const bake::EncodeSettings& encode,
+Status RateStudy::measurePoint(RateMeter& meter, const LayerSetting& layers, const encode::EncodeSettings& encode,
                                bool chosen, const std::vector<RateView>& views) {
   FOURDVT_TRY(checkStop(context_));
   const std::string setting = (chosen ? "chosen=1 " : "") + settingOf(layers, encode);
-  tell(std::string(bake::infoOf(encode.codec).name) + " " + setting);
+  tell(std::string(encode::infoOf(encode.codec).name) + " " + setting);
   FOURDVT_ASSIGN(auto score, meter.measure(encode, views));
-  write(bake::infoOf(encode.codec).name, setting, score);
+  write(encode::infoOf(encode.codec).name, setting, score);
   ++done_;
   return {};
 }
@@ -188,7 +188,7 @@ Status RateStudy::measureGroup(const Group& group) {
   clip.fps = job.capture.fps;
   clip.frame_count = context_.options.quick ? std::min(kQuickClipFrames, sequence_.frame_count) : sequence_.frame_count;
   clip.pictures_path = pictures.path;
-  clip.gop_first_frames = bake::planGops(clip.frame_count, bake::BakeOptions().gop);
+  clip.gop_first_frames = encode::planGops(clip.frame_count, bake::BakeOptions().gop);
   clip.character = bake::describeCharacter(job);
   clip.mesh = &job.mesh.decoded;
   FOURDVT_TRY(bakeLayers(*surveyed, clip));
@@ -199,7 +199,7 @@ Status RateStudy::measureGroup(const Group& group) {
                             " layout=" + (options.equal_layers ? "equal" : "default");
   if (!group.again) write("uncompressed", plain, meter->scoreUncompressed(views));
   for (const CodecSetting& codec : group.codecs) {
-    bake::EncodeSettings encode;
+    encode::EncodeSettings encode;
     encode.codec = codec.codec;
     encode.preset = codec.preset;
     for (const int crf : codec.crfs) {
@@ -211,10 +211,10 @@ Status RateStudy::measureGroup(const Group& group) {
   if (group.again || chosen.texture != options.texture || chosen.layers != options.layers ||
       chosen.equal_layers != options.equal_layers)
     return {};
-  bake::EncodeSettings encode;
+  encode::EncodeSettings encode;
   encode.codec = chosen.codec;
   encode.crf = chosen.crf;
-  encode.preset = chosen.preset.empty() ? bake::infoOf(chosen.codec).default_preset : chosen.preset;
+  encode.preset = chosen.preset.empty() ? encode::infoOf(chosen.codec).default_preset : chosen.preset;
   return measurePoint(*meter, group.layers, encode, true, views);
 }
 

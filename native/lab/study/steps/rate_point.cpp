@@ -56,7 +56,7 @@ package::Rendition renditionOf(const RateClip& clip) {
 
 }  // namespace
 
-Status appendPicture(const std::string& path, const bake::I420Picture& picture, bool first) {
+Status appendPicture(const std::string& path, const encode::I420Picture& picture, bool first) {
   const File file(std::fopen(path.c_str(), first ? "wb" : "ab"));
   bool ok = file != nullptr;
   for (const auto* plane : {&picture.y, &picture.u, &picture.v})
@@ -108,7 +108,7 @@ Result<Image> RateMeter::draw(const I420View& picture, uint32_t frame, const Pin
   return image;
 }
 
-Status RateMeter::readPicture(uint32_t frame, bake::I420Picture& picture) const {
+Status RateMeter::readPicture(uint32_t frame, encode::I420Picture& picture) const {
   const File file(std::fopen(clip_.pictures_path.c_str(), "rb"));
   const size_t bytes = picture.y.size() + picture.u.size() + picture.v.size();
   bool ok = file && fseeko(file.get(), static_cast<off_t>(bytes * frame), SEEK_SET) == 0;
@@ -119,7 +119,7 @@ Status RateMeter::readPicture(uint32_t frame, bake::I420Picture& picture) const 
 }
 
 Status RateMeter::drawUncompressed(std::vector<RateView>& views) {
-  bake::I420Picture picture(clip_.layout.width, clip_.layout.height);
+  encode::I420Picture picture(clip_.layout.width, clip_.layout.height);
   for (RateView& view : views) {
     FOURDVT_TRY(readPicture(view.frame, picture));
     FOURDVT_ASSIGN(view.uncompressed, draw(picture.view(), view.frame, view.camera));
@@ -134,19 +134,20 @@ RateScore RateMeter::scoreUncompressed(const std::vector<RateView>& views) const
   return score;
 }
 
-Result<bake::EncodedGop> RateMeter::encodeGop(const bake::EncodeSettings& settings, size_t gop, double& seconds) const {
+Result<encode::EncodedGop> RateMeter::encodeGop(const encode::EncodeSettings& settings, size_t gop,
+                                                double& seconds) const {
   using Clock = std::chrono::steady_clock;
   const uint32_t first = clip_.gop_first_frames[gop];
   const uint32_t end = gop + 1 < clip_.gop_first_frames.size() ? clip_.gop_first_frames[gop + 1] : clip_.frame_count;
-  bake::I420Picture picture(settings.width, settings.height);
-  std::unique_ptr<bake::GopEncoder> encoder;
+  encode::I420Picture picture(settings.width, settings.height);
+  std::unique_ptr<encode::GopEncoder> encoder;
   const auto timed = [&](auto step) {
     const auto start = Clock::now();
     auto result = step();
     seconds += std::chrono::duration<double>(Clock::now() - start).count();
     return result;
   };
-  FOURDVT_ASSIGN(encoder, timed([&] { return bake::GopEncoder::create(settings); }));
+  FOURDVT_ASSIGN(encoder, timed([&] { return encode::GopEncoder::create(settings); }));
   for (uint32_t f = first; f < end; ++f) {
     FOURDVT_TRY(readPicture(f, picture));
     FOURDVT_TRY(timed([&] { return encoder->push(picture.view()); }));
@@ -154,26 +155,27 @@ Result<bake::EncodedGop> RateMeter::encodeGop(const bake::EncodeSettings& settin
   return timed([&] { return encoder->finish(); });
 }
 
-Status RateMeter::scoreGop(const bake::EncodeSettings& settings, const bake::EncodedGop& gop, uint32_t first_frame,
+Status RateMeter::scoreGop(const encode::EncodeSettings& settings, const encode::EncodedGop& gop, uint32_t first_frame,
                            const std::vector<RateView>& views, RateScore& sum) {
   Status drawing;
-  FOURDVT_ASSIGN(auto decoder, platform::SampleDecoder::create(
-                                   bake::infoOf(settings.codec).kind, {}, [&](const I420View& picture, int64_t frame) {
-                                     const auto barcode = package::readBarcode(clip_.layout.barcode, picture);
-                                     sum.unreadable_barcodes +=
-                                         barcode != std::optional<uint32_t>(static_cast<uint32_t>(frame) % 4096);
-                                     for (const RateView& view : views) {
-                                       if (view.frame != frame || !drawing.ok()) continue;
-                                       auto drawn = draw(picture, view.frame, view.camera);
-                                       if (drawn)
-                                         add(view, drawn.value(), sum);
-                                       else
-                                         drawing = drawn.error();
-                                     }
-                                   }));
-  for (const bake::EncodedPacket& packet : gop.packets) {
+  FOURDVT_ASSIGN(auto decoder,
+                 platform::SampleDecoder::create(
+                     encode::infoOf(settings.codec).kind, {}, [&](const I420View& picture, int64_t frame) {
+                       const auto barcode = package::readBarcode(clip_.layout.barcode, picture);
+                       sum.unreadable_barcodes +=
+                           barcode != std::optional<uint32_t>(static_cast<uint32_t>(frame) % 4096);
+                       for (const RateView& view : views) {
+                         if (view.frame != frame || !drawing.ok()) continue;
+                         auto drawn = draw(picture, view.frame, view.camera);
+                         if (drawn)
+                           add(view, drawn.value(), sum);
+                         else
+                           drawing = drawn.error();
+                       }
+                     }));
+  for (const encode::EncodedPacket& packet : gop.packets) {
     std::vector<uint8_t> bytes;
-    if (packet.key && settings.codec == bake::Codec::H264) bytes = gop.parameter_sets;
+    if (packet.key && settings.codec == encode::Codec::H264) bytes = gop.parameter_sets;
     bytes.insert(bytes.end(), packet.bytes.begin(), packet.bytes.end());
     FOURDVT_TRY(decoder->decode(bytes, int64_t(first_frame) + packet.frame, packet.key));
   }
@@ -181,17 +183,17 @@ Status RateMeter::scoreGop(const bake::EncodeSettings& settings, const bake::Enc
   return drawing;
 }
 
-Result<RateScore> RateMeter::measure(const bake::EncodeSettings& given, const std::vector<RateView>& views) {
-  bake::EncodeSettings settings = given;
+Result<RateScore> RateMeter::measure(const encode::EncodeSettings& given, const std::vector<RateView>& views) {
+  encode::EncodeSettings settings = given;
   settings.width = clip_.layout.width;
   settings.height = clip_.layout.height;
   settings.fps = clip_.fps;
   RateScore score;
-  score.encoder_codec = bake::infoOf(settings.codec).name;
+  score.encoder_codec = encode::infoOf(settings.codec).name;
   double bytes = 0, seconds = 0;
   for (size_t g = 0; g < clip_.gop_first_frames.size(); ++g) {
     FOURDVT_ASSIGN(auto gop, encodeGop(settings, g, seconds));
-    for (const bake::EncodedPacket& packet : gop.packets) bytes += double(packet.bytes.size());
+    for (const encode::EncodedPacket& packet : gop.packets) bytes += double(packet.bytes.size());
     FOURDVT_TRY(scoreGop(settings, gop, clip_.gop_first_frames[g], views, score));
   }
   divide(score, views.size());

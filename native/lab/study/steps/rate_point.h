@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "bake/video/encode.h"
-#include "bake/video/tile.h"
+#include "encode/encoder.h"
+#include "encode/tile.h"
 #include "gpu/device.h"
 #include "package/base_mesh.h"
 #include "package/character.h"
@@ -18,7 +18,7 @@ namespace fourdvt::study {
 
 // The pictures of a sequence that the encoder gets, and what is needed to draw them.
 struct RateClip {
-  bake::TileLayout layout;
+  encode::TileLayout layout;
   double fps = 25;
   uint32_t frame_count = 0;
   std::string pictures_path;                 // frames of tiled I420, one after the other
@@ -45,7 +45,7 @@ struct RateScore {
   std::string encoder_codec;         // CodecInfo::name
 };
 
-Status appendPicture(const std::string& path, const bake::I420Picture& picture, bool first);  // WriteFailed
+Status appendPicture(const std::string& path, const encode::I420Picture& picture, bool first);  // WriteFailed
 
 class RateMeter {
  public:
@@ -56,15 +56,15 @@ class RateMeter {
   // Mean scores over the views, drawn from the pictures before the codec: no bitrate can exceed them.
   RateScore scoreUncompressed(const std::vector<RateView>& views) const;
   // settings: size and fps are the clip's. Errors: those of encoder and decoder.
-  Result<RateScore> measure(const bake::EncodeSettings& settings, const std::vector<RateView>& views);
+  Result<RateScore> measure(const encode::EncodeSettings& settings, const std::vector<RateView>& views);
 
  private:
   RateMeter(gpu::Device& device, const RateClip& clip) : device_(device), clip_(clip) {}
   Result<Image> draw(const I420View& picture, uint32_t frame, const PinholeCamera& camera);
   Status prepareTarget(int width, int height);
-  Status readPicture(uint32_t frame, bake::I420Picture& picture) const;
-  Result<bake::EncodedGop> encodeGop(const bake::EncodeSettings& settings, size_t gop, double& seconds) const;
-  Status scoreGop(const bake::EncodeSettings& settings, const bake::EncodedGop& gop, uint32_t first_frame,
+  Status readPicture(uint32_t frame, encode::I420Picture& picture) const;
+  Result<encode::EncodedGop> encodeGop(const encode::EncodeSettings& settings, size_t gop, double& seconds) const;
+  Status scoreGop(const encode::EncodeSettings& settings, const encode::EncodedGop& gop, uint32_t first_frame,
                   const std::vector<RateView>& views, RateScore& sum);
 
   gpu::Device& device_;

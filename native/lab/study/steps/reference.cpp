@@ -10,8 +10,6 @@
 #include <map>
 
 #include "bake/run/job.h"
-#include "measure/metrics.h"
-#include "measure/picture_score.h"
 #include "lab/study/run/elapsed.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/rows.h"
@@ -19,6 +17,8 @@
 #include "lab/study/run/scene.h"
 #include "lab/study/steps/codec.h"
 #include "lab/study/steps/steps.h"
+#include "measure/metrics.h"
+#include "measure/picture_score.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 
@@ -73,7 +73,7 @@ class Reference {
     uint32_t first = 0;
     std::vector<Image> pictures, colours;  // RGBA as captured, RGB as encoded
     std::vector<measure::Mask> masks;
-    std::vector<std::unique_ptr<bake::GopEncoder>> encoders;  // one per rate factor
+    std::vector<std::unique_ptr<encode::GopEncoder>> encoders;  // one per rate factor
   };
   Result<CameraVideo> encodeCamera(size_t camera) const;
   Status pushGop(capture::FrameReader& reader, uint32_t frames, CameraGop& gop) const;
@@ -254,7 +254,7 @@ Image spreadColours(const Image& rgba) {
 }
 
 Status Reference::pushGop(capture::FrameReader& reader, uint32_t frames, CameraGop& gop) const {
-  bake::I420Picture picture;
+  encode::I420Picture picture;
   for (uint32_t f = 0; f < frames; ++f) {
     FOURDVT_TRY(checkStop(context_));
     FOURDVT_ASSIGN(auto frame, nextCleanFrame(reader));
@@ -263,14 +263,14 @@ Status Reference::pushGop(capture::FrameReader& reader, uint32_t frames, CameraG
     gop.colours.push_back(spreadColours(rgba));
     gop.masks.push_back(measure::unionOfSilhouettes(rgba, rgba));
     gop.pictures.push_back(rgba);
-    if (f == 0) picture = bake::I420Picture(width, height);
+    if (f == 0) picture = encode::I420Picture(width, height);
     for (const int crf : ladder()) {
       if (f > 0) break;
-      FOURDVT_ASSIGN(auto encoder, bake::GopEncoder::create(
+      FOURDVT_ASSIGN(auto encoder, encode::GopEncoder::create(
                                        {.width = width, .height = height, .fps = context_.capture->fps, .crf = crf}));
       gop.encoders.push_back(std::move(encoder));
     }
-    bake::drawLayer(gop.colours.back(), {0, 0, width, height}, picture);
+    encode::drawLayer(gop.colours.back(), {0, 0, width, height}, picture);
     for (auto& encoder : gop.encoders) FOURDVT_TRY(encoder->push(picture.view()));
   }
   return {};
@@ -286,7 +286,7 @@ Image withMatte(const Image& decoded, Image picture) {
 
 Status Reference::takeDecoded(const CameraGop& gop, uint32_t f, const I420View& view, size_t rate,
                               CameraVideo& out) const {
-  const Image decoded = bake::rgbFromTile(view, {0, 0, view.width, view.height});
+  const Image decoded = encode::rgbFromTile(view, {0, 0, view.width, view.height});
   if (decoded.width == gop.colours[f].width && decoded.height == gop.colours[f].height)
     out.error[rate].add(gop.colours[f], decoded, gop.masks[f]);
   if (held_out_.empty() || !isHeldOut(gop.first + f)) return {};
@@ -311,7 +311,7 @@ Result<Reference::CameraVideo> Reference::encodeCamera(size_t camera) const {
   alone.cameras = {context_.capture->cameras[camera]};
   FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(alone, sequence_, context_.open_video));
   CameraVideo out{camera, std::vector<uint64_t>(ladder().size()), std::vector<SquaredError>(ladder().size())};
-  const std::vector<uint32_t> firsts = bake::planGops(sequence_.frame_count, kStudyGop);
+  const std::vector<uint32_t> firsts = encode::planGops(sequence_.frame_count, kStudyGop);
   for (size_t g = 0; g < firsts.size(); ++g) {
     const uint32_t end = g + 1 < firsts.size() ? firsts[g + 1] : sequence_.frame_count;
     CameraGop gop{.first = firsts[g]};

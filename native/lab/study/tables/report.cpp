@@ -128,7 +128,7 @@ Table constantsTable() {
           {"constants", "chosen on", "by"},
           {{"quality presets: CRF and encoder preset (bake/quality.cpp)",
             "all motions of the sample; of VP9 and AV1: its run", "rate and held-out quality of rendered views"},
-           {"encoder parameters (bake/video/encode_setup.cpp)",
+           {"encoder parameters (encode/encoder.cpp)",
             "deblocking and qcomp: all motions of the sample; the others: not recorded",
             "bitrate and SSIM of rendered views"},
            {"resampling: filter (bake/texels/resample.h)", "all motions of the sample",

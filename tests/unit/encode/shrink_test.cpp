@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Smaller layers: constants stay, means are kept, a step moves by area, neighbours in a tiled picture do not bleed in.
-#include "bake/video/shrink.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "bake/video/tile.h"
+#include "encode/tile.h"
 
 using namespace fourdvt;
-using namespace fourdvt::bake;
+using namespace fourdvt::encode;
 
 namespace {
 

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// All layers and the barcode in one 4:2:0 picture, so that one decoder serves them.
+// Draws all layers and the barcode into one 4:2:0 picture, so that one decoder serves them; and smaller copies of
+// layers and tiles, for renditions with fewer texels.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "base/image.h"
-#include "package/character.h"
+#include "package/barcode.h"
 
-namespace fourdvt::bake {
+namespace fourdvt::encode {
+
+constexpr int kBarcodeWidth = 2 * package::kBarcodeCells * package::BarcodeStrip().cell_size;
 
 struct TileLayout {
   int width = 0, height = 0;          // multiples of 16
@@ -48,4 +51,8 @@ void tileShrunk(const std::vector<package::Rect>& rects, const std::vector<const
 // Reads one rectangle back as RGB, with chroma replicated, e.g. for stills.
 Image rgbFromTile(const I420View& picture, const package::Rect& rect);
 
-}  // namespace fourdvt::bake
+// Every texel is the mean of the area that it covers, in encoded RGB. width, height: at most those of `source`. Reads
+// `source` alone, so that what lies beside it in a tiled picture does not bleed in. RGB.
+Image shrunk(const Image& source, int width, int height);
+
+}  // namespace fourdvt::encode

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Layout and colour conversion of the tiled picture.
-#include "bake/video/tile.h"
+#include "encode/tile.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "bake/bake.h"
 #include "package/barcode.h"
 
-namespace fourdvt::bake {
+namespace fourdvt::encode {
 namespace {
 
 bool overlap(const package::Rect& a, const package::Rect& b) {
@@ -150,25 +149,5 @@ TEST(TileFrame, CarriesTheFrameIndex) {
   }
 }
 
-TEST(BakeOptions, CheckNamesWhatIsWrong) {
-  BakeOptions good;
-  good.capture_folder = "capture";
-  good.character_folder = "character";
-  EXPECT_EQ(good.check(), "");
-  const auto wrong = [&](auto change) {
-    BakeOptions options = good;
-    change(options);
-    return options.check();
-  };
-  EXPECT_NE(wrong([](BakeOptions& o) { o.layers = 7; }).find("layers"), std::string::npos);
-  EXPECT_NE(wrong([](BakeOptions& o) { o.texture = 1000; }).find("texture"), std::string::npos);
-  EXPECT_NE(wrong([](BakeOptions& o) { o.texture = 4096; }).find("smaller texture"), std::string::npos);
-  EXPECT_NE(wrong([](BakeOptions& o) { o.crf = 52; }).find("crf"), std::string::npos);
-  EXPECT_NE(wrong([](BakeOptions& o) { o.gop = 0; }).find("gop"), std::string::npos);
-  EXPECT_NE(wrong([](BakeOptions& o) { o.jobs = -1; }).find("jobs"), std::string::npos);
-  EXPECT_NE(wrong([](BakeOptions& o) { o.position_step_m = std::nan(""); }).find("step"), std::string::npos);
-  EXPECT_NE(wrong([](BakeOptions& o) { o.character_folder = ""; }).find("-o"), std::string::npos);
-}
-
 }  // namespace
-}  // namespace fourdvt::bake
+}  // namespace fourdvt::encode

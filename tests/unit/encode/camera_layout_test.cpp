@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Characters from cameras: regions, packing, the tiled picture's layout, and what fills a tile.
-#include "bake/cameras/camera_layout.h"
+#include "encode/camera_layout.h"
 
 #include <gtest/gtest.h>
 
@@ -9,11 +9,9 @@
 #include <map>
 #include <random>
 
-#include "bake/cameras/packing.h"
-#include "bake/cameras/surfaces.h"
-#include "bake/cameras/tile_fill.h"
+#include "encode/surfaces.h"
 
-namespace fourdvt::bake {
+namespace fourdvt::encode {
 namespace {
 
 using package::CameraTile, package::Rect;
@@ -307,4 +305,4 @@ TEST(SimplifiedSurface, LeavesASmallOneAloneAndWeldsALargeOne) {
 }
 
 }  // namespace
-}  // namespace fourdvt::bake
+}  // namespace fourdvt::encode

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which part of every camera's picture a sequence keeps, and where it lies in the tiled picture: tiles per GOP, in a
-// layout of one size for the whole sequence, the barcode below. A surface is textured inside its own outline only, so
-// that the part a camera keeps is the surface's bounding box in its picture; mattes that reach further are not needed.
+// Lays out the part of every camera's picture that a sequence keeps: tiles per GOP, in a layout of one size for the
+// whole sequence, the barcode below. A surface is textured inside its own outline only, so that the part a camera keeps
+// is the surface's bounding box in its picture; mattes that reach further are not needed. Then draws the tiles.
 #pragma once
 
+#include <glm/glm.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "base/camera.h"
+#include "base/image.h"
 #include "base/mesh.h"
 #include "package/surface_chunk.h"
 
-namespace fourdvt::bake {
+namespace fourdvt::encode {
 
 constexpr int kCellTexels = 16;  // tiles begin at its multiples, so that no block of a codec shows two cameras
 
@@ -50,4 +53,21 @@ package::Rect scaledCells(const package::Rect& cells, int eighths);
 // Why such a picture cannot be, with the remedy; empty if it can. max_texels: what the user allows.
 std::string checkCameraLayout(const CameraLayout& layout, double tile_scale, double max_texels);
 
-}  // namespace fourdvt::bake
+struct Packing {
+  int height = 0;
+  std::vector<glm::ivec2> places;  // of the rectangles' top left corners, in the order of the sizes
+};
+
+// Packs rectangles into a strip of this width, by a skyline: each, the tallest first, goes where it lies highest up. No
+// rectangle is wider than the strip; those without area lie at (0, 0) and take no space. The same input gives the same
+// places on every machine.
+Packing packInto(std::span<const glm::ivec2> sizes, int width);
+
+// A tile holds the performer as the camera shows him, round him a smooth continuation of his colours, which lets
+// texture filters and surfaces reach over his outline, and then mid-grey, which costs a codec nothing. source: RGBA
+// with straight alpha (the matte), colours of the performer alone wherever alpha is above 0. It is drawn into `tile`
+// texels at the top left of a picture of `cells` texels, by the mean of the pixels that a texel covers; what alpha
+// leaves open, and what lies beyond the tile, is filled. RGB.
+Image drawTile(const Image& source, const glm::ivec2& tile, const glm::ivec2& cells);
+
+}  // namespace fourdvt::encode

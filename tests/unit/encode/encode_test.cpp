@@ -7,14 +7,14 @@
 #include <filesystem>
 #include <map>
 
-#include "bake/run/job.h"
-#include "bake/video/mp4.h"
+#include "encode/mp4.h"
+#include "encode/tile.h"
 #include "package/barcode.h"
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 
-namespace fourdvt::bake {
+namespace fourdvt::encode {
 namespace {
 
 constexpr uint32_t kFrames = 29;
@@ -234,4 +234,4 @@ TEST(PlanGops, LengthsDifferByOneAtMost) {
 }
 
 }  // namespace
-}  // namespace fourdvt::bake
+}  // namespace fourdvt::encode

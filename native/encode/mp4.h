@@ -5,10 +5,10 @@
 #include <functional>
 #include <string>
 
-#include "bake/video/encode.h"
+#include "encode/encoder.h"
 #include "package/stream_file.h"
 
-namespace fourdvt::bake {
+namespace fourdvt::encode {
 
 // Loads GOP g of the sequence; called in order, with one GOP in memory at a time.
 using LoadGop = std::function<Result<EncodedGop>(uint32_t gop)>;
@@ -27,4 +27,4 @@ struct Mp4Samples {
 Result<Mp4Samples> readMp4Samples(const std::string& path, double fps, const std::vector<uint32_t>& gop_first_frames,
                                   uint32_t frame_count);
 
-}  // namespace fourdvt::bake
+}  // namespace fourdvt::encode

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Colours of a surface's vertices against known ones: who sees what, what averages, what is filled.
-#include "bake/cameras/vertex_colours.h"
-
 #include <gtest/gtest.h>
 
-namespace fourdvt::bake {
+#include "encode/surfaces.h"
+
+namespace fourdvt::encode {
 namespace {
 
 constexpr uint16_t kOne = 65535;
@@ -105,4 +105,4 @@ TEST(VertexColours, UnseenSurfacesAreMidGrey) {
 }
 
 }  // namespace
-}  // namespace fourdvt::bake
+}  // namespace fourdvt::encode

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/cameras/camera_choice.h"
+#include "bake/method/camera_choice.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/video/mp4.h"
+#include "encode/mp4.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -12,7 +12,7 @@ extern "C" {
 #include <libavformat/avformat.h>
 }
 
-namespace fourdvt::bake {
+namespace fourdvt::encode {
 namespace {
 
 std::string reason(int code) {
@@ -250,4 +250,4 @@ Result<Mp4Samples> readMp4Samples(const std::string& path, double fps, const std
   return out;
 }
 
-}  // namespace fourdvt::bake
+}  // namespace fourdvt::encode
