@@ -19,7 +19,7 @@ function checkModules(wasmFolder, opencvFolder) {
   if (opencvFolder && !existsSync(join(opencvFolder, 'fourdvt-opencv.js'))) {
     throw new Error(`${join(opencvFolder, 'fourdvt-opencv.js')} is missing: build the CMake preset wasm with OPENCV_WASM_DIR`);
   }
-  const abi = join(here, 'src/generated/abi.ts');
+  const abi = join(here, 'src/wasm/generated/abi.ts');
   writeTypeScript(abi);
   if (!readFileSync(abi).equals(readFileSync(join(wasmFolder, 'abi.ts')))) {
     throw new Error(`the modules in ${wasmFolder} have another ABI than wasm/abi.txt: build the CMake preset wasm again`);
@@ -91,7 +91,7 @@ export async function bundlePlayer({ wasmFolder, opencvFolder, out, develop = fa
   const [wasmScript, exportNames] = develop ? [emscripten, {}] : shortenExports(emscripten);
   const shortNames = develop ? {} : { mangleProps: new RegExp(`^(${Object.keys(exportNames).join('|')})$`), mangleCache: exportNames };
   await bundle(join(here, 'src/more.ts'), 'fourdvt-more.js', { define, ...shortNames });
-  await bundle(join(here, 'src/geometry-worker.ts'), 'fourdvt-worker.js', { format: 'iife', define });
+  await bundle(join(here, 'src/decode/geometry-worker.ts'), 'fourdvt-worker.js', { format: 'iife', define });
   if (opencvFolder) {
     await bundle(join(opencvFolder, 'fourdvt-opencv.js'), 'fourdvt-opencv.js');
     copyWasm(join(opencvFolder, 'fourdvt-opencv.wasm'), 'fourdvt-opencv.wasm');

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tables of errors by ID, from the code: every ID has a comment "meaning; remedy" beside it.
 //   enum class ErrorId of native/base/result.h:      FileMissing,  // meaning; remedy
-//   the page's own IDs in web/src/errors.ts:         //   insecure-context: meaning; remedy
+//   the page's own IDs in web/src/report/errors.ts:         //   insecure-context: meaning; remedy
 
 function row(name, comment, where) {
   const [meaning, ...remedy] = comment.trim().split('; ');
@@ -24,7 +24,7 @@ export function errorTables(header, source, page) {
     return row(names.get(id), comment.replace(/\s*\n\s*\/\/ /g, ' '), 'native/base/result.h');
   });
   const own = [...page.matchAll(/^\/\/ {3}([a-z][a-z-]+): (.*(?:\n\/\/ {5,}\S.*)*)/gm)]
-    .map(([, name, comment]) => row(name, comment.replace(/\n\/\/\s+/g, ' '), 'web/src/errors.ts'));
+    .map(([, name, comment]) => row(name, comment.replace(/\n\/\/\s+/g, ' '), 'web/src/report/errors.ts'));
   if (!tool.length || !own.length) throw new Error('no error found: the files look different from what site/docs/errors.mjs expects');
   return { tool: table(tool), page: table(own) };
 }

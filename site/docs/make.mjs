@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // node site/docs/make.mjs [--check]: writes what the documents take from the code: layering.svg from native/layering.txt,
-// and the tables of errors.md from native/base/result.h, native/base/result.cpp and web/src/errors.ts.
+// and the tables of errors.md from native/base/result.h, native/base/result.cpp and web/src/report/errors.ts.
 // --check writes nothing and exits with 1 if one of the files would change.
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -12,7 +12,7 @@ import { layeringPicture } from './layering.mjs';
 /** [path, text] of every file that is made. */
 export function made(root) {
   const read = (path) => readFileSync(join(root, path), 'utf8');
-  const tables = errorTables(read('native/base/result.h'), read('native/base/result.cpp'), read('web/src/errors.ts'));
+  const tables = errorTables(read('native/base/result.h'), read('native/base/result.cpp'), read('web/src/report/errors.ts'));
   return [
     ['site/docs/layering.svg', layeringPicture(read('native/layering.txt'))],
     ['site/docs/errors.md', read('site/docs/errors.md').replace(/<!-- made:(\w+) -->[\s\S]*?<!-- \/made -->/g,

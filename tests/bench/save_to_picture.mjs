@@ -18,7 +18,7 @@ import { serve } from '../web/server.mjs';
 const kRoot = resolve(dirname(fileURLToPath(import.meta.url)), '../..'), kPatienceMs = 600_000;
 const kEdits = {
   shader: { file: 'shaders/gles/layered_shade.glsl', from: 'o_color = vec4(color, 1.0)', to: 'o_color = vec4(1.0, 0.0, 1.0, 1.0)' },
-  TypeScript: { file: 'web/src/wasm-player.ts', from: 'bytesOfOptions(options)', to: 'bytesOfOptions({ ...options, background: [1, 0, 1, 1] })' },
+  TypeScript: { file: 'web/src/player/wasm-player.ts', from: 'bytesOfOptions(options)', to: 'bytesOfOptions({ ...options, background: [1, 0, 1, 1] })' },
   'C++': { file: 'native/render/recipe.cpp', from: '.color = recipe.background', to: '.color = glm::vec4(1, 0, 1, 1)' },
 };
 

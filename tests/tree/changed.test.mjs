@@ -39,7 +39,7 @@ test('a file that no build has read counts as its folder', () => {
 });
 
 test('what is made outside of Ninja is reached, too', () => {
-  for (const path of ['web/src/session.ts', 'build/wasm/wasm/fourdvt.wasm', 'build/wasm/wasm/fourdvt-more.wasm']) assert.ok(closure([path], edges).has('build/site'), path);
+  for (const path of ['web/src/session/session.ts', 'build/wasm/wasm/fourdvt.wasm', 'build/wasm/wasm/fourdvt-more.wasm']) assert.ok(closure([path], edges).has('build/site'), path);
   assert.ok(!closure(['site/docs/where.md'], edges).has('build/site'));
 });
 

@@ -22,12 +22,12 @@ function members() {
 }
 // Names of attributes that the code reads, as they stand in quotes.
 function attributes() {
-  const sources = [...features.map(([, text]) => text), ...['look', 'method-attributes', 'quality-attribute', 'motion-controls', 'steering', 'controls', 'extras', 'advice'].map((name) => read(`web/src/${name}.ts`))];
+  const sources = [...features.map(([, text]) => text), ...['more/look', 'player/method-attributes', 'page/quality-attribute', 'controls/motion-controls', 'controls/steering', 'controls/controls', 'controls/extras', 'more/advice'].map((name) => read(`web/src/${name}.ts`))];
   const names = sources.flatMap((text) => [...text.matchAll(/(?:(?:hasAttribute|getAttribute|toggleAttribute|setAttribute|#number)\(|isOn\([\w.#]+, )'([a-z-]+)'/g)].map(([, name]) => name));
-  return [...new Set(names)].filter((name) => !/^(part|viewBox|d|aria-.*|style|role|position|draggable)$/.test(name)).sort();
+  return [...new Set(names)].filter((name) => !/^(part|viewBox|d|tabindex|aria-.*|style|role|position|draggable)$/.test(name)).sort();
 }
 function events() {
-  const sources = [...features.map(([, text]) => text), read('web/src/media-times.ts'), read('web/src/live.ts'), read('web/src/actor.ts')];
+  const sources = [...features.map(([, text]) => text), read('web/src/more/media-times.ts'), read('web/src/live/live.ts'), read('web/src/session/actor.ts')];
   const native = [...read('native/player/parts/messages.cpp').matchAll(/return "([a-z]+)"/g)].map(([, name]) => name);
   const own = sources.flatMap((text) => [...text.matchAll(/(?:\[emit\]|\[report\]|#report|host\.emit|#host\.emit)\('([a-z-]+)'/g)].map(([, name]) => name));
   return [...new Set([...native, ...own])].filter((name) => name !== 'warning').sort();

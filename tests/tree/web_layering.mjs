@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// node tests/tree/web_layering.mjs ROOT: every file of web/src stands in the layers of web/README.md and imports only
-// files of lower layers, so that there is no import circle. A module from outside counts as the file that declares it.
+// node tests/tree/web_layering.mjs ROOT: every folder of web/src, and every file that lies in none, has a line in the list "Layers"
+// of web/README.md and imports only what that line allows. Files of a folder do not import each other in a circle.
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { dirname, join, normalize } from 'node:path';
 
@@ -10,45 +10,64 @@ const web = join(process.argv[2] ?? '.', 'web');
 const source = join(web, 'src');
 const problems = [];
 
+// Lines "name: names", bottom to top; a line may name only what has a line above its own.
 function readLayers() {
-  const [, list] = /^## Layers$[^]*?^```\n([^]*?)^```$/m.exec(readFileSync(join(web, 'README.md'), 'utf8')) ?? [];
-  if (!list) return new Map();
-  return new Map(list.trim().split('\n').flatMap((line, layer) => line.split(' · ').map((name) => [name, layer])));
+  const [, list = ''] = /^## Layers$[^]*?^```\n([^]*?)^```$/m.exec(readFileSync(join(web, 'README.md'), 'utf8')) ?? [];
+  const layers = new Map();
+  for (const line of list.trim().split('\n')) {
+    const [name, names = ''] = line.split(':'), below = names.split(' ').filter(Boolean);
+    for (const other of below) if (!layers.has(other)) problems.push(`web/README.md: ${name} may import ${other}, which has no line above it`);
+    layers.set(name, new Set(below));
+  }
+  return layers;
 }
 
 function sourceFiles(folder = '') {
   return readdirSync(join(source, folder), { withFileTypes: true }).flatMap((entry) => {
     const name = folder + entry.name;
-    if (entry.isDirectory()) return sourceFiles(`${name}/`);
-    return name.endsWith('.ts') ? [name.replace(/(\.d)?\.ts$/, '')] : [];
+    return entry.isDirectory() ? sourceFiles(`${name}/`) : name.endsWith('.ts') ? [name] : [];
   });
 }
 
-function fileOf(name) {
-  return [`${name}.ts`, `${name}.d.ts`].map((file) => join(source, file)).find((file) => existsSync(file));
+const layerOf = (file) => file.split('/')[0];
+const folderOf = (file) => (file.includes('/') ? layerOf(file) : null);
+
+// Files that a file imports; a module from outside counts as the file that declares it.
+function importsOf(file, files) {
+  const text = readFileSync(join(source, file), 'utf8').replace(/^\s*\/\/.*$/gm, '');
+  return [...text.matchAll(IMPORT)].map(([, , specifier]) => {
+    const name = specifier.startsWith('.') ? normalize(join(dirname(file), specifier)).replace(/\.js$/, '') : specifier;
+    const found = [...files, 'wasm/generated/abi.ts'].find((path) => [`${name}.ts`, `${name}.d.ts`].some((wanted) => path === wanted || path.endsWith(`/${wanted}`)));
+    if (!found) problems.push(`${file} imports ${specifier}, which is no file of web/src`);
+    return found;
+  }).filter(Boolean);
 }
 
-function checkImport(layers, name, specifier) {
-  const wanted = specifier.startsWith('.') ? normalize(join(dirname(name), specifier)).replace(/\.js$/, '') : specifier;
-  if (!layers.has(wanted)) problems.push(`${name} imports ${wanted}, which is in no layer of web/README.md`);
-  else if (layers.get(wanted) >= layers.get(name)) problems.push(`${name} imports ${wanted}, which is not below it`);
+function checkCircles(imports) {
+  const done = new Set();
+  const visit = (file, path) => {
+    if (path.includes(file)) return problems.push(`circle: ${[...path.slice(path.indexOf(file)), file].join(' → ')}`);
+    if (done.has(file)) return undefined;
+    for (const other of imports.get(file) ?? []) visit(other, [...path, file]);
+    return done.add(file);
+  };
+  for (const file of imports.keys()) visit(file, []);
 }
 
-const layers = readLayers();
-if (!layers.size) problems.push('web/README.md has no list of layers');
-let imports = 0;
-for (const name of sourceFiles()) {
-  const text = readFileSync(fileOf(name), 'utf8').replace(/^\s*\/\/.*$/gm, '');
-  const found = [...text.matchAll(IMPORT)].map((match) => match[2]);
-  imports += found.length;
-  if (!layers.has(name)) problems.push(`${name} is in no layer of web/README.md`);
-  else for (const specifier of found) checkImport(layers, name, specifier);
+const layers = readLayers(), files = sourceFiles();
+const imports = new Map(files.map((file) => [file, importsOf(file, files)]));
+for (const [file, others] of imports) {
+  const layer = layerOf(file), allowed = layers.get(layer);
+  if (!allowed) problems.push(`${file}: ${layer} has no line in the layers of web/README.md`);
+  else for (const other of others) {
+    if (folderOf(file) && folderOf(other) === layer) continue;
+    if (!allowed.has(layerOf(other))) problems.push(`${file} imports ${other}, which ${layer} may not`);
+  }
 }
-for (const name of layers.keys()) {
-  const made = name.startsWith('generated/'); // during the build
-  if (!made && !fileOf(name)) problems.push(`web/README.md lists ${name}, which does not exist`);
-}
-if (!imports) problems.push('no import found to check');
+checkCircles(imports);
+for (const name of layers.keys()) if (!existsSync(join(source, name))) problems.push(`web/README.md lists ${name}, which does not exist`);
+const count = [...imports.values()].flat().length;
+if (!count) problems.push('no import found to check');
 for (const problem of problems) console.error(problem);
-console.log(`${imports} imports checked, ${problems.length} problems`);
+console.log(`${count} imports checked in ${layers.size} folders and files, ${problems.length} problems`);
 process.exit(problems.length ? 1 : 0);

@@ -43,7 +43,7 @@ after(() => rmSync(folder, { recursive: true, force: true }));
 function writePage(name, list) {
   const page = join(folder, name);
   mkdirSync(join(page, 'generated'), { recursive: true });
-  cpSync(join(kRoot, 'web/src/records.ts'), join(page, 'records.ts'));
+  cpSync(join(kRoot, 'web/src/wasm/records.ts'), join(page, 'records.ts'));
   writeFileSync(join(page, 'generated/abi.ts'), typeScript(parseAbi(list)));
   return page;
 }

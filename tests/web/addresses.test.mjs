@@ -32,7 +32,7 @@ before(async () => {
   folder = mkdtempSync(join(tmpdir(), 'fourdvt-addresses-'));
   writeFileSync(join(folder, 'package.json'), '{"type": "module"}');
   const outfile = join(folder, 'transport.mjs');
-  requireFromWeb('esbuild').buildSync({ entryPoints: [fileURLToPath(new URL('../../web/src/transport.ts', import.meta.url))], outfile, bundle: true, format: 'esm', logLevel: 'silent' });
+  requireFromWeb('esbuild').buildSync({ entryPoints: [fileURLToPath(new URL('../../web/src/net/transport.ts', import.meta.url))], outfile, bundle: true, format: 'esm', logLevel: 'silent' });
   ({ Transport } = await import(pathToFileURL(outfile).href));
 });
 after(() => rmSync(folder, { recursive: true, force: true }));

@@ -72,7 +72,7 @@ async function dress(page, style, outer = '') {
 }
 
 test('numbers: pixels of a canvas, and points in a box that is moved, scaled, turned and sheared', async () => {
-  const { canvasSize, pointInBox } = await load('picture-box');
+  const { canvasSize, pointInBox } = await load('page/picture-box');
   assert.deepEqual(canvasSize({ width: 240, height: 320 }, 1.5), { width: 360, height: 480 });
   assert.deepEqual(canvasSize({ width: 100.4, height: 50.2 }, 3), { width: 201, height: 100 }, 'at most two pixels for each of CSS');
   const at = (...numbers) => {

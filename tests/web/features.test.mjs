@@ -6,7 +6,7 @@ import { test } from 'node:test';
 import { load, loadTogether } from './load_source.mjs';
 
 const kNames = ['loading', 'playback', 'media', 'motion', 'camera', 'appearance'];
-const all = await loadTogether('element/base', ...kNames.map((name) => `element/${name}`), 'commands', 'orbit-camera', 'errors', 'fourdvt-viewer');
+const all = await loadTogether('element/base', ...kNames.map((name) => `element/${name}`), 'player/commands', 'camera/orbit-camera', 'report/errors', 'fourdvt-viewer');
 
 // A base with attributes, commands and a camera; `events` has what it would dispatch.
 function makeBase() {
@@ -240,7 +240,7 @@ test('media: a callback gets the next new picture, once', () => {
 });
 
 test('media times: ranges join, loops wrap, and what is held decides that it plays through', async () => {
-  const { MediaTimes, withRange } = await load('media-times');
+  const { MediaTimes, withRange } = await load('more/media-times');
   assert.deepEqual(withRange([[0, 1], [3, 4]], [1, 2]), [[0, 2], [3, 4]]);
   assert.deepEqual(withRange([[0, 1], [3, 4]], [0.5, 3.5]), [[0, 4]]);
   assert.deepEqual(withRange([[3, 4]], [0, 1]), [[0, 1], [3, 4]]);
@@ -348,7 +348,7 @@ test('motion: what steers comes with the second part and goes with the element',
 });
 
 test('steering: a held key turns and changes the parameter; let go, the heading stays', async () => {
-  const { Steering } = await load('steering');
+  const { Steering } = await load('controls/steering');
   const listeners = {}, stage = {
     addEventListener: (name, listener) => { listeners[name] = listener; }, after() {}, getRootNode: () => ({ adoptedStyleSheets: [], ownerDocument: { defaultView: globalThis } }),
   };
@@ -449,7 +449,7 @@ test('loading: a src that is no address is one error, after whoever has set it c
 });
 
 test('loading: crossorigin says whether requests to other origins carry cookies', async () => {
-  const { Transport } = await load('transport');
+  const { Transport } = await load('net/transport');
   const realFetch = globalThis.fetch, asked = [];
   globalThis.fetch = async (url, { credentials, cache }) => {
     asked.push([url.split('/').pop(), credentials, cache]);
@@ -494,7 +494,7 @@ test('loading: a context that comes back serves the session that has lost it, an
 
 const claim = (part = {}) => ({ mode: 'auto', distance: 0, area: 100, shown: true, touchedMs: -Infinity, ...part });
 const share = async (claims, budget, had = []) => {
-  const { shareOut } = await load('ledger');
+  const { shareOut } = await load('element/ledger');
   return shareOut(claims.map(claim), had, { loaded: 100, running: 100, ...budget }, 10_000);
 };
 
@@ -519,14 +519,14 @@ test('ledger: decoders go to viewers on screen: without a picture, then touched,
 });
 
 test('ledger: the budget follows what viewers have turned out to hold', async () => {
-  const { budgetOf } = await load('ledger');
+  const { budgetOf } = await load('element/ledger');
   assert.deepEqual(budgetOf(150e6, 4, 0, 0), { loaded: 10, running: 4 });
   assert.deepEqual(budgetOf(150e6, 4, 120e6, 4), { loaded: 5, running: 4 });
   assert.equal(budgetOf(10e6, 4, 120e6, 1).loaded, 1, 'one is always shown');
 });
 
 test('ledger: one that is heavier than the others is freed once, not for ever', async () => {
-  const { Ledger } = await load('ledger');
+  const { Ledger } = await load('element/ledger');
   const members = [], due = [];
   const used = () => members.reduce((sum, { holds, bytes }) => sum + (holds ? bytes : 0), 0);
   const ledger = new Ledger({ usedBytes: used, bytes: 160e6, decoders: 4, now: () => 0, later: (run) => due.push(run) });
@@ -548,7 +548,7 @@ test('ledger: one that is heavier than the others is freed once, not for ever', 
 });
 
 test('ledger: only those whose grant changes hear of it, the freed ones first, once a turn', async () => {
-  const { Ledger } = await load('ledger');
+  const { Ledger } = await load('element/ledger');
   const due = [], log = [];
   const ledger = new Ledger({ usedBytes: () => 0, bytes: 15e6, decoders: 1, now: () => 0, later: (run) => due.push(run) });
   const turn = () => { for (const run of due.splice(0)) run(); };

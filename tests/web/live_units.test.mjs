@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// web/src/live.ts without a browser: a WebSocket, a page and a player that the test plays, and a clock that it turns.
+// web/src/live/live.ts without a browser: a WebSocket, a page and a player that the test plays, and a clock that it turns.
 import assert from 'node:assert/strict';
 import { mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -16,7 +16,7 @@ let folder, LiveStream;
 before(async () => {
   folder = mkdtempSync(join(tmpdir(), 'fourdvt-live-'));
   const outfile = join(folder, 'live.mjs');
-  buildSync({ entryPoints: [fileURLToPath(new URL('../../web/src/live.ts', import.meta.url))], outfile, bundle: true, format: 'esm', logLevel: 'silent' });
+  buildSync({ entryPoints: [fileURLToPath(new URL('../../web/src/live/live.ts', import.meta.url))], outfile, bundle: true, format: 'esm', logLevel: 'silent' });
   ({ LiveStream } = await import(pathToFileURL(outfile).href));
 });
 after(() => rmSync(folder, { recursive: true, force: true }));

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decoded pictures and their turns without a browser: web/src/frame-decoder.ts and the pace of web/src/frame-loop.ts.
+// Decoded pictures and their turns without a browser: web/src/decode/frame-decoder.ts and the pace of web/src/page/frame-loop.ts.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
 import { load } from './load_source.mjs';
 
 test('a decoder that calls back after it was closed: its pictures are closed, its errors are nobody\'s', async () => {
-  const { FrameDecoder } = await load('frame-decoder');
+  const { FrameDecoder } = await load('decode/frame-decoder');
   const made = [];
   globalThis.VideoDecoder = class {
     state = 'unconfigured';
@@ -37,7 +37,7 @@ test('a decoder that calls back after it was closed: its pictures are closed, it
 });
 
 test('planes are copied into memory that may grow meanwhile; pictures that nothing waits for are not', async () => {
-  const { FrameDecoder } = await load('frame-decoder');
+  const { FrameDecoder } = await load('decode/frame-decoder');
   let decode;
   globalThis.VideoDecoder = class {
     state = 'unconfigured';
@@ -91,7 +91,7 @@ test('planes are copied into memory that may grow meanwhile; pictures that nothi
 });
 
 test('planes that cannot be copied are not the decoder\'s fault; a copy that does not end does not hold up those after it', async () => {
-  const { FrameDecoder } = await load('frame-decoder');
+  const { FrameDecoder } = await load('decode/frame-decoder');
   let decode, noPlanes = 0;
   globalThis.VideoDecoder = class {
     state = 'unconfigured';
@@ -122,7 +122,7 @@ test('planes that cannot be copied are not the decoder\'s fault; a copy that doe
 });
 
 test('where drawing is slow, the camera alone gets every second turn', async () => {
-  const { DrawPace } = await load('frame-loop');
+  const { DrawPace } = await load('page/frame-loop');
   const drawn = (stepS, pictures) => {
     const pace = new DrawPace();
     for (let i = 0; i < 30; ++i) pace.takes(stepS, true);

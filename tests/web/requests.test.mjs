@@ -39,10 +39,10 @@ const sendPart = (request, response, headers) => {
   const [first, last] = partOf(request);
   end(response, 206, kBytes.subarray(first, last + 1), headers);
 };
-const open = async (url, options) => new (await load('transport')).Transport(url, () => undefined, options);
+const open = async (url, options) => new (await load('net/transport')).Transport(url, () => undefined, options);
 
 test('statuses that pass are waited out, all others are errors at once that name the remedy', async () => {
-  const { fetchFile } = await load('requests');
+  const { fetchFile } = await load('net/requests');
   const { url, requests } = await serve((path, response) => {
     const status = Number(path.slice(1)), isFirst = requests.filter((seen) => seen === path).length === 1;
     end(response, isFirst ? status : 200, 'abcd');
@@ -76,7 +76,7 @@ test('an HTML page in place of a file is named as such, and a file of any type i
 });
 
 test('a page in place of the player\'s wasm is named as such', async () => {
-  const { compileFile } = await load('requests');
+  const { compileFile } = await load('net/requests');
   const { url } = await serve((_, response) => end(response, 200, kPage, { 'Content-Type': 'text/html' }));
   await assert.rejects(compileFile(`${url}fourdvt-viewer.wasm`, () => undefined, 'default'), { id: 'fetch-failed', message: /viewer\.wasm: the server sends an HTML page/ });
 });
@@ -200,7 +200,7 @@ test('the page signs every file once, and again where the server refuses a signa
 });
 
 test('a server that refuses cookies, or the page, is distinguished from one that is away; the headers are named', async () => {
-  const { fetchFile } = await load('requests?cors');
+  const { fetchFile } = await load('net/requests?cors');
   const real = globalThis.fetch;
   // A browser that hides the answer: only a request that reads nothing succeeds.
   globalThis.fetch = async (_, { mode }) => {
@@ -219,7 +219,7 @@ test('a server that refuses cookies, or the page, is distinguished from one that
 });
 
 test('ranges that the browser refuses, compressed ones for example, are distinguished from a lost network', async () => {
-  const { Transport } = await load('transport?ranges');
+  const { Transport } = await load('net/transport?ranges');
   const real = globalThis.fetch;
   globalThis.fetch = async (_, { headers }) => {
     if (headers?.Range) throw new TypeError('Failed to fetch');
@@ -236,7 +236,7 @@ test('ranges that the browser refuses, compressed ones for example, are distingu
 });
 
 test('an address of the page\'s own server that redirects to a server that is never there is given up, too', async () => {
-  const { fetchFile } = await load('requests?redirects');
+  const { fetchFile } = await load('net/requests?redirects');
   const real = globalThis.fetch;
   globalThis.fetch = async (_, { redirect }) => {
     if (redirect === 'manual') return Object.defineProperty(new Response(''), 'type', { value: 'opaqueredirect' });

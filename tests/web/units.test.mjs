@@ -29,7 +29,7 @@ after(() => rmSync(folder, { recursive: true, force: true }));
 
 for (const ranges of [true, false]) {
   test(`ranges come out the same from a server ${ranges ? 'with' : 'without'} range support`, async () => {
-    const { Transport } = await load('transport');
+    const { Transport } = await load('net/transport');
     const server = await serve(folder, 0, { ranges });
     const transport = new Transport(`${server.url}character.gltf`);
     transport.stopReplay();
@@ -53,7 +53,7 @@ test('the server of the demo, which runs for days, keeps no list of requests', a
 });
 
 test('a transient failure is tried again, a cancelled range answers nothing', async () => {
-  const { Transport } = await load('transport');
+  const { Transport } = await load('net/transport');
   let calls = 0;
   const server = createServer((request, response) => {
     if (request.url === '/never.bin') return;
@@ -73,7 +73,7 @@ test('a transient failure is tried again, a cancelled range answers nothing', as
 });
 
 test('a page that was busy itself does not take that time for a stall; a server that is silent is asked again', async () => {
-  const { Transport } = await load('transport');
+  const { Transport } = await load('net/transport');
   const { setTimeout: later, setInterval: every } = globalThis;
   globalThis.setTimeout = (run, ms, ...more) => later(run, ms / 100, ...more); // the transport's seconds last 10 ms
   globalThis.setInterval = (run, ms, ...more) => every(run, ms / 100, ...more);
@@ -121,7 +121,7 @@ test('a server that has never answered is given up, one that has answered is wai
   const fetch = (address, init) => (asked.push(address), globalThis.realFetch(address, init));
   globalThis.realFetch = globalThis.fetch;
   await hurried({ fetch }, async () => {
-    const { fetchFile } = await load('requests');
+    const { fetchFile } = await load('net/requests');
     const heard = [];
     await assert.rejects(fetchFile('http://127.0.0.1:1/x.gltf', (waiting) => heard.push(waiting)),
       { id: 'fetch-failed', message: 'http://127.0.0.1:1/x.gltf: http://127.0.0.1:1 has never answered; correct the address, or start its server' });
@@ -151,7 +151,7 @@ for (const [what, address, reason] of [
     let asked = 0, listener;
     const fetch = async () => { ++asked; throw new TypeError('Failed to fetch'); };
     await hurried({ fetch, origin: 'https://page.example', addEventListener: (_, call) => { listener ??= call; }, removeEventListener() {} }, async () => {
-      const { fetchFile } = await load(`requests?${what}`);
+      const { fetchFile } = await load(`net/requests?${what}`);
       listener({ disposition: 'report', blockedURI: 'https://page.example/character.gltf' });
       listener({ disposition: 'enforce', blockedURI: 'https://blocked.example/character.gltf' });
       await assert.rejects(fetchFile(`${address}#part`), { id: 'fetch-failed', message: reason });
@@ -182,7 +182,7 @@ async function serveEndless(t, manifest) {
 }
 
 test('an answer without an end is given up at the length of the file', async (t) => {
-  const { Transport } = await load('transport');
+  const { Transport } = await load('net/transport');
   const MIB = 1 << 20;
   const server = await serveEndless(t, { buffers: [{ uri: 'mesh.bin', byteLength: 3 * MIB }], mesh: { uri: 'mesh.bin', byteOffset: 10, byteLength: MIB }, part: { uri: 'part.bin', byteLength: MIB } });
   const transport = new Transport(server.url);
@@ -190,7 +190,7 @@ test('an answer without an end is given up at the length of the file', async (t)
   await assert.rejects(transport.range(1, 'mesh.bin', 0, 10), { id: 'fetch-failed', message: /\/a\/mesh\.bin: the server sends more than 3145728 bytes/ });
   await assert.rejects(transport.range(2, 'part.bin', 0, 10), { id: 'fetch-failed', message: /part\.bin.*1048576 bytes/ });
   assert.ok(server.sent.bytes < 40 * MIB, `${server.sent.bytes} bytes`);
-  const { fetchFile } = await load('requests');
+  const { fetchFile } = await load('net/requests');
   await assert.rejects(fetchFile(`${server.url}.wasm`), { id: 'fetch-failed', message: /gltf\.wasm: .*33554432 bytes/ });
   while (server.sent.open) await new Promise((next) => setTimeout(next, 10));
   transport.dispose();
@@ -199,7 +199,7 @@ test('an answer without an end is given up at the length of the file', async (t)
 });
 
 test('no file of a character is outside of the manifest\'s folder', async (t) => {
-  const { Transport } = await load('transport');
+  const { Transport } = await load('net/transport');
   for (const uri of [' //other.example/x', '%2e%2e/x.bin', 'b%2f..%2f..%2fx.bin', 'b%5c%2e%2e', 'b/%2E%2e/../../x.bin', '..\\x.bin', '/x.bin', 'https:x.bin/../../y', 'http://[', 'javascript:0', ' data:,x']) {
     const server = await serveEndless(t, { deep: [{ poster: { uri } }] });
     const transport = new Transport(server.url);
@@ -228,7 +228,7 @@ test('the server of demo.sh --lan: https under an address that other devices rea
 });
 
 test('the picture of a light is closed when its pixels are read', async () => {
-  const { readLook } = await load('look');
+  const { readLook } = await load('more/look');
   const picture = { width: 64, height: 32, closed: 0, close() { ++this.closed; } };
   const context = { drawImage: ({ closed }) => assert.equal(closed, 0), getImageData: () => ({ data: new Uint8ClampedArray(4) }) };
   const attributes = { look: 'relit', light: 'light.png' };
@@ -249,21 +249,21 @@ test('the picture of a light is closed when its pixels are read', async () => {
 });
 
 test('JSON is flattened to pointers with escapes', async () => {
-  const { flattenJson } = await load('flat-json');
+  const { flattenJson } = await load('wasm/flat-json');
   const seen = {};
   flattenJson({ a: [1, { 'b/c~': 'x' }], t: true, n: null, e: [], o: {} }, (pointer, value) => { seen[pointer] = value; });
   assert.deepEqual(seen, { '/a/0': 1, '/a/1/b~1c~0': 'x', '/t': true });
 });
 
 test('JSON that is nested deeper than a manifest is refused, however deep', async () => {
-  const { flattenJson } = await load('flat-json');
+  const { flattenJson } = await load('wasm/flat-json');
   const nested = (depth) => JSON.parse('[1,'.repeat(depth) + '2' + ']'.repeat(depth));
   flattenJson(nested(64), () => undefined);
   for (const depth of [65, 5000, 200000]) assert.throws(() => flattenJson(nested(depth), () => undefined), { id: 'manifest-invalid' });
 });
 
 test('quality: a name, a number, or automatic by the size on screen; the lowest for who saves data', async () => {
-  const { qualityOf } = await load('quality-attribute');
+  const { qualityOf } = await load('page/quality-attribute');
   const of = (value, height = 100) => Object.values(qualityOf({ getAttribute: () => value }, height)).join();
   assert.equal(of('highest'), '-1,0');
   assert.equal(of('0'), '0,0');
@@ -286,7 +286,7 @@ test('quality: a name, a number, or automatic by the size on screen; the lowest 
 });
 
 test('what a page sets by hand is refused before it reaches the player', async () => {
-  const { checkRenderOptions, checkSnapshot } = await load('input-checks');
+  const { checkRenderOptions, checkSnapshot } = await load('player/input-checks');
   const options = { background: [0, 0, 0, 0], groundShadow: true, shadowStrength: 0.45, samples: 4, debug: 'none', debugLayer: 0 };
   checkRenderOptions(options);
   checkRenderOptions({ ...options, debug: 'layer', debugLayer: 2, samples: 0, background: Float32Array.of(1, 1, 1, 1) }, 3);
@@ -311,7 +311,7 @@ test('what a page sets by hand is refused before it reaches the player', async (
 });
 
 test('orbit: text, limits from the box, damping at any rate, the whole box is in the picture', async () => {
-  const { OrbitCamera, parseOrbit } = await load('orbit-camera');
+  const { OrbitCamera, parseOrbit } = await load('camera/orbit-camera');
   assert.deepEqual(parseOrbit('30deg -5deg 3.5m'), { azimuth: 30, elevation: -5, distance: 3.5 });
   assert.deepEqual(parseOrbit('auto 8deg auto'), { azimuth: 0, elevation: 8, distance: null });
   const camera = new OrbitCamera();
@@ -355,7 +355,7 @@ test('the second part gets the exports of the first; one that is missing is one 
     options.instantiateWasm({}, (instance) => done({ instance }));
   });`);
   buildSync({
-    entryPoints: [fileURLToPath(new URL('../../web/src/wasm-module.ts', import.meta.url))], outfile, bundle: true,
+    entryPoints: [fileURLToPath(new URL('../../web/src/player/wasm-module.ts', import.meta.url))], outfile, bundle: true,
     format: 'esm', logLevel: 'silent', alias: { 'fourdvt-wasm': player }, define: { FOURDVT_STAMP: '"1234abcd"', FOURDVT_VERSION: '"?v=5"' },
   });
   const { instantiate, loadMore, hasMore } = await import(pathToFileURL(outfile).href);
@@ -421,7 +421,7 @@ function makePerformer(state = {}) {
 }
 
 test('commands: wishes until the character is there, then it does them; a new one hears what differs', async () => {
-  const { Commands } = await load('commands');
+  const { Commands } = await load('player/commands');
   const commands = new Commands();
   commands.begin({ sequence: 'walk', loop: 1 });
   commands.set('playing', true);
@@ -450,7 +450,7 @@ test('commands: wishes until the character is there, then it does them; a new on
 });
 
 test('commands: the next performer begins where the last one was, another source as last asked for', async () => {
-  const { Commands } = await load('commands');
+  const { Commands } = await load('player/commands');
   const commands = new Commands();
   const here = { x: 5, z: 0, heading: 0 };
   commands.begin({ sequence: 'walk', placement: here });
@@ -478,7 +478,7 @@ test('commands: the next performer begins where the last one was, another source
 });
 
 test('commands: what the character refuses is not remembered', async () => {
-  const { Commands } = await load('commands');
+  const { Commands } = await load('player/commands');
   const commands = new Commands();
   commands.begin({ sequence: 'walk' });
   commands.attach(makePerformer());
@@ -489,7 +489,7 @@ test('commands: what the character refuses is not remembered', async () => {
 });
 
 test('frame loop: goes on while something moves, sleeps after, stands still off-screen', async () => {
-  const { FrameLoop } = await load('frame-loop');
+  const { FrameLoop } = await load('page/frame-loop');
   let waiting = null, busy = true;
   globalThis.requestAnimationFrame = (callback) => { waiting = callback; return 1; };
   globalThis.cancelAnimationFrame = () => { waiting = null; };
@@ -518,7 +518,7 @@ test('frame loop: goes on while something moves, sleeps after, stands still off-
 });
 
 test('steps are due once each, whatever the clock does', async () => {
-  const { StepSchedule } = await load('step-schedule');
+  const { StepSchedule } = await load('sound/step-schedule');
   const heard = [], schedule = new StepSchedule([0.25, 0.75]);
   // 1.25 passes a second for 4 s, turns of 16 ms with a clock that jitters, falls back and repeats itself.
   for (let i = 0; i < 250; ++i) {
@@ -538,14 +538,14 @@ test('steps are due once each, whatever the clock does', async () => {
 });
 
 test('sound: the priming that a decoder left in is known, playable encodings go first, wrong manifests are refused', async () => {
-  const { primingIn, playable } = await load('sound-buffers');
+  const { primingIn, playable } = await load('sound/sound-buffers');
   const segment = { offset: 0, bytes: 1, durationS: 1 };
   assert.equal(primingIn(1.0001, segment, 0.02), 0);
   assert.equal(primingIn(1.02, segment, 0.02), 0.02);
   const all = [{ type: 'a' }, { type: 'b' }, { type: 'c' }], answers = { a: '', b: 'maybe', c: 'probably' };
   assert.deepEqual(playable(all, (type) => answers[type]).map(({ type }) => type), ['c', 'b']);
   assert.equal(playable(all, () => '').length, 3);
-  const { readSound } = await load('sound-manifest');
+  const { readSound } = await load('sound/sound-manifest');
   const manifest = (change) => {
     const encodings = [{ uri: 'a', type: 'x', priming: 0, segments: [[3, 48], [4, 48]] }];
     return { extensions: { FOURDVT_layered_video_texture: { sequences: [{ name: 'walk', sound: { sampleRate: 48000, segmentDuration: 1, encodings, ...change } }] } } };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// web/src/video-element.ts without a browser: a <video> element that the test plays, with what browsers do to one, and a clock that
+// web/src/decode/video-element.ts without a browser: a <video> element that the test plays, with what browsers do to one, and a clock that
 // it turns.
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
@@ -7,7 +7,7 @@ import { beforeEach, test } from 'node:test';
 import { load } from './load_source.mjs';
 
 const kFrameUs = 40_000, kStartUs = 1_000_000, kTurnMs = 20;
-const { makeVideoDecoder } = await load('video-element');
+const { makeVideoDecoder } = await load('decode/video-element');
 let nowMs, videos, decoder, shown, faults, last, pace;
 
 class FakeBuffer extends EventTarget {

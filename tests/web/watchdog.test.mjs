@@ -22,7 +22,7 @@ after(async () => {
 afterEach(() => page?.close());
 
 test('it counts seconds without progress, and stops where nothing is awaited', async () => {
-  const { Watchdog } = await load('watchdog');
+  const { Watchdog } = await load('report/watchdog');
   const { setInterval: real, clearInterval: clear } = globalThis;
   let tick = null, awaited = { step: 'files', progress: '1' };
   globalThis.setInterval = (run) => ((tick = run), 1);

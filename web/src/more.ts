@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // fourdvt-more.js: the page's side of what the player's second part has.
-export { Companions } from './companions.js';
-export { useFlow, useLook, useRoom } from './effects.js';
-export { complete } from './completion.js';
-export { connectLive } from './live.js';
-export { Extras } from './extras.js';
-export { MediaTimes } from './media-times.js';
-export { canReadBack, isSubFaster } from './measure-path.js';
-export { renew } from './renewal.js';
-export { Steering } from './steering.js';
-export { makeVideoDecoder } from './video-element.js';
+export { Companions } from './more/companions.js';
+export { useFlow, useLook, useRoom } from './more/effects.js';
+export { complete } from './more/completion.js';
+export { connectLive } from './live/live.js';
+export { Extras } from './controls/extras.js';
+export { MediaTimes } from './more/media-times.js';
+export { canReadBack, isSubFaster } from './more/measure-path.js';
+export { renew } from './more/renewal.js';
+export { Steering } from './controls/steering.js';
+export { makeVideoDecoder } from './decode/video-element.js';

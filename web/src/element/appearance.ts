@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature of <fourdvt-viewer>: how the characters look, what they stand in, at which quality, and pictures of it.
-import type { Wishes } from '../commands.js';
-import { checkRenderOptions } from '../input-checks.js';
-import { methodOf } from '../method-attributes.js';
-import { qualityOf } from '../quality-attribute.js';
-import type { SessionOptions, Snapshot } from '../session-host.js';
-import { statsOf, type ViewerStats } from '../stats.js';
-import type { RenderOptions, SceneMesh } from '../wasm-player.js';
+import type { Wishes } from '../player/commands.js';
+import { checkRenderOptions } from '../player/input-checks.js';
+import { methodOf } from '../player/method-attributes.js';
+import { qualityOf } from '../page/quality-attribute.js';
+import type { SessionOptions, Snapshot } from '../session/session-host.js';
+import { statsOf, type ViewerStats } from './stats.js';
+import type { RenderOptions, SceneMesh } from '../player/wasm-player.js';
 import { firstWishes, onAttribute, onResize, parts, sessionOptions, type Constructor, type ViewerBase } from './base.js';
 
 const DEFAULT_RENDER: RenderOptions = {

@@ -2,19 +2,19 @@
 // Base of <fourdvt-viewer>: its shadow tree, its session's host, its life in the document. The features are mixins over it
 // (loading.ts, playback.ts …), each with its attributes, properties and events; they meet in the methods that symbols name, which
 // every one extends. Does not load or show anything by itself.
-import { isOn, upgradeProperties } from '../attributes.js';
-import { Commands, type Wishes } from '../commands.js';
-import { JOIN_EVENT, type Companion } from '../companion.js';
-import { dispatch, PageElement, type ErrorDetail } from '../errors.js';
-import { OrbitCamera } from '../orbit-camera.js';
-import { Overlay } from '../overlay.js';
-import { PictureBox, type Size } from '../picture-box.js';
-import type { Session } from '../session.js';
-import type { SessionHost, SessionOptions } from '../session-host.js';
-import { STRINGS, stringsOf, type Languages, type Strings } from '../strings.js';
-import type { More } from '../wasm-module.js';
-import type { SequenceInfo } from '../wasm-player.js';
-import { stallOf } from '../watchdog.js';
+import { isOn, upgradeProperties } from '../page/attributes.js';
+import { Commands, type Wishes } from '../player/commands.js';
+import { JOIN_EVENT, type Companion } from '../session/companion.js';
+import { dispatch, PageElement, type ErrorDetail } from '../report/errors.js';
+import { OrbitCamera } from '../camera/orbit-camera.js';
+import { Overlay } from './overlay.js';
+import { PictureBox, type Size } from '../page/picture-box.js';
+import type { Session } from '../session/session.js';
+import type { SessionHost, SessionOptions } from '../session/session-host.js';
+import { STRINGS, stringsOf, type Languages, type Strings } from '../report/strings.js';
+import type { More } from '../player/wasm-module.js';
+import type { SequenceInfo } from '../player/wasm-player.js';
+import { stallOf } from '../report/watchdog.js';
 
 /** State that the features share. */
 export const parts: unique symbol = Symbol();

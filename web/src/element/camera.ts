@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature of <fourdvt-viewer>: the orbit camera, what moves it, and what it follows.
-import { isOn } from '../attributes.js';
-import { parseOrbit, parseTarget, type Follow } from '../orbit-camera.js';
-import { OrbitControls } from '../orbit-controls.js';
+import { isOn } from '../page/attributes.js';
+import { parseOrbit, parseTarget, type Follow } from '../camera/orbit-camera.js';
+import { OrbitControls } from '../camera/orbit-controls.js';
 import { animate, emit, onArrival, onAttribute, onLeft, onResize, parts, touched, type Constructor, type ViewerBase } from './base.js';
 import { stopped, type Playback } from './playback.js';
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature of <fourdvt-viewer>: buttons and controls, announcements for screen readers, the prompt, hotspots and sound, which come with extras.ts
 // of the player's second part.
-import type { More } from '../wasm-module.js';
+import type { More } from '../player/wasm-module.js';
 import { animate, applyTexts, onAttribute, onLeft, onMore, parts, type Constructor, type ViewerBase } from './base.js';
 import type { Camera } from './camera.js';
 import type { Media } from './media.js';

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature of <fourdvt-viewer>: src and poster, loading and its errors, the GL context's loss.
-import { asViewerError, characterAddress, withCode, type ErrorDetail, type MediaFault } from '../errors.js';
-import { filesOf } from '../files.js';
-import { Session } from '../session.js';
-import type { SignAddress } from '../transport.js';
-import type { UploadChoice as UploadPath } from '../upload-path.js';
+import { asViewerError, characterAddress, withCode, type ErrorDetail, type MediaFault } from '../report/errors.js';
+import { filesOf } from '../wasm/files.js';
+import { Session } from '../session/session.js';
+import type { SignAddress } from '../net/transport.js';
+import type { UploadChoice as UploadPath } from '../decode/upload-path.js';
 import {
   emit, firstWishes, holds, onArrival, onAttribute, onConnected, onEvent, onGivenUp, onGranted, onLeft, onLost, onRestored, onSession, onTrapped, parts, report, sessionOptions, touched, updateActive,
   type Constructor, type ViewerBase,

@@ -2,9 +2,9 @@
 // Feature of <fourdvt-viewer>: the rest of the media element's contract, by which ready-made controls drive it: states, ranges
 // of time, volume, callbacks for pictures. Ranges are empty until the
 // player's second part is there.
-import { isOn } from '../attributes.js';
-import type { MediaTimes } from '../media-times.js';
-import type { More } from '../wasm-module.js';
+import { isOn } from '../page/attributes.js';
+import type { MediaTimes } from '../more/media-times.js';
+import type { More } from '../player/wasm-module.js';
 import { animate, emit, onConnected, onEvent, onGivenUp, onLeft, onMore, onPicture, onSession, parts, report, type Constructor, type ViewerBase } from './base.js';
 import type { Loading } from './loading.js';
 import type { Playback } from './playback.js';

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature of <fourdvt-viewer>: which motion is shown, its parameters, where the character goes, and keys and joystick that
 // steer it.
-import { isOn } from '../attributes.js';
-import type { Wishes } from '../commands.js';
-import type { SessionOptions } from '../session-host.js';
-import type { More } from '../wasm-module.js';
-import { ALIGN_MODES, type Align, type ParameterInfo, type Placement, type SequenceInfo } from '../wasm-player.js';
+import { isOn } from '../page/attributes.js';
+import type { Wishes } from '../player/commands.js';
+import type { SessionOptions } from '../session/session-host.js';
+import type { More } from '../player/wasm-module.js';
+import { ALIGN_MODES, type Align, type ParameterInfo, type Placement, type SequenceInfo } from '../player/wasm-player.js';
 import {
   animate, emit, firstWishes, onAttribute, onLeft, onMore, onSession, parts, sessionOptions, touched, type Constructor, type ViewerBase,
 } from './base.js';

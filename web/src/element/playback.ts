@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature of <fourdvt-viewer>: playing, pausing and seeking, like the media element; frames; the state of live streams.
-import { isOn } from '../attributes.js';
-import type { Wishes } from '../commands.js';
-import { deferred, type Deferred } from '../deferred.js';
-import { ViewerError, type ErrorDetail } from '../errors.js';
-import type { LiveState } from '../live.js';
+import { isOn } from '../page/attributes.js';
+import type { Wishes } from '../player/commands.js';
+import { deferred, type Deferred } from '../page/deferred.js';
+import { ViewerError, type ErrorDetail } from '../report/errors.js';
+import type { LiveState } from '../live/live.js';
 import { emit, firstWishes, onAttribute, onEvent, onGivenUp, onSession, parts, report, touched, type Constructor, type ViewerBase } from './base.js';
 import { standsStill, type Loading } from './loading.js';
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature of <fourdvt-viewer>: where it is on the page, and what it may have there: `loading`, and the page's ledger. What is far
 // from the screen is freed, what is not on it stands still.
-import { viewOf } from '../documents.js';
-import { Ledger, type Claim, type Grant, type LoadingMode, type Member } from '../ledger.js';
-import { Stage } from '../stage.js';
+import { viewOf } from '../page/documents.js';
+import { Ledger, type Claim, type Grant, type LoadingMode, type Member } from './ledger.js';
+import { Stage } from '../session/stage.js';
 import { holds, onAttribute, onConnected, onEvent, onGranted, onLeft, parts, touched, updateActive, type Constructor, type ViewerBase } from './base.js';
 
 const PHONE = '(hover: none) and (pointer: coarse)';

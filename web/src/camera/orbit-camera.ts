@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+// The orbit of the visitor's camera: its goal, the pose that glides towards the goal, and limits from the character's
+// bounding box. Does not touch the DOM. Degrees and metres; azimuth 0 looks at the performer's front, a positive one
+// moves the camera towards +x.
+import type { CharacterInfo, OrbitPose } from '../player/wasm-player.js';
+
+export interface OrbitText {
+  azimuth: number;
+  elevation: number;
+  /** Null: the distance that shows the whole character. */
+  distance: number | null;
+}
+
+const DEFAULT: OrbitText = { azimuth: 0, elevation: 6, distance: null };
+const DAMPING_S = 0.09;        // time constant of the glide towards the goal
+const FOLLOW_S = 0.12;         // time constants of following a travelling character: place and heading
+const FOLLOW_TURN_S = 0.5;
+const FOLLOW_JUMP_M = 3;       // the camera jumps after a character that was put this far away,
+const FOLLOW_JUMP_HEIGHTS = 2; // or so many of its heights, whichever is nearer
+const MAX_ELEVATION = 85;
+const GROUND_CLEARANCE_M = 0.05; // or this share of its height, whichever is lower
+const GROUND_CLEARANCE = 0.05;
+const MARGIN = 1.08;           // room around the character at the automatic distance
+const MIN_DISTANCE = 0.35;     // in automatic distances
+const MAX_DISTANCE = 3;
+
+// Reads up to three quantities, angles in degrees and lengths in metres; `fallback` stands for each that is missing.
+const quantities = (text: string | null, fallback: number): number[] => {
+  const tokens = (text ?? '').trim().split(/\s+/);
+  return [0, 1, 2].map((i) => {
+    const token = tokens[i] ?? '', value = parseFloat(token);
+    if (!Number.isFinite(value)) return fallback;
+    return value * (token.endsWith('rad') ? 180 / Math.PI : token.endsWith('cm') ? 0.01 : 1);
+  });
+};
+
+/** Reads "30deg 10deg 3m": azimuth, elevation, distance. "auto" keeps the default of a part. */
+export function parseOrbit(text: string | null): OrbitText {
+  const [azimuth = NaN, elevation = NaN, distance = NaN] = quantities(text, NaN);
+  return {
+    azimuth: Number.isNaN(azimuth) ? DEFAULT.azimuth : azimuth,
+    elevation: Number.isNaN(elevation) ? DEFAULT.elevation : elevation,
+    distance: distance > 0 ? distance : null,
+  };
+}
+
+/** Reads "0m 0.9m 0m"; null if the text is something else. */
+export function parseTarget(text: string | null): [number, number, number] | null {
+  const values = (text ?? '').trim().split(/\s+/).map(parseFloat);
+  return values.length === 3 && values.every(Number.isFinite) ? (values as [number, number, number]) : null;
+}
+
+const clamp = (value: number, low: number, high: number): number => Math.min(Math.max(value, low), high);
+const radians = (degrees: number): number => (degrees * Math.PI) / 180;
+
+/** Whether the camera follows a travelling character's position, or stays behind it and follows its heading too. */
+export type Follow = 'none' | 'position' | 'behind';
+
+export class OrbitCamera {
+  #home: OrbitText = DEFAULT;
+  #goal: OrbitText = { ...DEFAULT };
+  #now = { azimuth: DEFAULT.azimuth, elevation: DEFAULT.elevation, distance: 3 };
+  #target: [number, number, number] = [0, 0.9, 0];
+  #half: [number, number] = [0.5, 0.9]; // of the bounding box, metres: half its width from any azimuth, half its height
+  #groundY = 0;
+  #aspect = 1;
+  #fixedTarget: [number, number, number] | null = null;
+  #place = { x: 0, z: 0, heading: 0 };
+  #seen = { x: 0, z: 0, heading: 0 }; // the place that the camera has followed it to
+  #following: Follow = 'none';
+  #min: number[] = []; // azimuth, elevation, distance
+  #max: number[] = [];
+  fov = 35;
+
+  /** Sets the orbit that Home returns to. */
+  setHome(orbit: OrbitText): void {
+    this.#home = orbit;
+    this.#goal = { ...orbit };
+  }
+  /** Limits of what the visitor may turn and zoom to, as parseOrbit reads an orbit; "auto" has none of its own. */
+  setLimits(min: string | null, max: string | null): void {
+    this.#min = quantities(min, -Infinity);
+    this.#max = quantities(max, Infinity);
+  }
+  setTarget(target: [number, number, number] | null): void {
+    this.#fixedTarget = target;
+    if (target) this.#target = target;
+  }
+  setCharacter(info: CharacterInfo): void {
+    const { min, max } = info;
+    const size = [max[0] - min[0], max[1] - min[1], max[2] - min[2]] as const;
+    this.#half = [Math.hypot(size[0], size[2]) / 2, size[1] / 2];
+    this.#groundY = info.groundY;
+    if (!this.#fixedTarget) this.#target = [(min[0] + max[0]) / 2, (min[1] + max[1]) / 2, (min[2] + max[2]) / 2];
+  }
+  setAspect(aspect: number): void {
+    this.#aspect = aspect;
+  }
+
+  setFollow(follow: Follow): void {
+    this.#following = follow;
+    if (follow === 'none') this.#seen = { x: 0, z: 0, heading: 0 };
+  }
+  /** Tells where the character stands now: metres, degrees. */
+  follow(place: { x: number; z: number; heading: number }): void {
+    this.#place = { x: place.x, z: place.z, heading: place.heading };
+  }
+
+  get pose(): OrbitPose {
+    const [x, y, z] = this.#target;
+    const at = this.#seen;
+    const turn = radians(at.heading);
+    const target: [number, number, number] = [
+      at.x + x * Math.cos(turn) + z * Math.sin(turn), y, at.z - x * Math.sin(turn) + z * Math.cos(turn)];
+    const azimuth = this.#now.azimuth + (this.#following === 'behind' ? at.heading + 180 : 0);
+    return { ...this.#now, azimuth, target, fov: this.fov };
+  }
+  get goal(): { azimuth: number; elevation: number; distance: number } {
+    return { ...this.#goal, distance: this.#goal.distance ?? this.#fit() };
+  }
+
+  rotate(azimuth: number, elevation: number): void {
+    this.#goal.azimuth += azimuth;
+    this.#goal.elevation += elevation;
+    this.#limit();
+  }
+  /** A factor below 1 comes closer. */
+  zoom(factor: number): void {
+    this.#goal.distance = (this.#goal.distance ?? this.#fit()) * factor;
+    this.#limit();
+  }
+  reset(): void {
+    const turns = Math.round((this.#now.azimuth - this.#home.azimuth) / 360);
+    this.#goal = { ...this.#home, azimuth: this.#home.azimuth + 360 * turns };
+  }
+  jump(): void {
+    this.#now = this.goal;
+    if (this.#following !== 'none') this.#seen = { ...this.#place };
+  }
+
+  /** Moves towards the goal; true until it has arrived. */
+  update(dtS: number): boolean {
+    const following = this.#updateFollow(dtS);
+    return this.#updateOrbit(dtS) || following;
+  }
+
+  #updateFollow(dtS: number): boolean {
+    if (this.#following === 'none') return false;
+    const [seen, place] = [this.#seen, this.#place];
+    const near = 1 - Math.exp(-dtS / FOLLOW_S);
+    const turn = ((((place.heading - seen.heading) % 360) + 540) % 360) - 180;
+    const away = Math.hypot(place.x - seen.x, place.z - seen.z);
+    if (away > Math.min(FOLLOW_JUMP_M, FOLLOW_JUMP_HEIGHTS * 2 * this.#half[1])) {
+      this.#seen = { ...place };
+      return true;
+    }
+    seen.x += near * (place.x - seen.x);
+    seen.z += near * (place.z - seen.z);
+    seen.heading += (1 - Math.exp(-dtS / FOLLOW_TURN_S)) * turn;
+    return away > 1e-4 || (this.#following === 'behind' && Math.abs(turn) > 0.02);
+  }
+
+  #updateOrbit(dtS: number): boolean {
+    const goal = this.goal;
+    const k = 1 - Math.exp(-dtS / DAMPING_S);
+    const now = this.#now;
+    const away = Math.abs(goal.azimuth - now.azimuth) + Math.abs(goal.elevation - now.elevation) +
+      90 * Math.abs(goal.distance / now.distance - 1);
+    if (away < 0.02) {
+      const moved = away > 0;
+      this.#now = goal;
+      return moved;
+    }
+    now.azimuth += k * (goal.azimuth - now.azimuth);
+    now.elevation += k * (goal.elevation - now.elevation);
+    now.distance += k * (goal.distance - now.distance);
+    return true;
+  }
+
+  // The distance at which the whole bounding box is in the picture from every azimuth; the poster's, too (native/base/camera.cpp).
+  #fit(): number {
+    const tan = Math.tan(radians(this.fov / 2));
+    const [width, height] = this.#half;
+    return MARGIN * Math.max(height / tan + width, width / Math.sin(Math.atan(tan * this.#aspect)));
+  }
+  #limit(): void {
+    const fit = this.#fit();
+    const { distance, azimuth } = this.#goal;
+    const [turn = -Infinity, low = -Infinity, near = -Infinity] = this.#min, [turnTo = Infinity, high = Infinity, far = Infinity] = this.#max;
+    if (distance !== null) this.#goal.distance = clamp(clamp(distance, MIN_DISTANCE * fit, MAX_DISTANCE * fit), near, far);
+    this.#goal.azimuth = clamp(azimuth, turn, turnTo);
+    const clearance = Math.min(GROUND_CLEARANCE_M, GROUND_CLEARANCE * 2 * this.#half[1]);
+    const drop = (this.#target[1] - this.#groundY - clearance) / this.goal.distance;
+    const lowest = -Math.asin(clamp(drop, 0, 1)) * (180 / Math.PI);
+    this.#goal.elevation = clamp(this.#goal.elevation, Math.max(lowest, low), Math.min(MAX_ELEVATION, high));
+  }
+}

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Live region for screen readers, while the viewer has the focus: whether it plays, and from where it is seen. Part of fourdvt-more.js.
+import { fill } from '../report/strings-more.js';
+
+const QUIET_MS = 700; // after the last change: a held key is one change
+const SIDES = ['front', 'frontLeft', 'left', 'backLeft', 'back', 'backRight', 'right', 'frontRight'];
+const HIGH_DEG = 25, LOW_DEG = -5;
+
+export interface Announced extends HTMLElement {
+  readonly sequence: string;
+  readonly paused: boolean;
+  readonly ended: boolean;
+  /** Degrees, from +z towards +x. */
+  readonly heading: number;
+  getCameraOrbit(): { azimuth: number; elevation: number };
+}
+
+/** The side that an azimuth looks at, by the name of its text: 0 is the front, a positive one turns towards the performer's left. */
+export function sideOf(azimuth: number): string {
+  return SIDES[((Math.round(azimuth / 45) % 8) + 8) % 8]!;
+}
+
+export class Announcer {
+  readonly #viewer: Announced;
+  readonly #live: HTMLParagraphElement;
+  readonly #abort = new AbortController();
+  #strings: Record<string, string> = {};
+  readonly #timers = new Map<() => string, ReturnType<typeof setTimeout>>(); // a change of the one does not silence the other
+
+  constructor(viewer: Announced, root: ShadowRoot) {
+    this.#viewer = viewer;
+    this.#live = document.createElement('p');
+    this.#live.className = 'live';
+    this.#live.setAttribute('role', 'status');
+    root.append(this.#live);
+    const { signal } = this.#abort;
+    for (const name of ['playing', 'pause', 'ended', 'sequencechange']) viewer.addEventListener(name, () => this.#later(this.#state), { signal });
+    viewer.addEventListener('camera-change', () => this.#later(this.#view), { signal });
+  }
+
+  update(strings: Record<string, string>): void { this.#strings = strings; }
+  dispose(): void {
+    this.#timers.forEach(clearTimeout);
+    this.#abort.abort();
+    this.#live.remove();
+  }
+
+  // `said`: what it has said since the last change; a camera that still glides makes it say more.
+  #later(text: () => string, said = ''): void {
+    clearTimeout(this.#timers.get(text));
+    this.#timers.set(text, setTimeout(() => {
+      const now = text();
+      if (now === said) return;
+      if (this.#viewer.matches(':focus-within')) this.#live.textContent = now;
+      this.#later(text, now);
+    }, QUIET_MS));
+  }
+  readonly #state = (): string => {
+    const { paused, ended, sequence } = this.#viewer;
+    return fill(this.#strings[ended ? 'ended' : paused ? 'paused' : 'playing']!, { motion: sequence });
+  };
+  readonly #view = (): string => {
+    const { azimuth, elevation } = this.#viewer.getCameraOrbit();
+    const height = elevation > HIGH_DEG ? 'above' : elevation < LOW_DEG ? 'below' : '';
+    return fill(this.#strings['view']!, { side: this.#strings[sideOf(azimuth - this.#viewer.heading)]!, height: this.#strings[height] ?? '' });
+  };
+}

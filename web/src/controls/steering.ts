@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// Turns what keys and joystick ask for into motion of a character: its heading, its first parameter, its action. Part of
+// fourdvt-more.js.
+import { isOn } from '../page/attributes.js';
+import { MotionControls } from './motion-controls.js';
+
+const STEER_DEG = 60;            // a held key asks for a heading this far from the present one
+const PARAMETER_RANGES_S = 0.7;  // share of the parameter's range that a held key crosses per second
+
+/** The viewer, as far as it is used here. */
+export interface Steered extends HTMLElement {
+  readonly paused: boolean;
+  readonly state: string;
+  readonly sequences: { name: string; loop: boolean }[];
+  readonly parameters: { name: string; min: number; max: number }[];
+  heading: number;
+  getParameter(name: string): number;
+  setParameter(name: string, value: number): void;
+  goTo(state: string): void;
+  play(): Promise<void>;
+}
+
+export class Steering {
+  readonly #controls: MotionControls;
+  readonly #viewer: Steered;
+  readonly #wished: (name: string) => number | undefined;
+  #turns = false; // by keys or joystick
+
+  /** wished: the value of a parameter that was asked for last; wake: asks for a turn of the frame loop. */
+  constructor(stage: HTMLElement, viewer: Steered, wished: (name: string) => number | undefined, wake: () => void) {
+    this.#viewer = viewer;
+    this.#wished = wished;
+    this.#controls = new MotionControls(stage, {
+      steers: () => isOn(viewer, 'motion-controls'),
+      act: () => this.#act(),
+      onInteract: () => {
+        this.#stopTurning(); // at once: a frame later the character has turned on by some degrees
+        wake();
+      },
+    });
+  }
+
+  dispose(): void { this.#controls.dispose(); }
+  /** Shows the joystick, if it steers now. */
+  update(): void { this.#controls.update(); }
+
+  /** A turn of the frame loop. True while something is held. */
+  step(dtS: number): boolean {
+    const viewer = this.#viewer, wish = this.#controls.steering;
+    if (!wish || viewer.paused) return false;
+    if (wish.turn) {
+      viewer.heading -= STEER_DEG * wish.turn;
+      this.#turns = true;
+    } else {
+      this.#stopTurning();
+    }
+    const [parameter] = viewer.parameters;
+    if (parameter && (wish.change || wish.level !== null)) {
+      const { name, min, max } = parameter;
+      const now = this.#wished(name) ?? viewer.getParameter(name);
+      const wanted = wish.level !== null ? min + (max - min) * wish.level : now + wish.change * (max - min) * PARAMETER_RANGES_S * dtS;
+      const value = Math.min(max, Math.max(min, wanted));
+      if (value !== now) viewer.setParameter(name, value);
+    }
+    return wish.turn !== 0 || wish.change !== 0 || wish.level !== null;
+  }
+
+  // The heading that was wanted lies ahead: once keys and joystick are let go, it is the present one.
+  #stopTurning(): void {
+    if (!this.#turns || this.#controls.steering?.turn) return;
+    this.#turns = false;
+    const { heading } = this.#viewer;
+    this.#viewer.heading = heading;
+  }
+
+  // Space plays the motion named by the attribute `action`, or else the first one that does not loop.
+  #act(): void {
+    const viewer = this.#viewer;
+    if (viewer.paused) return void viewer.play();
+    const action = viewer.getAttribute('action') ?? viewer.sequences.find((s) => !s.loop)?.name;
+    if (action && viewer.state !== action) viewer.goTo(action);
+  }
+}

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// Advice for a character's player once it can play: which renditions the browser can decode, and which of those smoothly,
+// before one is tried; how long a turn may take to decode geometry, and that a worker decodes it; and whether other motions are near. Part of
+// fourdvt-more.js.
+import { isOn } from '../page/attributes.js';
+import type { PlayerFiles } from '../wasm/files.js';
+import { decodeBeside, type Turning } from '../decode/geometry-decoding.js';
+import { isFromCameras } from '../net/manifest.js';
+import { mediaType } from '../decode/media-segments.js';
+import { savesData, type Quality } from '../page/quality-attribute.js';
+import type { SessionSide } from './session-side.js';
+import type { TellPlayer } from '../wasm/wasm-abi.js';
+
+const LOW_BATTERY = 0.15; // of its charge
+// A quarter of a turn at 60 Hz.
+const DECODE_SLICE_S = 0.004;
+
+interface Rendition {
+  codec: string;
+  width: number;
+  height: number;
+  byteLength: number;
+}
+interface Sequence {
+  frameCount: number;
+  fps: number;
+  renditions: Rendition[];
+}
+interface Manifest {
+  extensions: { FOURDVT_layered_video_texture: { sequences?: Sequence[] } }; // a live stream has none
+}
+
+interface Player {
+  setQuality(quality: Quality): void;
+  judgeRendition(sequence: number, rendition: number, plays: boolean): void;
+  lookAhead(atOnce: boolean): void;
+  tell(action: TellPlayer): void;
+}
+/** Runs actions on a player as long as there is one. */
+export interface Advised extends Turning {
+  run(action: (player: Player) => void): unknown;
+}
+interface Verdict {
+  sequence: number;
+  rendition: number;
+  plays: boolean; // else it is only not smooth
+}
+// By manifest: a session opens one player after another, and the browser's answers stay.
+const verdicts = new WeakMap<object, Promise<Verdict | null>[]>();
+
+// A browser that has no answer is expected to play it.
+async function canDecode({ codec, width, height }: Rendition): Promise<boolean> {
+  if (typeof VideoDecoder === 'undefined') return MediaSource.isTypeSupported(mediaType(codec));
+  const config = { codec, codedWidth: width, codedHeight: height };
+  return (await VideoDecoder.isConfigSupported(config).catch(() => null))?.supported !== false;
+}
+async function isSmooth({ codec, width, height, byteLength }: Rendition, { frameCount, fps }: Sequence): Promise<boolean> {
+  const video = { contentType: mediaType(codec), width, height, bitrate: Math.ceil((8 * byteLength * fps) / frameCount), framerate: fps };
+  const info = await navigator.mediaCapabilities?.decodingInfo({ type: 'file', video }).catch(() => null);
+  return !info?.supported || info.smooth; // what it says of files that it does not play says nothing of their samples
+}
+
+/** Finds out whether the browser plays the renditions, and smoothly; resolves to null for those that it does. */
+function findVerdicts(manifest: unknown): Promise<Verdict | null>[] {
+  const { sequences = [] } = (manifest as Manifest).extensions.FOURDVT_layered_video_texture;
+  return sequences.flatMap((s, sequence) => s.renditions.map(async (r, rendition) => {
+    const plays = await canDecode(r);
+    return plays && (await isSmooth(r, s)) ? null : { sequence, rendition, plays };
+  }));
+}
+async function judge(manifest: unknown, advised: Advised): Promise<void> {
+  let found = verdicts.get(manifest as object);
+  if (!found) verdicts.set(manifest as object, (found = findVerdicts(manifest)));
+  await Promise.all(found.map(async (verdict) => {
+    const v = await verdict;
+    if (v) advised.run((player) => player.judgeRendition(v.sequence, v.rendition, v.plays));
+  }));
+}
+/** Hands a session's next player what is known of the renditions, before it fetches one that does not play. */
+export function judgeAgain({ main, manifest }: SessionSide): void {
+  if (main && verdicts.has(manifest as object)) void judge(manifest, main);
+}
+
+interface Battery {
+  charging: boolean;
+  level: number;
+}
+
+// A battery that runs low gets the lowest rendition, until the element is resized. Only some browsers have its state.
+async function spareBattery(advised: Advised): Promise<void> {
+  const battery = await (navigator as { getBattery?(): Promise<Battery> }).getBattery?.().catch(() => null);
+  if (battery && !battery.charging && battery.level <= LOW_BATTERY) advised.run((player) => player.setQuality({ rendition: 0, mostTexels: 0 }));
+}
+
+/** manifest: one that the player has read; element: the viewer, if its keys and buttons are for this character. */
+export async function advise(manifest: unknown, advised: Advised, element: Element | false, files: PlayerFiles): Promise<void> {
+  advised.run((player) => player.tell((m, handle) => {
+    m._fdvt_allow_transitions(handle);
+    return m._fdvt_slice_decoding(handle, DECODE_SLICE_S);
+  }));
+  if (!isFromCameras(manifest)) decodeBeside(advised, files);
+  await judge(manifest, advised);
+  if (!savesData()) advised.run((player) => player.lookAhead(element && isOn(element, 'motion-controls')));
+  if (element && (element.getAttribute('quality') || 'auto') === 'auto') await spareBattery(advised);
+}

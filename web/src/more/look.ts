@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// How the characters of an element look, as its attributes say: look, look-strength, light, light-turn, and method if it
+// is montage4d, which layered characters have too. Part of fourdvt-more.js.
+// The player checks names and numbers; a picture that does not load is an Error here.
+import { LOOKS, type Look } from '../wasm/generated/abi.js';
+import type { WasmModule } from '../wasm/wasm-abi.js';
+
+// Of the picture handed to the player; nine coefficients need no more.
+const LIGHT_WIDTH = 128;
+
+/** Tells the look to a player; 0 if it refuses, as the functions of wasm/abi.txt do. */
+export type TellLook = (module: WasmModule, handle: number) => number;
+
+interface Light {
+  pixels: Uint8ClampedArray;
+  width: number;
+  height: number;
+}
+
+const told = new WeakSet<object>(); // owners that have had an event: the device cannot run the element's method
+
+const lights = new Map<string, Promise<Light>>();
+
+async function fetchLight(url: string): Promise<Light> {
+  const answer = await fetch(url);
+  if (!answer.ok) throw new Error(`status ${answer.status}`);
+  const picture = await createImageBitmap(await answer.blob(), { colorSpaceConversion: 'none' });
+  const canvas = document.createElement('canvas');
+  const width = (canvas.width = LIGHT_WIDTH);
+  const height = (canvas.height = Math.max(1, Math.round((LIGHT_WIDTH * picture.height) / picture.width)));
+  const context = canvas.getContext('2d', { willReadFrequently: true })!;
+  context.imageSmoothingQuality = 'high';
+  context.drawImage(picture, 0, 0, width, height);
+  picture.close();
+  return { pixels: context.getImageData(0, 0, width, height).data, width, height };
+}
+
+async function loadLight(address: string, base: string): Promise<Light> {
+  let url = address;
+  try {
+    url = new URL(address, base).href;
+    let light = lights.get(url);
+    if (!light) lights.set(url, (light = fetchLight(url)));
+    return await light;
+  } catch (reason) {
+    lights.delete(url);
+    throw new Error(`light="${address}": the picture does not load (${String(reason)}); correct the address`);
+  }
+}
+
+// As characters from cameras do it (wasm/abi.txt).
+function tellFallback(element: Element, owner: object): void {
+  if (told.has(owner)) return;
+  told.add(owner);
+  const message = 'montage4d needs half-float render targets, which this GPU does not have';
+  element.dispatchEvent(new CustomEvent('methodfallback', { detail: { wanted: 'montage4d', drawn: 'layered', message } }));
+}
+
+/** owner: has one event at most where the device cannot run the element's method. */
+export async function readLook(element: Element, owner: object = element): Promise<TellLook> {
+  const look = LOOKS.indexOf((element.getAttribute('look') || 'none') as Look);
+  const number = (name: string, otherwise: number): number => Number(element.getAttribute(name) ?? otherwise);
+  const strength = number('look-strength', 1), turnDeg = number('light-turn', 0);
+  const address = element.getAttribute('light');
+  const light = address && LOOKS[look] === 'relit' ? await loadLight(address, element.baseURI) : null;
+  const montage = element.getAttribute('method') === 'montage4d';
+  return (module, handle) => {
+    if (!montage) told.delete(owner);
+    if (!module._fdvt_use_montage(handle, montage ? 1 : 0)) tellFallback(element, owner);
+    const at = light ? module._fdvt_alloc(light.pixels.length) : 0;
+    if (light) module.HEAPU8.set(light.pixels, at);
+    const ok = module._fdvt_set_look(handle, look, strength, turnDeg, at, light?.width ?? 0, light?.height ?? 0);
+    module._fdvt_free(at);
+    return ok;
+  };
+}

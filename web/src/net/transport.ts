@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fetches a character's files and byte ranges of them, by the names that its manifest has. Names are resolved against the address that
+// answered with the manifest. If a server ignores Range and answers with the whole file (200), the file is kept and cut up here.
+import { ViewerError } from '../report/errors.js';
+import { cannotLoad, isPartOfPage, originOf, PageFault, PassingFault, shortened, StatusFault } from './faults.js';
+import { ask, MOST_BYTES, patiently, type Answer, type Report } from './requests.js';
+
+/** Gives a file the address that it is fetched from, a presigned one for example. */
+export type SignAddress = (url: string) => string | Promise<string>;
+
+/** Options of all requests for a character. */
+export interface RequestOptions {
+  /** 'reload' takes nothing from the browser's cache, which may hold files of an earlier bake. */
+  cache?: RequestCache;
+  credentials?: RequestCredentials;
+  /** Read at each request. */
+  signer?: { readonly sign: SignAddress | null };
+}
+
+// The page's function gives addresses by any means, the network for example.
+async function signedAddress(sign: SignAddress, url: string): Promise<string> {
+  try {
+    const address = await sign(url);
+    if (!address) throw new TypeError('it gives no address');
+    return new URL(address, globalThis.document?.baseURI).href;
+  } catch (reason) {
+    if (globalThis.navigator?.onLine === false) throw new PassingFault(originOf(url));
+    throw cannotLoad(url, `the viewer's property sign fails (${String(reason)}); let it give the address that the file is fetched from`);
+  }
+}
+
+const pathOf = (url: string): string => url.replace(/[?#].*/, '');
+
+export class Transport {
+  readonly #src: string;
+  #base: string; // of the names in the manifest
+  readonly #report: Report;
+  readonly #options: RequestOptions;
+  readonly #signed = new Map<string, Promise<string>>(); // addresses by the page's function
+  readonly #aliases = new Map<string, string>(); // whole addresses by the names that the player has for them
+  #early: Promise<{ url: string; bytes: Uint8Array }> | null = null; // a start file, by a guessed name
+  readonly #running = new Map<number, AbortController>();
+  readonly #whole = new Map<string, Promise<Uint8Array>>();
+  readonly #lengths = new Map<string, number>(); // of files, in bytes, by the manifest
+  readonly #abort = new AbortController();
+  #waiting = 0; // fetches that wait for the network
+  // The ranges of the first seconds: a second player on another upload path gets them without downloading them again.
+  #replay: Map<string, Uint8Array> | null = new Map();
+  bytesReceived = 0;
+
+  /** `report` hears when waiting for the network begins, and when nothing waits any more. */
+  constructor(manifestUrl: string, report: Report = () => undefined, options: RequestOptions = {}) {
+    this.#src = this.#base = manifestUrl;
+    this.#report = report;
+    this.#options = options;
+  }
+
+  /** The manifest as JSON. Errors: ViewerError 'fetch-failed', 'manifest-invalid'. */
+  async manifest(): Promise<unknown> {
+    const { signal } = this.#abort, src = this.#src;
+    const bytes = await patiently(src, async () => {
+      const answer = await this.#ask(src, signal), bytes = await answer.read();
+      this.#base = answer.redirectedTo || src;
+      return bytes;
+    }, this.#count, signal).catch((reason: unknown) => {
+      throw reason instanceof PageFault ? this.#invalid('an HTML page, not JSON; src must name a character.gltf') : reason;
+    });
+    try {
+      return JSON.parse(new TextDecoder().decode(bytes), (_, value) => this.#note(value)) as unknown;
+    } catch (reason) {
+      if (reason instanceof ViewerError) throw reason;
+      const isGzip = bytes[0] === 0x1f && bytes[1] === 0x8b;
+      throw this.#invalid(isGzip ? 'the file is compressed; let the server send Content-Encoding: gzip, or upload it as it was baked' : 'not JSON; src must name a character.gltf');
+    }
+  }
+
+  /** Begins to fetch the start file by the name that follows from the manifest's, before that is there. */
+  expectStart(): void {
+    const url = this.#src.replace(/^(https?:[^?#]*)\.gltf(?=$|[?#])/, '$1.start.bin');
+    if (url !== this.#src) this.#early = this.#fetchStart(url);
+  }
+  /** The bytes of the start file that the manifest names. None if it cannot be had at once: all can do without. */
+  async start(uri: string): Promise<Uint8Array> {
+    const url = this.#locate(uri), early = await this.#early;
+    const { bytes } = early && pathOf(early.url) === pathOf(url) ? early : await this.#fetchStart(url);
+    return bytes;
+  }
+  async #fetchStart(url: string): Promise<{ url: string; bytes: Uint8Array }> {
+    try {
+      const answer = await this.#ask(url, this.#abort.signal), bytes = await answer.read();
+      this.bytesReceived += bytes.length;
+      return { url: answer.redirectedTo || url, bytes };
+    } catch {
+      return { url, bytes: new Uint8Array() };
+    }
+  }
+
+  /** The address of a file that the manifest names, for the browser to load. Errors: ViewerError 'fetch-failed', 'manifest-invalid'. */
+  async address(uri: string): Promise<string> { return this.#sign(this.#locate(uri)); }
+
+  /** Resolves to null if the range was cancelled. Errors: ViewerError 'fetch-failed'. */
+  async range(id: number, uri: string, offset: number, bytes: number): Promise<Uint8Array | null> {
+    const url = this.#locate(uri);
+    const key = `${url}#${offset}+${bytes}`;
+    const known = this.#replay?.get(key);
+    if (known) return known;
+    const abort = new AbortController();
+    this.#running.set(id, abort);
+    try {
+      const part = await patiently(url, () => this.#fetchRange(url, offset, bytes, abort.signal), this.#count, abort.signal);
+      this.#replay?.set(key, part);
+      return part;
+    } catch (reason) {
+      if (abort.signal.aborted) return null;
+      throw reason;
+    } finally {
+      if (this.#running.get(id) === abort) this.#running.delete(id);
+    }
+  }
+
+  /** Ranges are on their way. */
+  get busy(): boolean { return this.#running.size > 0; }
+
+  cancel(id: number): void {
+    this.#running.get(id)?.abort();
+  }
+  cancelAll(): void {
+    for (const abort of this.#running.values()) abort.abort();
+  }
+  /** Keeps no more ranges for a second player: the upload path is decided. */
+  stopReplay(): void {
+    this.#replay = null;
+  }
+  dispose(): void {
+    if (this.#waiting && !this.#abort.signal.aborted) this.#report(false);
+    this.#abort.abort();
+    this.cancelAll();
+    this.#whole.clear();
+    this.#replay = null;
+  }
+
+  readonly #count = (waiting: boolean): void => {
+    this.#waiting += waiting ? 1 : -1;
+    if (!this.#abort.signal.aborted && this.#waiting === (waiting ? 1 : 0)) this.#report(waiting);
+  };
+
+  #sign(url: string): Promise<string> {
+    const sign = this.#options.signer?.sign;
+    let address = this.#signed.get(url);
+    if (!sign || address) return address ?? Promise.resolve(url);
+    this.#signed.set(url, (address = signedAddress(sign, url)));
+    address.catch(() => this.#signed.delete(url));
+    return address;
+  }
+
+  // An address that the page has signed and the server refuses is signed anew, once: signatures expire.
+  async #ask(url: string, signal: AbortSignal, headers: Record<string, string> = {}): Promise<Answer> {
+    const { cache, credentials } = this.#options, signed = this.#sign(url);
+    const send = async (address: string): Promise<Answer> => ask({ url, address, init: { cache: cache!, credentials: credentials!, headers }, signal });
+    return send(await signed).catch(async (reason: unknown) => {
+      if (!(reason instanceof StatusFault) || this.#signed.get(url) !== signed) throw reason;
+      this.#signed.delete(url);
+      return send(await this.#sign(url));
+    });
+  }
+
+  #invalid(problem: string): ViewerError { return new ViewerError('manifest-invalid', `${shortened(this.#base)}: ${problem}`); }
+
+  // The second check of a file's name, behind the manifest's reader. Escaped dots and slashes may lead out of the folder on a
+  // server. Some URL parsers, that of Node 20 for one, do not resolve every "..".
+  #locate(uri: string): string {
+    const alias = this.#aliases.get(uri);
+    if (alias) return alias;
+    try {
+      const { href } = new URL(uri, this.#base), folder = new URL('.', this.#base).href;
+      if (href.startsWith(folder) && !/\/\.\.|%(2e|2f|5c|25)/i.test(href.slice(folder.length - 1))) return href;
+    } catch { /* no address */ }
+    throw this.#invalid(`"${uri}" is not in the character's folder; bake it again`);
+  }
+
+  // A manifest without a folder has whole addresses in place of names; the player gets a plain name for each.
+  #nameFor(uri: string): string {
+    let url: URL;
+    try {
+      url = new URL(uri);
+    } catch {
+      throw this.#invalid(`"${uri}" lies in no folder, because src is a ${new URL(this.#base).protocol} address; write whole addresses into the manifest, or let src be an https address`);
+    }
+    for (const [name, address] of this.#aliases) if (address === url.href) return name;
+    const last = url.protocol === 'data:' ? 'data' : url.pathname.slice(-60).replace(/.*\/|[^\w.-]/g, '');
+    const name = `${this.#aliases.size}-${last}`;
+    this.#aliases.set(name, url.href);
+    return name;
+  }
+
+  // A value of the manifest: checks where it leads if it names a file, and remembers the file's length.
+  #note(value: { uri?: string; byteOffset?: number; byteLength?: number } | null): unknown {
+    if (!value?.uri) return value;
+    if (/^(blob|data):/.test(this.#base)) value.uri = this.#nameFor(value.uri);
+    if (!/^data:/.test(value.uri)) {
+      const url = this.#locate(value.uri);
+      this.#lengths.set(url, Math.max(this.#lengths.get(url) ?? 0, (value.byteOffset ?? 0) + (value.byteLength ?? MOST_BYTES)));
+    }
+    return value;
+  }
+
+  async #fetchRange(url: string, offset: number, bytes: number, signal: AbortSignal): Promise<Uint8Array> {
+    let whole = this.#whole.get(url);
+    if (!whole) {
+      const answer = await this.#ask(url, signal, { Range: `bytes=${offset}-${offset + bytes - 1}` });
+      if (answer.status === 206) return this.#readPart(answer, url, offset, bytes);
+      // Several answers may bring the same file at the same time; only the first is read to its end.
+      whole = this.#whole.get(url);
+      if (whole) answer.drop();
+      else whole = this.#keepWhole(url, answer);
+    }
+    return slice(url, await whole, offset, bytes);
+  }
+
+  async #readPart(answer: Answer, url: string, offset: number, bytes: number): Promise<Uint8Array> {
+    const [range, encoding, type] = ['Range', 'Encoding', 'Type'].map((name) => answer.headers.get(`Content-${name}`)); // null: the other origin hides it
+    if (range && !range.startsWith(`bytes ${offset}-`)) {
+      answer.drop();
+      throw cannotLoad(url, `the server answers with other bytes (${range}) than those from ${offset}; let it send the range that is requested, or the whole file`);
+    }
+    const part = await answer.read(this.#lengths.get(url));
+    this.bytesReceived += part.length;
+    if (isPartOfPage(part, type!)) throw new PageFault(url);
+    if (part.length !== bytes && encoding) {
+      throw cannotLoad(url, `a range of a compressed file cannot be used (Content-Encoding: ${encoding}); serve .bin, .mp4 and pictures uncompressed`);
+    }
+    return slice(url, part, 0, bytes);
+  }
+
+  #keepWhole(url: string, answer: Answer): Promise<Uint8Array> {
+    const whole = answer.read(this.#lengths.get(url)).then((file) => {
+      this.bytesReceived += file.length;
+      return file;
+    });
+    this.#whole.set(url, whole);
+    whole.catch(() => this.#whole.delete(url));
+    return whole;
+  }
+}
+
+function slice(url: string, from: Uint8Array, offset: number, bytes: number): Uint8Array {
+  if (offset + bytes > from.length) {
+    throw cannotLoad(url, `the file has less than ${offset + bytes} bytes; upload it again`);
+  }
+  return from.subarray(offset, offset + bytes);
+}

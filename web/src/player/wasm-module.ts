@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compiles each wasm file once per page, and makes instances. The module comes in two parts (wasm/more.txt): the first is all
+// that a first picture of a layered character needs; the second, with optical flow, characters from cameras, scenes and
+// looks, is put into it afterwards.
+import createPlayer from 'fourdvt-wasm';
+
+import type { PlayerFiles } from '../wasm/files.js';
+import type { WasmModule } from '../wasm/wasm-abi.js';
+import { asViewerError, ViewerError } from '../report/errors.js';
+import { compileFile, fetchFile, type Report } from '../net/requests.js';
+
+/** The page's side of what only the second part has. */
+export type More = typeof import('../more.js');
+
+type SecondPart = Pick<PlayerFiles, 'more' | 'moreWasm'>;
+
+const BESIDE = "the player's files must lie beside its script";
+
+const scripts = new Map<string, Promise<More>>(); // of the second part, that are loaded or on their way
+let attempts = 0; // to load one again
+const compiled = new Map<string, Promise<WebAssembly.Module>>();
+const firstParts = new WeakMap<WasmModule, WebAssembly.Exports>();
+const secondParts = new WeakMap<WasmModule, Promise<More>>();
+const complete = new WeakSet<WasmModule>();
+
+// A browser's refusal: by the page's policy, for want of memory, or of a file that is no wasm.
+function refusal(url: string, reason: unknown): ViewerError {
+  const text = String(reason);
+  return reason instanceof RangeError || /memory/i.test(text)
+    ? new ViewerError('out-of-memory', `${url}: the browser has no memory for the player (${text}); close other tabs`)
+    : new ViewerError('wasm-refused', `${url}: the browser refuses the player's wasm (${text}); allow 'wasm-unsafe-eval' in the page's policy, and serve the file as it was built`);
+}
+
+// A file of another build may come from a cache: it is fetched again, past it, once.
+async function compileNew(url: string, report: Report, cache: RequestCache = 'default'): Promise<WebAssembly.Module> {
+  const module = await compileFile(url, report, cache).catch((reason: unknown) => {
+    if (!(reason instanceof ViewerError)) throw refusal(url, reason);
+    throw new ViewerError('fetch-failed', `${asViewerError(reason).message}; ${BESIDE}`);
+  });
+  if (new TextDecoder().decode(WebAssembly.Module.customSections(module, 'fourdvt')[0]) === FOURDVT_STAMP) return module;
+  if (cache === 'default') return compileNew(url, report, 'reload');
+  throw new ViewerError('wasm-refused', `${url}: is of another build than the player's script; reload the page, or upload all files of the player again`);
+}
+
+// The first caller's `report` is the one that is called while the network is waited for; all share the download.
+function compile(url: string, report: Report): Promise<WebAssembly.Module> {
+  let module = compiled.get(url);
+  if (!module) {
+    compiled.set(url, (module = compileNew(url, report)));
+    module.catch(() => compiled.delete(url));
+  }
+  return module;
+}
+
+// In place of the second part's functions until it is there.
+const absent = (): never => { throw new Error("the player's second part is not there yet"); };
+const ABSENT = new Proxy({}, { get: () => absent });
+
+// Imports of the second part from the first: exports by their names, functions by their numbers in the table (wasm/pack.mjs).
+const importsOfSecond = (exports: WebAssembly.Exports): WebAssembly.ModuleImports => {
+  const table = Object.values(exports).find((value) => value instanceof WebAssembly.Table);
+  return new Proxy({}, { get: (_, name) => exports[name as string] ?? table?.get(Number(name)) });
+};
+
+/** The first part. `report` is called when waiting for the network begins and ends. Errors: ViewerError 'fetch-failed', 'out-of-memory', 'wasm-refused'. */
+export async function instantiate({ wasm: url }: Pick<PlayerFiles, 'wasm'>, report: Report): Promise<WasmModule> {
+  const first = await compile(url, report);
+  let exports: WebAssembly.Exports;
+  try {
+    const module = await new Promise<WasmModule>((resolve, reject) => {
+      createPlayer({
+        instantiateWasm(imports, done) {
+          const all = { ...imports, placeholder: ABSENT };
+          WebAssembly.instantiate(first, all).then((instance) => {
+            exports = instance.exports;
+            done(instance);
+          }, reject);
+          return {};
+        },
+        printErr: (line) => console.warn(`fourdvt-viewer: ${line}`),
+      }).then(resolve, reject);
+    });
+    firstParts.set(module, exports!);
+    return module;
+  } catch (reason) {
+    throw refusal(url, reason);
+  }
+}
+
+/** Begins to download the second part. */
+export const expectMore = ({ moreWasm }: SecondPart, report: Report): void => void compile(moreWasm, report).catch(() => undefined);
+
+/** The second part is in this instance. */
+export const hasMore = (module: WasmModule): boolean => complete.has(module);
+
+/**
+ * Puts the second part into an instance of the first: fourdvt-more.wasm, and fourdvt-more.js with the page's side. Errors: as of `instantiate`; after one the next call tries again.
+ */
+export function loadMore(module: WasmModule, files: SecondPart, report: Report): Promise<More> {
+  let more = secondParts.get(module);
+  if (!more) {
+    more = addSecond(module, files, report);
+    secondParts.set(module, more);
+    more.catch(() => secondParts.delete(module));
+  }
+  return more;
+}
+
+function importOnce(script: string, report: Report): Promise<More> {
+  let more = scripts.get(script);
+  if (!more) {
+    scripts.set(script, (more = importScript(script, report)));
+    more.catch(() => scripts.delete(script));
+  }
+  return more;
+}
+
+// Browsers say nothing of why a script does not load, and may not load an address again that has failed: a fetch of the file waits for
+// the network, or says what is wrong with it; then another address of the same file is tried.
+async function importScript(script: string, report: Report): Promise<More> {
+  const load = (address: string): Promise<More> => import(address) as Promise<More>;
+  return load(script).catch(async () => {
+    await fetchFile(script, report, undefined, { cache: 'reload' }).catch((reason: unknown) => {
+      throw new ViewerError('fetch-failed', `${asViewerError(reason).message}; ${BESIDE}`);
+    });
+    const again = new URL(script);
+    again.searchParams.set('try', String(++attempts));
+    return load(again.href).catch((reason: unknown) => {
+      throw new ViewerError('fetch-failed', `${script}: the browser does not run the player's second part (${String(reason)}); serve the file as it was built, as text/javascript, and let script-src of the page's policy allow it`);
+    });
+  });
+}
+
+async function addSecond(module: WasmModule, { more: script, moreWasm }: SecondPart, report: Report): Promise<More> {
+  const [more, second] = await Promise.all([importOnce(script, report), compile(moreWasm, report)]);
+  if (!complete.has(module)) {
+    await WebAssembly.instantiate(second, { first: importsOfSecond(firstParts.get(module)!) }).catch((reason: unknown) => {
+      throw refusal(moreWasm, reason);
+    });
+    complete.add(module);
+  }
+  return more;
+}

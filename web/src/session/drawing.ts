@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pictures of one viewer: when its characters are drawn, at which size, and snapshots of them. Takes the turns of a frame loop.
+// Does not load or decode anything.
+import type { Actor } from './actor.js';
+import { DrawPace } from '../page/frame-loop.js';
+import { checkSnapshot, MAX_CANVAS_SIDE } from '../player/input-checks.js';
+import type { SessionHost, Snapshot } from './session-host.js';
+import { parseOrbit } from '../camera/orbit-camera.js';
+import type { Seat, Stage } from './stage.js';
+import type { OrbitPose } from '../player/wasm-player.js';
+
+const FOLLOW_S = 1; // after the last change; six times the settling time of montage4d (native/render/method.h)
+
+export interface DrawingHost {
+  /** The main character first; none before it is there. */
+  actors(): Actor[];
+  /** Once there is an actor. */
+  stage(): Stage;
+  readonly seat: Seat;
+  firstPicture(): void;
+  picture(): void;
+  /** Reports a failed draw. */
+  drawFailed(reason: unknown): void;
+}
+
+export class Drawing {
+  readonly #view: Pick<SessionHost, 'element' | 'camera' | 'animate'>;
+  readonly #host: DrawingHost;
+  readonly #pace = new DrawPace();
+  #size = { width: 1, height: 1 };
+  #redraw = true;
+  #drawn = '';
+  #changedS = 0; // by the loop's clock: when what is drawn changed last
+  /** There are shader programs that later pictures will need. */
+  programsMissing = true;
+  /** A picture has been drawn. */
+  shown = false;
+
+  constructor(view: Pick<SessionHost, 'element' | 'camera' | 'animate'>, host: DrawingHost) {
+    this.#view = view;
+    this.#host = host;
+  }
+
+  resize(width: number, height: number): void {
+    const scale = Math.min(1, MAX_CANVAS_SIDE / Math.max(width, height, 1));
+    this.#size = { width: Math.max(1, Math.round(width * scale)), height: Math.max(1, Math.round(height * scale)) };
+  }
+  /** The next turn draws. */
+  invalidate(): void { this.#redraw = true; }
+  /** Another main character is drawn from now on. */
+  forget(): void { this.#drawn = ''; }
+
+  /** A turn of the frame loop. True while it needs further turns. */
+  turn(clockS: number, stepS: number): boolean {
+    for (const actor of this.#host.actors()) actor.tick(clockS);
+    const moved = this.#view.animate(stepS);
+    const actors = this.#host.actors();
+    const states = actors.map((actor) => actor.state());
+    const [state] = states; // the main character's
+    if (!state) return false;
+    this.#view.camera.follow(state);
+    const serial = states.map((s) => s && [s.framesShown, s.frame, s.x, s.z, s.heading]).join();
+    const changed = moved || this.#redraw || serial !== this.#drawn;
+    if (changed) this.#changedS = clockS;
+    // What follows with time takes the time since the last tick for that since the last picture: it is drawn every turn.
+    const following = this.#view.element.matches('[method^=montage4d]') && clockS - this.#changedS < FOLLOW_S;
+    // One a turn, after the first picture: neither that nor the first use of a slider has to wait for them.
+    if (this.shown && state.hasFrame && this.programsMissing) this.programsMissing = actors[0]!.makeNextProgram();
+    if ((changed || following) && state.hasFrame) {
+      const picture = this.#redraw || following || serial !== this.#drawn;
+      this.#redraw = !this.#pace.takes(stepS, picture);
+      if (!this.#redraw) this.#show(serial);
+    }
+    return moved || following || actors.some((actor, i) => states[i] && actor.busy(states[i]!));
+  }
+
+  /**
+   * A PNG of what is shown, at the size and pose of the snapshot if there is one. Null before the first picture. Rejects
+   * with a TypeError, a RangeError or the player's error if there can be no such picture; the one that is shown stays.
+   */
+  async toBlob(snapshot?: Snapshot): Promise<Blob | null> {
+    const { width = this.#size.width, height = this.#size.height, pose: wish } = snapshot ?? {}, { pose: shown } = this.#view.camera;
+    const part = typeof wish === 'string' ? parseOrbit(wish) : wish;
+    const pose: OrbitPose = { ...shown, ...part, distance: part?.distance ?? shown.distance };
+    if (snapshot) checkSnapshot(width, height, pose);
+    if (!this.#host.actors()[0]?.state()?.hasFrame) return null;
+    try {
+      this.#paint(width, height, pose);
+      return this.#host.stage().toBlob(this.#host.seat, width, height);
+    } finally {
+      this.redraw();
+    }
+  }
+
+  /** Draws what is shown again, at once. */
+  redraw(): void {
+    if (this.#host.actors()[0]?.state()?.hasFrame) this.#draw();
+  }
+
+  #show(serial: string): void {
+    if (!this.#draw()) return;
+    if (this.#drawn !== serial) this.#host.picture();
+    this.#drawn = serial;
+    if (this.shown) return;
+    this.shown = true;
+    this.#host.firstPicture();
+  }
+
+  // Once the main character has a frame.
+  #paint(width: number, height: number, pose: OrbitPose): void {
+    const [main, ...others] = this.#host.actors().filter((actor) => actor.state()?.hasFrame);
+    if (!main) return;
+    this.#host.stage().fit(this.#host.seat, width, height);
+    main.player?.draw(pose, width, height, others.map((actor) => actor.player!));
+  }
+  // False, after an error event, if the player cannot.
+  #draw(): boolean {
+    const { width, height } = this.#size;
+    try {
+      this.#paint(width, height, this.#view.camera.pose);
+      if (!this.#host.actors().length) return false;
+      this.#host.stage().present(this.#host.seat, width, height);
+      return true;
+    } catch (reason) {
+      this.#host.drawFailed(reason);
+      return false;
+    }
+  }
+}

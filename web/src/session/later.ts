@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+// The second part of the player in a session: loads it after the first picture, or when something needs it, and hands to it what it
+// does: effects, companions, live streams, another bake, advice, the choice of the upload path. What fails is tried again when it
+// is needed.
+import { isOn } from '../page/attributes.js';
+import type { Companion } from './companion.js';
+import { deferred } from '../page/deferred.js';
+import { mayBeOfTwoBakes, type ErrorDetail } from '../report/errors.js';
+import type { LiveStream } from '../live/live.js';
+import type { SessionSide, SideActor } from '../more/session-side.js';
+import { loadMore, type More } from '../player/wasm-module.js';
+import type { Align } from '../player/wasm-player.js';
+
+export const needsFlow = (align: string): boolean => align.startsWith('flow');
+
+// Motion comes before the rest, which would share network and processor with it.
+const MOVED_PICTURES = 10, LONGEST_REST_MS = 1500;
+
+type Effect = 'useFlow' | 'useLook' | 'useRoom';
+
+/** The session, as far as it is used here. */
+export interface LaterSession extends SessionSide {
+  readonly host: SessionSide['host'] & { readonly companions: Iterable<Companion>; more(more: More): void; incomplete(error: ErrorDetail): void };
+  readonly ended: boolean;
+  room: boolean;
+  fresh: boolean;
+}
+
+export class Later {
+  readonly #session: LaterSession;
+  readonly #attempts = new Map<Effect, object>(); // the latest of each
+  #companions: InstanceType<More['Companions']> | null = null;
+  #looked = false; // a look has been set
+  #unproven = false; // it was loaded anew and could not play yet
+  #held: ErrorDetail[] | null = null; // errors that wait for what #renew finds
+  readonly #rest = deferred(); // settles when what comes after the first motion is there, or cannot be had
+  #measures = false;
+  #picturesLeft = 0; // of motion, before the rest is loaded; 0: it has been, or does not wait
+  #restTimer = 0;
+  #missing = ''; // reason for which the second part is not there, of the last event
+  /** The page's side of the second part, once it is there. */
+  loaded: More | null = null;
+
+  constructor(session: LaterSession) {
+    this.#session = session;
+  }
+
+  async more(): Promise<More> {
+    const session = this.#session;
+    this.loaded = await loadMore(session.module, session.options.files, session.network);
+    this.#companions ??= new this.loaded.Companions(session);
+    this.#missing = '';
+    session.host.more(this.loaded);
+    return this.loaded;
+  }
+
+  // --- the session's life ---
+
+  onOpen(): void {
+    this.#apply('useRoom');
+    this.useLook();
+  }
+  firstPicture(): void {
+    if (needsFlow(this.#session.align)) this.#apply('useFlow');
+  }
+  /** Once it can play: the rest is loaded when the character stands, or has moved. measures: the upload path. */
+  onCanPlay(measures: boolean): void {
+    this.#unproven = false;
+    this.#measures = measures;
+    const { commands, element } = this.#session.host;
+    if (this.loaded || !commands.wishes.playing || isOn(element, 'motion-controls')) { // the rest has the keys that steer
+      this.#loadRest();
+    } else {
+      this.#picturesLeft = MOVED_PICTURES;
+      this.#restTimer = setTimeout(() => this.#loadRest(), LONGEST_REST_MS);
+    }
+    for (const companion of this.#session.host.companions) this.add(companion);
+  }
+  /** Another picture has been drawn. */
+  onPicture(): void { if (this.#picturesLeft && --this.#picturesLeft === 0) this.#loadRest(); }
+  onClose(): void {
+    this.#forgetWait();
+    this.#companions?.clear();
+  }
+  /** Resolves when transitions and the like can begin. */
+  rest(): Promise<void> { return this.#rest.promise; }
+  #forgetWait(): void {
+    clearTimeout(this.#restTimer);
+    this.#picturesLeft = 0;
+  }
+
+  // Without the second part the character plays on; one event has the reason, an effect's or this one.
+  #loadRest(): void {
+    const session = this.#session;
+    this.#forgetWait();
+    void this.more().then(({ complete }) => complete(session, this.others, this.#measures), (reason: unknown) => {
+      if (session.errorOf(reason).message !== this.#missing) this.#miss(reason);
+    }).then(this.#rest.resolve);
+  }
+  #miss(reason: unknown): void {
+    const { host, ended } = this.#session, error = this.#session.errorOf(reason);
+    if (ended) return;
+    this.#missing = error.message;
+    host.incomplete(error);
+    host.emit('error', error);
+  }
+
+  // --- effects ---
+
+  get hasLook(): boolean { return this.#session.host.element.matches('[look]:not([look=""],[look=none]),[method=montage4d]'); }
+
+  /** Optical flow takes effect when its module is loaded; if it does not load, an error event says why. */
+  setAlign(align: Align): void {
+    const session = this.#session;
+    session.align = align;
+    session.drawing.programsMissing = true;
+    if (!needsFlow(align)) session.host.commands.set('align', align);
+    else if (session.drawing.shown) this.#apply('useFlow'); // else it is loaded after the first picture
+  }
+  /** The room takes effect when its picture is loaded; if it does not load, an error event says why. */
+  setRoom(on: boolean): void {
+    this.#session.room = on;
+    this.#session.main?.player?.hideRoom();
+    this.#apply('useRoom');
+  }
+  /** The element's look takes effect when it is loaded; if it does not load, an error event says why. */
+  useLook(): void {
+    if (this.#looked || this.hasLook) this.#apply('useLook'); // else as filmed
+  }
+
+  // Only the latest attempt of each counts.
+  #apply(name: Effect): void {
+    const session = this.#session, attempt = {};
+    this.#attempts.set(name, attempt);
+    const isCurrent = (): boolean => this.#attempts.get(name) === attempt && !session.ended;
+    if (!session.main || (name === 'useRoom' && !session.room)) return;
+    this.more().then<unknown>((more) => isCurrent() && more[name](session, isCurrent)).then((done) => {
+      if (name === 'useLook' && done) this.#looked = true;
+    }, (reason: unknown) => {
+      if (!isCurrent()) return;
+      if (name === 'useFlow') session.align = session.host.commands.wishes.align;
+      this.#miss(reason);
+    });
+  }
+
+  // --- other characters in the same canvas ---
+
+  get others(): readonly SideActor[] { return this.#companions?.actors ?? []; }
+
+  /** Nothing happens before the main character can play: then all are added. */
+  add(companion: Companion): void {
+    const session = this.#session;
+    if (!session.main) return;
+    this.more().then(() => this.#companions!.add(companion), (reason: unknown) => {
+      if (!session.ended && !companion.left.aborted) companion.emit('error', session.errorOf(reason));
+    });
+  }
+  remove(companion: Companion): void {
+    this.#companions?.remove(companion);
+    this.#session.wake();
+  }
+  setPlaying(playing: boolean): void {
+    this.#companions?.setPlaying(playing);
+    if (!playing && this.#picturesLeft) this.#loadRest();
+  }
+
+  // --- another source for the same session ---
+
+  /** src is a live stream: what it comes by, in place of files. */
+  async connect(): Promise<LiveStream> {
+    const { connectLive } = await this.more();
+    return connectLive(this.#session);
+  }
+
+  /** True if an error waits: there may be another bake to go on with. Without one it becomes an event. */
+  renews(error: ErrorDetail): boolean {
+    if (!this.#session.main || !mayBeOfTwoBakes(error) || (!this.#held && this.#unproven)) return false;
+    if (this.#held) this.#held.push(error);
+    else void this.#renew((this.#held = [error]));
+    return true;
+  }
+  async #renew(errors: ErrorDetail[]): Promise<void> {
+    const session = this.#session;
+    const bake = await this.more().then(({ renew }) => renew(session, errors)).catch(() => null);
+    this.#held = null;
+    if (session.ended || !session.main) return bake?.transport.dispose();
+    if (bake) {
+      session.fresh = this.#unproven = true;
+      session.reopen(session.path, bake);
+    } else {
+      for (const detail of errors) session.host.emit('error', detail);
+    }
+  }
+}

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// Types that a session and the element that makes it share.
+import type { Commands } from '../player/commands.js';
+import type { Companion } from './companion.js';
+import type { ErrorDetail } from '../report/errors.js';
+import type { PlayerFiles } from '../wasm/files.js';
+import type { OrbitCamera } from '../camera/orbit-camera.js';
+import type { RequestOptions } from '../net/transport.js';
+import type { UploadChoice } from '../decode/upload-path.js';
+import type { More } from '../player/wasm-module.js';
+import type { Step } from '../report/watchdog.js';
+import type { Align, OrbitPose } from '../player/wasm-player.js';
+
+export interface SessionOptions {
+  src: string;
+  files: PlayerFiles;
+  uploadPath: UploadChoice;
+  align: Align;
+  room: boolean;
+  /** Past the browser's cache. */
+  fresh: boolean;
+  credentials: RequestCredentials;
+  signer: NonNullable<RequestOptions['signer']>;
+}
+
+export interface SessionHost {
+  /** Its attributes say how the characters look. */
+  readonly element: Element;
+  readonly camera: OrbitCamera;
+  /** The main character's. */
+  readonly commands: Commands;
+  /** All that have joined, loaded or not. */
+  readonly companions: Iterable<Companion>;
+  /** Called once per frame before drawing. True if the view or the motion changes by itself. */
+  animate(stepS: number): boolean;
+  emit(name: string, detail?: unknown): void;
+  firstPicture(): void;
+  /** Called at each picture that is drawn for another frame or place; the first comes before firstPicture. */
+  picture(): void;
+  /** The picture that has just been drawn stands, and follows again in a higher rendition. */
+  sharper(): void;
+  /** Called when waiting for the network begins, and when it ends. */
+  network(waiting: boolean): void;
+  /** Called where nothing comes of a step for long; null: it goes on. */
+  stalled(step: Step | null): void;
+  /** The player's second part is there. Called once or more. */
+  more(more: More): void;
+  /** The second part cannot be loaded: the character plays without it. */
+  incomplete(error: ErrorDetail): void;
+  /** Shows this canvas from now on. */
+  show(canvas: HTMLCanvasElement): void;
+  /** The session has ended with the stage, whose context is lost; `restored` follows if the browser gives it back. */
+  lost(session: object): void;
+  /** True if a session takes its place. */
+  restored(session: object): boolean;
+  /** The session has ended because the player has trapped in another viewer's call. */
+  trapped(session: object): void;
+}
+
+export interface Snapshot {
+  /** Pixels; without: those of the viewer. */
+  width?: number;
+  height?: number;
+  /** The parts that differ from the view that is shown; or azimuth, elevation and distance as `camera-orbit` has them. */
+  pose?: Partial<OrbitPose> | string;
+}

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page's share in GPU and memory, common to all its viewers: one instance of the player and one WebGL2 context. A viewer that is alone shows the context's
+// canvas itself. Several are drawn one after the other, and have canvases of their own that get the pictures: as bitmaps out of
+// an OffscreenCanvas; copied out of the first one's canvas where the others came later, or there are no such canvases. When the
+// context is lost or the player has trapped, all hear of it and begin anew on another stage. Does not load or draw characters.
+import { ViewerError } from '../report/errors.js';
+import type { Report } from '../net/requests.js';
+import type { WasmModule } from '../wasm/wasm-abi.js';
+import { instantiate } from '../player/wasm-module.js';
+
+const LINGER_MS = 2000; // after the last viewer has left: the next one may come at once
+
+/** A viewer on the stage. */
+export interface Seat {
+  /** Shows this canvas, in place of any before. */
+  show(canvas: HTMLCanvasElement): void;
+  /** Draws once more, at once: the canvas that it shows is about to be used for others, too. */
+  redraw(): void;
+  /** In use on the GPU and in the player's memory, by all viewers of its stage. */
+  bytes(): number;
+  /** The context is lost; `restored` follows if the browser gives it back. True if the viewer joins again. */
+  lost(): void;
+  restored(): boolean;
+  /** The player has trapped in another viewer's call: all must be loaded again, on another stage. */
+  trapped(): void;
+}
+
+type ContextCanvas = HTMLCanvasElement | OffscreenCanvas;
+type Renderer = CanvasRenderingContext2D | ImageBitmapRenderingContext;
+
+const CONTEXT: WebGLContextAttributes = {
+  alpha: true, premultipliedAlpha: true, antialias: false, depth: false, stencil: false, powerPreference: 'high-performance',
+};
+
+const stages = new Map<string, Promise<Stage>>(); // by address of the player's wasm
+const open = new Set<Stage>();
+let spare: ContextCanvas | null = null; // whose context has come back
+
+function takeCanvas(several: boolean): ContextCanvas {
+  const canvas = spare ?? (several && globalThis.OffscreenCanvas ? new OffscreenCanvas(1, 1) : document.createElement('canvas'));
+  spare = null;
+  return canvas;
+}
+
+export class Stage {
+  readonly module: WasmModule;
+  readonly gl: WebGL2RenderingContext;
+  /** The context, by its number in the player. */
+  readonly context: number;
+  readonly #url: string;
+  readonly #canvas: ContextCanvas;
+  readonly #seats = new Set<Seat>();
+  readonly #own = new Map<Seat, Renderer>(); // of viewers that do not show the context's canvas
+  #timer = 0;
+  #over = false; // no viewer may join any more
+
+  /** Viewers of the page, on a stage or not yet. */
+  static viewers = 0;
+
+  /** Joins the page's stage. Errors: ViewerError as of `instantiate`, 'gpu-failure'. */
+  static async join(files: { readonly wasm: string }, seat: Seat, report: Report): Promise<Stage> {
+    const { wasm: url } = files;
+    let coming = stages.get(url);
+    if (!coming) {
+      stages.set(url, (coming = instantiate(files, report).then((module) => new Stage(url, module))));
+      coming.catch(() => stages.delete(url));
+    }
+    const stage = await coming;
+    if (stage.#over) return Stage.join(files, seat, report);
+    stage.#add(seat);
+    return stage;
+  }
+
+  /** In use on the GPU and in the player's memory, by all viewers of the page. */
+  static usedBytes(): number {
+    let bytes = 0;
+    for (const stage of open) {
+      for (const seat of stage.#seats) {
+        const held = seat.bytes(); // counts every block of the heap
+        bytes += held;
+        if (held) break;
+      }
+      for (const { canvas } of stage.#own.values()) bytes += 4 * canvas.width * canvas.height;
+    }
+    return bytes;
+  }
+
+  private constructor(url: string, module: WasmModule) {
+    let canvas = takeCanvas(Stage.viewers > 1), gl = canvas.getContext('webgl2', CONTEXT) as WebGL2RenderingContext | null;
+    if (!gl && !('style' in canvas)) { // Safari 16 has such canvases, but not for WebGL
+      canvas = takeCanvas(false);
+      gl = canvas.getContext('webgl2', CONTEXT) as WebGL2RenderingContext | null;
+    }
+    if (!gl) throw new ViewerError('gpu-failure', 'no WebGL2 context: the browser or its GPU driver refuses one');
+    this.#url = url;
+    this.#canvas = canvas;
+    this.module = module;
+    this.gl = gl;
+    this.context = module.GL.registerContext(gl, { majorVersion: 2, minorVersion: 0 });
+    canvas.addEventListener('webglcontextlost', this.#onLost);
+    open.add(this);
+  }
+
+  leave(seat: Seat): void {
+    this.#own.delete(seat);
+    if (!this.#seats.delete(seat) || this.#seats.size || this.#over) return;
+    this.#timer = setTimeout(() => this.#end(), LINGER_MS);
+  }
+
+  /** A call of a viewer, which has left, has trapped: nothing of the player can be used any more. */
+  fail(): void {
+    this.#end();
+    for (const seat of [...this.#seats]) seat.trapped();
+  }
+
+  // --- pictures ---
+
+  /** Makes room for a picture of the viewer, in the lower left corner of the context's canvas. */
+  fit(seat: Seat, width: number, height: number): void {
+    const canvas = this.#canvas, grows = 'style' in canvas && this.#own.has(seat);
+    const [w, h] = grows ? [Math.max(canvas.width, width), Math.max(canvas.height, height)] : [width, height];
+    if (canvas.width !== w) canvas.width = w;
+    if (canvas.height !== h) canvas.height = h;
+  }
+  /** Shows the picture that has just been drawn, of this size. */
+  present(seat: Seat, width: number, height: number): void {
+    const renderer = this.#own.get(seat);
+    if (!renderer) return;
+    const { canvas } = renderer;
+    if (canvas.width !== width) canvas.width = width;
+    if (canvas.height !== height) canvas.height = height;
+    if ('drawImage' in renderer) this.#copy(renderer, width, height);
+    else renderer.transferFromImageBitmap((this.#canvas as OffscreenCanvas).transferToImageBitmap());
+  }
+  /** A PNG of the picture that has just been drawn, of this size. */
+  toBlob(seat: Seat, width: number, height: number): Promise<Blob | null> {
+    let from = this.#canvas;
+    if (!('style' in from)) return from.convertToBlob();
+    if (this.#own.has(seat)) {
+      from = Object.assign(document.createElement('canvas'), { width, height });
+      this.#copy(from.getContext('2d')!, width, height);
+      this.#canvas.width = this.#canvas.height = 1; // one of that size is not needed again
+    }
+    return new Promise((resolve) => (from as HTMLCanvasElement).toBlob(resolve)); // of what the canvas shows now
+  }
+
+  #copy(to: CanvasRenderingContext2D, width: number, height: number): void {
+    to.globalCompositeOperation = 'copy';
+    to.drawImage(this.#canvas, 0, this.#canvas.height - height, width, height, 0, 0, width, height);
+  }
+
+  // --- who is there ---
+
+  #add(seat: Seat): void {
+    const canvas = this.#canvas;
+    clearTimeout(this.#timer);
+    for (const other of this.#seats) if (!this.#own.has(other)) this.#giveCanvas(other);
+    if (this.#seats.size || !('style' in canvas)) {
+      this.#giveCanvas(seat);
+    } else {
+      canvas.width = canvas.width; // forgets the last viewer's picture
+      seat.show(canvas);
+    }
+    this.#seats.add(seat);
+  }
+  #giveCanvas(seat: Seat): void {
+    const canvas = document.createElement('canvas'), renderer = canvas.getContext(('style' in this.#canvas ? '2d' : 'bitmaprenderer') as '2d');
+    if (!renderer) throw new ViewerError('gpu-failure', 'no canvas for the picture: the browser refuses one');
+    this.#own.set(seat, renderer);
+    seat.redraw();
+    seat.show(canvas);
+  }
+
+  // Frees the context before the next garbage collection.
+  #end(): void {
+    this.#close();
+    this.gl.getExtension('WEBGL_lose_context')?.loseContext();
+  }
+  #close(): void {
+    this.#over = true;
+    stages.delete(this.#url);
+    open.delete(this);
+    this.#canvas.removeEventListener('webglcontextlost', this.#onLost);
+  }
+  readonly #onLost = (e: Event): void => {
+    e.preventDefault(); // asks the browser to restore it
+    this.#close();
+    const seats = [...this.#seats], canvas = this.#canvas;
+    canvas.addEventListener('webglcontextrestored', () => {
+      spare = canvas;
+      if (!seats.map((seat) => seat.restored()).includes(true)) spare = null;
+    }, { once: true });
+    for (const seat of seats) seat.lost();
+  };
+}

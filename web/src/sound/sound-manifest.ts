@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads the sound of a motion from a manifest (native/package/FORMAT.md, "Sound"). Part of fourdvt-more.js.
+import { extensionOf } from '../net/manifest.js';
+
+const MOST_SEGMENTS = 65_536, MOST_BYTES = 2 ** 24, MOST_SEGMENT_S = 60, LEAST_SEGMENT_S = 0.5;
+
+/** A file of sound in a file of them. */
+export interface SoundSegment {
+  offset: number; // bytes
+  bytes: number;
+  /** Without what some decoders give before the others. */
+  durationS: number;
+}
+export interface SoundEncoding {
+  uri: string;
+  /** MIME type with its codec. */
+  type: string;
+  primingS: number;
+  segments: SoundSegment[];
+}
+export interface SoundTrack {
+  /** Segment i begins at i times this. */
+  segmentS: number;
+  encodings: SoundEncoding[];
+  /** Of a class: phases in 0..1 at which a foot comes down, and the sound is heard. Null: it is heard all the time. */
+  steps: number[] | null;
+}
+
+const isNumber = (value: unknown, low: number, high: number): value is number => typeof value === 'number' && value >= low && value <= high;
+
+function readEncoding(given: Record<string, unknown>, rate: number): SoundEncoding {
+  const { uri, type, priming, segments } = given;
+  if (typeof uri !== 'string' || typeof type !== 'string' || !isNumber(priming, 0, 65_536)) throw new TypeError('an encoding needs uri, type and priming');
+  if (!Array.isArray(segments) || segments.length < 1 || segments.length > MOST_SEGMENTS) throw new TypeError('segments must be a list');
+  let offset = 0;
+  const list = (segments as unknown[]).map((pair) => {
+    const [bytes, samples] = Array.isArray(pair) ? pair as unknown[] : [];
+    if (!isNumber(bytes, 1, MOST_BYTES) || !isNumber(samples, 1, MOST_BYTES)) throw new TypeError('a segment must be [bytes, samples]');
+    const segment = { offset, bytes, durationS: samples / rate };
+    offset += bytes;
+    return segment;
+  });
+  return { uri, type, primingS: priming / rate, segments: list };
+}
+
+/** Null if the motion has none. Errors: TypeError, if what the manifest says is no sound. */
+export function readSound(manifest: unknown, sequence: string): SoundTrack | null {
+  const { sequences } = (extensionOf(manifest) ?? {}) as { sequences?: { name?: unknown; sound?: unknown }[] };
+  const sound = sequences?.find(({ name }) => name === sequence)?.sound as Record<string, unknown> | undefined;
+  if (!sound) return null;
+  const { sampleRate, segmentDuration, encodings, steps } = sound;
+  if (!isNumber(sampleRate, 8000, 192_000) || !isNumber(segmentDuration, 1e-3, MOST_SEGMENT_S) || !Array.isArray(encodings)) {
+    throw new TypeError('sound needs sampleRate, segmentDuration and encodings');
+  }
+  const several = (encodings as { segments?: unknown[] }[])[0]?.segments?.length ?? 0;
+  if (encodings.length < 1 || encodings.length > 8 || encodings.some((e: { segments?: unknown[] }) => e?.segments?.length !== several)) throw new TypeError('encodings must be 1 to 8, with as many segments each');
+  if (several > 1 && segmentDuration < LEAST_SEGMENT_S) throw new TypeError('segmentDuration is too short');
+  if (steps !== undefined && !(Array.isArray(steps) && steps.every((phase) => isNumber(phase, 0, 1)))) throw new TypeError('steps must be phases');
+  return {
+    segmentS: segmentDuration,
+    encodings: (encodings as Record<string, unknown>[]).map((encoding) => readEncoding(encoding, sampleRate)),
+    steps: (steps as number[] | undefined) ?? null,
+  };
+}
