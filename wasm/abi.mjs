@@ -87,7 +87,7 @@ function addField({ record, ...abi }, typeName, name) {
   record.size = roundUp(record.end, record.align);
 }
 
-// `access`: which method of Reader and Writer (web/src/records.ts) reads and writes it.
+// `access`: which method of Reader and Writer (web/src/wasm/records.ts) reads and writes it.
 function fieldType({ enums, records }, name) {
   const camel = upperCamel(name);
   if (records.has(name)) return { ...records.get(name), c: camel, ts: `${camel}Record`, record: camel };
@@ -173,7 +173,7 @@ export function exportList(abi, module) {
 
 const listName = (enumeration) => `${enumeration.toUpperCase()}S`.replace(/YS$/, 'IES');
 
-/** The page's half; it imports web/src/records.ts from the folder above its own. */
+/** The page's half; it imports web/src/wasm/records.ts from the folder above its own. */
 export function typeScript(abi) {
   const given = new Set([...abi.functions.values()].flatMap((f) => f.parameters.map(([type]) => type)));
   const modules = new Set([...abi.functions.values()].map((f) => f.module));

@@ -16,7 +16,7 @@
 namespace fourdvt {
 namespace {
 
-// Lets the page compute the flow (web/src/opencv-flow.ts), as fdvt_flow_farneback of abi.txt. 0 if the page cannot.
+// Lets the page compute the flow (web/src/more/opencv-flow.ts), as fdvt_flow_farneback of abi.txt. 0 if the page cannot.
 EM_JS(int, fdvt_page_flow, (const uint8_t* a, const uint8_t* b, int width, int height, float* out),
       { return Module['fourdvtFlow'] ? Module['fourdvtFlow'](a, b, width, height, out) : 0; });
 

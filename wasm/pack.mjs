@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Packs the player's two parts (split.mjs) for the download, after all optimisation:
 // - What the second part calls of the first has a place in the table instead of an exported name: the second part imports it
-//   by its number there (web/src/wasm-module.ts).
+//   by its number there (web/src/player/wasm-module.ts).
 // - Functions of the first part stand in order of their lengths and types, so that like ones are near each other: 2 % less to
 //   download. (The second part gains nothing.)
 // - Data segments with few zeros between them become one.

@@ -2,7 +2,7 @@
 // A library for Emscripten's linker, in place of those of its functions for WebGL that serve more than native/gpu/gles_device.cpp calls:
 // no attributes, no blocks of uniforms, no offsets into buffers, no errors of its own. Half as long.
 const library = {
-  // Objects by number, 0: none. The page registers contexts and takes textures (web/src/wasm-abi.ts).
+  // Objects by number, 0: none. The page registers contexts and takes textures (web/src/wasm/wasm-abi.ts).
   $GL: {
     contexts: [null],
     buffers: [null], programs: [null], framebuffers: [null], renderbuffers: [null], textures: [null], shaders: [null], vaos: [null], syncs: [null],

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A simulated worker that decodes a player's geometry, as web/src/geometry-worker.ts does: jobs by rank, those that are
+// A simulated worker that decodes a player's geometry, as web/src/decode/geometry-worker.ts does: jobs by rank, those that are
 // no longer wanted are forgotten, frames come back after a while.
 #pragma once
 

@@ -295,7 +295,7 @@ TEST(DecodeElsewhere, SeeksAreExactAndNothingIsDecodedHere) {
   EXPECT_LE(decoded.rows - decoded.elsewhere, here + 10) << "the GOP that was begun before";
 }
 
-// Follows web/src/geometry-decoding.ts where nothing comes.
+// Follows web/src/decode/geometry-decoding.ts where nothing comes.
 TEST(DecodeElsewhere, ASilentWorkerIsReplacedByDecodingHere) {
   const FakeCharacter character = twoSequences();
   SimulatedEdge edge(character, {});
