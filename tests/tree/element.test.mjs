@@ -13,23 +13,26 @@ const features = readdirSync(join(root, 'web/src/element')).map((name) => [name,
 const tests = readdirSync(join(root, 'tests/web')).filter((name) => /\.(test|scenes)?\.?mjs$/.test(name)).map((name) => [name, read(`tests/web/${name}`)]);
 const readme = read('web/README.md');
 
-// Members of the interfaces that the features export.
+// Rows of the table of attributes.
+const table = [...read('web/src/element/properties.ts').matchAll(/^ {2}'?([a-z-]+)'?: \{(.*)\},$/gm)].map(([, name, row]) => ({ name, property: /property: '(\w+)'/.exec(row)?.[1] }));
+const attributes = () => table.map(({ name }) => name).sort();
+// Members of the element's class, and the properties that reflect attributes.
 function members() {
-  const names = features.flatMap(([, text]) => [...text.matchAll(/^export interface (\w+) (?:extends \w+ )?\{\n([\s\S]*?)^\}/gm)]
-    .filter(([, name]) => text.includes(`Constructor<${name}>`) && text.includes(`implements ${name}`))
-    .flatMap(([, , body]) => [...body.matchAll(/^ {2}(?:readonly |get |set )?([a-z]\w*)[(:?]/gm)].map(([, name]) => name)));
-  return [...new Set(names)].sort();
+  const text = read('web/src/element/viewer-element.ts');
+  const own = [...text.matchAll(/^ {2}(?:readonly |get |set |async )?([a-z]\w*)[(?]/gm)].map(([, name]) => name).filter((name) => !/^constructor$|Callback$/.test(name) || /VideoFrameCallback$/.test(name));
+  return [...new Set([...own, ...table.flatMap(({ property }) => property ?? [])])].sort();
 }
 // Names of attributes that the code reads, as they stand in quotes.
-function attributes() {
-  const sources = [...features.map(([, text]) => text), ...['more/look', 'player/method-attributes', 'page/quality-attribute', 'controls/motion-controls', 'controls/steering', 'controls/controls', 'controls/extras', 'more/advice'].map((name) => read(`web/src/${name}.ts`))];
-  const names = sources.flatMap((text) => [...text.matchAll(/(?:(?:hasAttribute|getAttribute|toggleAttribute|setAttribute|#number)\(|isOn\([\w.#]+, )'([a-z-]+)'/g)].map(([, name]) => name));
-  return [...new Set(names)].filter((name) => !/^(part|viewBox|d|tabindex|aria-.*|style|role|position|draggable)$/.test(name)).sort();
+function readAttributes() {
+  const elsewhere = ['more/look', 'player/method-attributes', 'page/quality-attribute', 'controls/motion-controls', 'controls/steering', 'controls/controls', 'controls/extras', 'more/advice'];
+  const sources = [...features.map(([, text]) => text), ...elsewhere.map((name) => read(`web/src/${name}.ts`))];
+  const names = sources.flatMap((text) => [...text.matchAll(/(?:(?:hasAttribute|getAttribute|toggleAttribute|setAttribute)\(|(?:isOn|valueOf)\([\w.#]+, )'([a-z-]+)'/g)].map(([, name]) => name));
+  return [...new Set(names)].filter((name) => !/^(part|viewBox|d|tabindex|aria-.*|style|role|position|heading|list|draggable)$/.test(name)).sort();
 }
 function events() {
   const sources = [...features.map(([, text]) => text), read('web/src/more/media-times.ts'), read('web/src/live/live.ts'), read('web/src/session/actor.ts')];
   const native = [...read('native/player/parts/messages.cpp').matchAll(/return "([a-z]+)"/g)].map(([, name]) => name);
-  const own = sources.flatMap((text) => [...text.matchAll(/(?:\[emit\]|\[report\]|#report|host\.emit|#host\.emit)\('([a-z-]+)'/g)].map(([, name]) => name));
+  const own = sources.flatMap((text) => [...text.matchAll(/(?:\.emit|\.report|#report)\('([a-z-]+)'/g)].map(([, name]) => name));
   return [...new Set([...native, ...own])].filter((name) => name !== 'warning').sort();
 }
 const slots = () => ['poster', 'progress-bar', 'controls', 'prompt', 'hotspot-1'];
@@ -47,6 +50,13 @@ if (process.argv.includes('--table')) {
     assert.ok(covered.attribute.includes('camera-controls') && covered.attribute.length > 30, covered.attribute.join());
     assert.ok(covered['property or method'].includes('requestVideoFrameCallback') && covered['property or method'].length > 50, covered['property or method'].join());
     assert.ok(covered.event.includes('durationchange') && covered.event.includes('sequencechange') && covered.event.length > 20, covered.event.join());
+  });
+  test('the table has every attribute that the code reads, and is the one of web/README.md', () => {
+    assert.deepEqual(readAttributes().filter((name) => !attributes().includes(name)), []);
+    const [, rows] = /^## Attributes\n([^]*?)\n\n[^|\n]/m.exec(readme);
+    const documented = [...rows.matchAll(/^\| ((?:`[a-z-]+`(?:, )?)+) \|/gm)].flatMap(([, cell]) => [...cell.matchAll(/`([a-z-]+)`/g)].map(([, name]) => name));
+    assert.deepEqual(documented.filter((name) => !attributes().includes(name)), []);
+    assert.deepEqual(documented.filter((name, i) => documented.indexOf(name) !== i), []);
   });
   for (const kind of Object.keys(covered)) {
     test(`a test names every ${kind}`, () => { assert.deepEqual(rows.filter((row) => row.kind === kind && !row.by.length).map(({ name }) => name), []); });

@@ -5,49 +5,53 @@ import { test } from 'node:test';
 
 import { load, loadTogether } from './load_source.mjs';
 
-const kNames = ['loading', 'playback', 'media', 'motion', 'camera', 'appearance'];
-const all = await loadTogether('element/base', ...kNames.map((name) => `element/${name}`), 'player/commands', 'camera/orbit-camera', 'report/errors', 'fourdvt-viewer');
+const all = await loadTogether('element/overlay', 'element/presence', 'element/viewer', 'fourdvt-viewer');
 
-// A base with attributes, commands and a camera; `events` has what it would dispatch.
-function makeBase() {
-  class Base {
-    static observedAttributes = [];
-    events = [];
-    attributes = new Map();
-    constructor() {
-      const note = (name) => (...values) => this.events.push([name, ...values]);
-      this[all.parts] = {
-        commands: new all.Commands(), camera: new all.OrbitCamera(), companions: new Set(), session: null, size: { width: 320, height: 400 },
-        overlay: { offerPlay: note('offerPlay'), progress: note('bar'), fail: note('fail'), recover() {}, idle() {}, dropCanvas() {}, setPoster: note('poster'),
-          loading: note('loading'), stage: { addEventListener() {} } },
-        connected: true, reducedMotion: { matches: false }, current: null,
-      };
-    }
-    getAttribute(name) { return this.attributes.get(name) ?? null; }
-    hasAttribute(name) { return this.attributes.has(name); }
-    setAttribute(name, value) { this.change(name, String(value)); }
-    toggleAttribute(name, on) { this.change(name, on ? '' : null); }
-    change(name, value) {
-      const before = this.getAttribute(name);
-      if (value === null) this.attributes.delete(name);
-      else this.attributes.set(name, value);
-      if (this.constructor.observedAttributes.includes(name)) this[all.onAttribute](name, before, value);
-    }
-    [all.emit](name, detail) { this.events.push(detail === undefined ? [name] : [name, detail]); }
-    [all.report](name, detail) { this[all.onEvent](name, detail); this[all.emit](name, detail); }
-    connectedCallback() { this[all.onConnected](); }
-    [all.animate]() { return false; }
-    [all.firstWishes]() { return {}; }
-    [all.sessionOptions]() { return {}; }
-    [all.onRestored]() { return false; }
+// Stands for a document, its elements and their methods.
+const kStub = new Proxy(function stub() {}, { get: (_, name) => (name === Symbol.toPrimitive ? () => '' : kStub), set: () => true, apply: () => kStub, construct: () => kStub });
+const kMethods = ['offerPlay', 'progress', 'fail', 'recover', 'idle', 'dropCanvas', 'setPoster', 'loading'];
+
+// The base of the element's class, which is none on a server: attributes, and a list of the events that it dispatches.
+Object.assign(Object.getPrototypeOf(all.FourdvtViewer).prototype, {
+  baseURI: 'http://page.example/',
+  attachShadow: () => kStub,
+  addEventListener() {},
+  dispatchEvent({ type, detail }) { this.events.push(detail === null ? [type] : [type, detail]); },
+  getAttribute(name) { return this.attributes.get(name) ?? null; },
+  hasAttribute(name) { return this.attributes.has(name); },
+  setAttribute(name, value) { this.change(name, String(value)); },
+  toggleAttribute(name, on) { this.change(name, on ? '' : null); },
+  change(name, value) {
+    const before = this.getAttribute(name);
+    if (value === null) this.attributes.delete(name);
+    else this.attributes.set(name, value);
+    if (all.FourdvtViewer.observedAttributes.includes(name)) this.attributeChangedCallback(name, before, value);
+  },
+});
+all.Viewer.prototype.updateTexts = () => undefined;
+all.Presence.prototype.review = () => undefined;
+
+// An element in a document without a page: `viewer` is what its features share, `shown` what its overlay was called to show.
+function makeElement() {
+  let viewer;
+  all.Viewer.prototype.connect = function connect() { viewer = this; };
+  Object.assign(globalThis, { document: kStub, CSSStyleSheet: kStub, matchMedia: () => ({ matches: false }) });
+  let element;
+  try {
+    element = Object.assign(new all.FourdvtViewer(), { events: [], attributes: new Map() });
+  } finally {
+    for (const name of ['document', 'CSSStyleSheet', 'matchMedia']) delete globalThis[name];
   }
-  for (const name of ['onConnected', 'onArrival', 'onGranted', 'touched', 'onLeft', 'onAttribute', 'onResize', 'onEvent', 'onPicture', 'onSession', 'holds', 'onMore', 'onLost', 'onTrapped', 'onGivenUp', 'updateActive']) {
-    Base.prototype[all[name]] = () => undefined;
-  }
-  Base.prototype[all.forgetError] = () => undefined;
-  return Base;
+  element.connectedCallback();
+  viewer.connected = true;
+  viewer.picture.checkRatio = () => undefined;
+  const shown = [];
+  for (const name of kMethods) viewer.overlay[name] = (...values) => shown.push([name, ...values]);
+  Object.defineProperty(viewer, 'current', { writable: true, value: null });
+  Object.defineProperty(viewer, 'size', { value: { width: 320, height: 400 } });
+  return { element, viewer, shown, commands: viewer.commands, loading: viewer.features.find((feature) => 'presence' in feature), settings: () => Object.assign({}, ...viewer.call('settings')) };
 }
-const types = (element) => element.events.map(([name]) => name);
+const types = ({ events }) => events.map(([name]) => name);
 
 test('the script can be imported on a server, where there are no elements', () => {
   assert.equal(typeof globalThis.HTMLElement, 'undefined');
@@ -58,154 +62,151 @@ test('the script can be imported on a server, where there are no elements', () =
 
 // --- playback ---
 
-const playback = () => new (all.withPlayback(makeBase()))();
-
 test('play dispatches one event, and settles with what comes of it', async () => {
-  const element = playback();
+  const { element, viewer } = makeElement();
   const first = element.play(), again = element.play();
   assert.deepEqual(types(element).filter((name) => name === 'play'), ['play']);
   assert.equal(element.paused, false);
-  element[all.report]('playing');
+  viewer.report('playing');
   await Promise.all([first, again]);
   const refused = element.play();
-  element[all.onGivenUp]({ id: 'files-differ', message: 'two bakes' });
+  viewer.call('giveUp', { id: 'files-differ', message: 'two bakes' });
   await assert.rejects(refused, { id: 'files-differ', message: 'two bakes' });
   const stopped = element.play();
   element.pause();
   await assert.rejects(stopped, { name: 'AbortError' });
   assert.equal(element.paused, true);
   const left = element.play();
-  element[all.onGivenUp]();
+  viewer.call('giveUp');
   await assert.rejects(left, { name: 'AbortError' });
 });
 
 test('the end pauses; a pause before the source keeps autoplay from beginning', () => {
-  const element = playback();
+  const { element, viewer, shown, settings } = makeElement();
   element.autoplay = true;
-  assert.equal(element[all.firstWishes]().playing, true);
-  element[all.parts].reducedMotion = { matches: true };
-  assert.equal(element[all.firstWishes]().playing, false, 'visitors who want little motion');
+  assert.equal(settings().playing, true);
+  viewer.reducedMotion = { matches: true };
+  assert.equal(settings().playing, false, 'visitors who want little motion');
   element.play().catch(() => undefined);
-  for (const name of ['pause', 'ended']) element[all.report](name);
+  for (const name of ['pause', 'ended']) viewer.report(name);
   assert.deepEqual([element.paused, element.ended], [true, true]);
-  assert.deepEqual(element.events.at(-2), ['offerPlay', true], 'no dead end');
-  element[all.report]('playing');
+  assert.deepEqual(shown.at(-1), ['offerPlay', true], 'no dead end');
+  viewer.report('playing');
   assert.deepEqual([element.paused, element.ended], [false, false]);
   element.pause();
-  assert.equal(element[all.firstWishes]().playing, false);
+  assert.equal(settings().playing, false);
 });
 
 test('autoplay is paused until it plays, and dispatches play before playing', () => {
-  const element = playback();
+  const { element, viewer, settings } = makeElement();
   element.autoplay = true;
-  element[all.parts].commands.begin(element[all.firstWishes]());
-  assert.equal(element[all.parts].commands.wishes.playing, true);
+  viewer.commands.begin(settings());
+  assert.equal(viewer.commands.wishes.playing, true);
   assert.equal(element.paused, true);
-  element[all.report]('playing');
+  viewer.report('playing');
   assert.deepEqual(types(element), ['play', 'playing']);
   assert.equal(element.paused, false);
-  element[all.report]('pause');
-  element[all.report]('pause');
+  viewer.report('pause');
+  viewer.report('pause');
   assert.deepEqual(types(element).slice(2), ['pause'], 'once');
 
-  const stopped = playback();
-  stopped.autoplay = true;
-  stopped[all.parts].commands.begin(stopped[all.firstWishes]());
-  stopped.pause();
-  assert.deepEqual(types(stopped), [], 'it has not played');
-  assert.equal(stopped[all.parts].commands.wishes.playing, false);
+  const other = makeElement();
+  other.element.autoplay = true;
+  other.commands.begin(other.settings());
+  other.element.pause();
+  assert.deepEqual(types(other.element), [], 'it has not played');
+  assert.equal(other.commands.wishes.playing, false);
 });
 
 test('what is sought before there is a source is sought in it, once', () => {
-  const element = playback();
+  const { element, viewer, settings } = makeElement();
   element.currentTime = 1.5;
   assert.equal(element.currentTime, 1.5);
-  assert.equal(element[all.firstWishes]().time, 1.5);
-  assert.equal(element[all.firstWishes]().time, undefined);
+  assert.equal(settings().time, 1.5);
+  assert.equal(settings().time, undefined);
   element.seekFrame(7);
-  assert.equal(element[all.firstWishes]().frame, 7);
+  assert.equal(settings().frame, 7);
   assert.deepEqual(types(element), ['seeking', 'seeking']);
   assert.throws(() => { element.currentTime = 'soon'; }, TypeError);
   assert.throws(() => { element.playbackRate = 5; }, RangeError);
   element.playbackRate = 0;
   assert.deepEqual([element.playbackRate, element.defaultPlaybackRate], [0, 1]);
   assert.equal(element.seeking, true);
-  element[all.report]('seeked');
+  viewer.report('seeked');
   assert.equal(element.seeking, false);
 });
 
 test('loop is as the sequence says, never or always', () => {
-  const element = playback();
-  const mode = () => element[all.firstWishes]().loop;
+  const { element, viewer, settings } = makeElement();
+  const mode = () => settings().loop;
   assert.equal(mode(), -1);
   element.loop = true;
   assert.equal(mode(), 1);
-  assert.equal(element[all.parts].commands.wishes.loop, 1);
+  assert.equal(viewer.commands.wishes.loop, 1);
   element.loop = false;
   assert.equal(mode(), 0);
 });
 
 // --- the media element's contract ---
 
-function media() {
-  const element = new (all.withMedia(all.withPlayback(makeBase())))();
-  element[all.parts].current = { duration: 1.5 };
-  element[all.parts].session = { character: {}, ended: false, live: null, later: { loaded: {} }, main: null, transport: { busy: true } };
-  element.attributes.set('src', 'a/character.gltf');
-  element.src = 'a/character.gltf';
-  return element;
+function makeMedia() {
+  const made = makeElement();
+  made.viewer.current = { duration: 1.5 };
+  made.viewer.session = { character: {}, ended: false, live: null, later: { loaded: {} }, main: null, transport: { busy: true }, dispose() {}, wake() {} };
+  made.element.attributes.set('src', 'a/character.gltf');
+  return made;
 }
 
 test('media: readyState follows the events; loadeddata comes before canplay, once', () => {
-  const element = media(), states = [];
+  const { element, viewer } = makeMedia(), states = [];
   for (const name of ['loadedmetadata', 'canplay', 'loadeddata', 'playing', 'canplaythrough', 'waiting', 'playing']) {
-    element[all.report](name);
+    viewer.report(name);
     states.push(element.readyState);
   }
   assert.deepEqual(states, [1, 3, 3, 3, 4, 2, 3]);
   assert.deepEqual(types(element), ['durationchange', 'loadedmetadata', 'loadeddata', 'canplay', 'play', 'playing', 'canplaythrough', 'waiting', 'playing']);
-  element[all.onGivenUp]();
+  viewer.call('giveUp');
   assert.equal(element.readyState, 0);
   element.events.length = 0;
-  element[all.report]('canplaythrough');
-  element[all.report]('sequencechange');
+  viewer.report('canplaythrough');
+  viewer.report('sequencechange');
   assert.equal(element.readyState, 3, 'another motion may not be buffered');
-  element[all.onSession]();
-  for (const name of ['loadedmetadata', 'loadeddata']) element[all.report](name);
+  viewer.call('begin');
+  for (const name of ['loadedmetadata', 'loadeddata']) viewer.report(name);
   assert.ok(types(element).includes('loadeddata'), 'another session begins anew');
 });
 
 test('media: another motion has another duration; a seek ends with a timeupdate', () => {
-  const element = media();
-  element[all.report]('loadedmetadata');
-  element[all.report]('sequencechange');
-  element[all.parts].current = { duration: 2 };
-  element[all.report]('sequencechange');
-  element[all.report]('seeked');
+  const { element, viewer } = makeMedia();
+  viewer.report('loadedmetadata');
+  viewer.report('sequencechange');
+  viewer.current = { duration: 2 };
+  viewer.report('sequencechange');
+  viewer.report('seeked');
   assert.deepEqual(types(element), ['durationchange', 'loadedmetadata', 'sequencechange', 'durationchange', 'sequencechange', 'timeupdate', 'seeked']);
   assert.deepEqual([element.seekable.length, element.seekable.start(0), element.seekable.end(0)], [1, 0, 2]);
   assert.throws(() => element.seekable.end(1), { name: 'IndexSizeError' });
-  element[all.parts].session.live = {};
+  viewer.session.live = {};
   assert.equal(element.seekable.length, 0);
 });
 
 test('media: networkState is empty, idle, loading or without a source', () => {
-  const element = media();
+  const { element, viewer } = makeMedia();
   assert.equal(element.networkState, 2);
-  element[all.parts].session.transport.busy = false;
+  viewer.session.transport.busy = false;
   assert.equal(element.networkState, 1);
-  element[all.parts].session = null;
+  viewer.session = null;
   assert.equal(element.networkState, 1, 'it waits until it is near the screen');
-  element.error = { id: 'fetch-failed' };
+  viewer.report('error', { id: 'fetch-failed', message: 'gone' });
   assert.equal(element.networkState, 3);
-  element.src = '';
+  element.attributes.set('src', '');
   assert.equal(element.networkState, 0);
 });
 
 test('media: volume and muted', () => {
-  const element = media();
+  const { element, viewer } = makeMedia();
   element.attributes.set('muted', '');
-  element[all.onConnected]();
+  viewer.features.find((feature) => 'muted' in feature).connect();
   assert.equal(element.muted, true);
   element.defaultMuted = false;
   assert.equal(element.muted, true, 'the attribute is what it begins with');
@@ -218,22 +219,22 @@ test('media: volume and muted', () => {
 });
 
 test('media: a callback gets the next new picture, once', () => {
-  const element = media(), seen = [];
+  const { element, viewer, commands } = makeMedia(), seen = [];
   let state = { framesShown: 4, currentTimeS: 0.2 };
-  element[all.parts].commands.attach({ character: null, state: () => state, parameter: () => NaN, run: () => true });
+  commands.attach({ character: null, state: () => state, parameter: () => NaN, run: () => true });
   element.requestVideoFrameCallback((now, metadata) => seen.push(['a', metadata.presentedFrames, metadata.mediaTime, metadata.width]));
   element.cancelVideoFrameCallback(element.requestVideoFrameCallback(() => seen.push('cancelled')));
-  element[all.onPicture]();
-  element[all.onPicture]();
+  viewer.call('picture');
+  viewer.call('picture');
   element.requestVideoFrameCallback(() => seen.push('b'));
-  element[all.onPicture](); // the camera has moved
+  viewer.call('picture'); // the camera has moved
   assert.deepEqual(seen, [['a', 4, 0.2, 320]]);
   state = { framesShown: 5, currentTimeS: 0.24 };
   const { setTimeout } = globalThis, late = [];
   globalThis.setTimeout = (run) => late.push(run);
   element.requestVideoFrameCallback(() => { throw new Error('mine'); });
   element.requestVideoFrameCallback(() => seen.push('c'));
-  element[all.onPicture]();
+  viewer.call('picture');
   globalThis.setTimeout = setTimeout;
   assert.deepEqual(seen.slice(1), ['b', 'c'], 'one that throws takes no other along');
   assert.throws(late[0], /mine/);
@@ -291,14 +292,14 @@ test('media times: ranges join, loops wrap, and what is held decides that it pla
 
 // --- motion ---
 
-function motion() {
-  const element = new (all.withMotion(makeBase()))();
-  element[all.parts].current = { name: 'locomotion', parameters: [{ name: 'speed', min: 0, max: 2 }] };
-  return element;
+function makeMotion() {
+  const made = makeElement();
+  made.viewer.current = { name: 'locomotion', parameters: [{ name: 'speed', min: 0, max: 2 }] };
+  return made;
 }
 
 test('motion: numbers are checked, wishes and options follow the attributes', () => {
-  const element = motion();
+  const { element, commands, settings } = makeMotion();
   assert.throws(() => element.setParameter('speed', NaN), TypeError);
   assert.throws(() => { element.heading = 'north'; }, TypeError);
   assert.throws(() => { element.placement = { x: Infinity }; }, TypeError);
@@ -309,20 +310,21 @@ test('motion: numbers are checked, wishes and options follow the attributes', ()
   assert.deepEqual(element.placement, { x: 2, z: 0, heading: 0 });
   element.travel = true;
   element.sequence = 'run';
-  assert.deepEqual(element[all.firstWishes](), { sequence: 'run', travel: true });
-  assert.equal(element[all.parts].commands.wishes.sequence, 'run');
+  const { sequence, travel } = settings();
+  assert.deepEqual({ sequence, travel }, { sequence: 'run', travel: true });
+  assert.equal(commands.wishes.sequence, 'run');
   element.align = 'flow-dis';
-  assert.equal(element[all.sessionOptions]().align, 'flow-dis');
+  assert.equal(element.align, 'flow-dis');
   element.align = 'sideways';
   assert.equal(element.align, 'baked');
 });
 
 test('motion: attributes wait until the element is in a document; the same sequence again is another wish', () => {
-  const element = motion(), { commands } = element[all.parts];
-  element[all.parts].connected = false;
+  const { element, viewer, commands } = makeMotion();
+  viewer.connected = false;
   element.sequence = 'run';
   assert.equal(commands.wishes.sequence, null);
-  element[all.parts].connected = true;
+  viewer.connected = true;
   element.sequence = 'run';
   assert.equal(commands.wishes.sequence, 'run');
   commands.goTo('walk');
@@ -331,20 +333,21 @@ test('motion: attributes wait until the element is in a document; the same seque
 });
 
 test('motion: what steers comes with the second part and goes with the element', () => {
-  const element = motion(), log = [];
+  const { element, viewer } = makeMotion(), log = [];
   class Steering {
     step(dtS) { log.push(dtS); return true; }
     update() { log.push('update'); }
     dispose() { log.push('dispose'); }
   }
-  assert.equal(element[all.animate](0.1), false);
-  element[all.onMore]({ Steering });
-  element[all.onMore]({ Steering: null });
-  assert.equal(element[all.animate](0.2), true);
+  viewer.frame(0.1);
+  const motion = viewer.features.find((feature) => 'goTo' in feature);
+  motion.more({ Steering });
+  motion.more({ Steering: null });
+  assert.equal(viewer.frame(0.2), true);
   element.change('motion-controls', '');
-  element[all.onLeft]();
-  assert.equal(element[all.animate](0.3), false);
-  assert.deepEqual(log, [0.2, 'dispose']);
+  motion.disconnect();
+  viewer.frame(0.3);
+  assert.deepEqual(log, [0.2, 'update', 'dispose']);
 });
 
 test('steering: a held key turns and changes the parameter; let go, the heading stays', async () => {
@@ -386,28 +389,29 @@ test('steering: a held key turns and changes the parameter; let go, the heading 
 // --- camera ---
 
 test('camera: attributes make the view; turning by itself waits for the visitor', () => {
-  const element = new (all.withCamera(makeBase()))(), { camera } = element[all.parts];
+  const { element, viewer } = makeElement(), { camera } = viewer;
+  viewer.session = { wake() {} };
   element.attributes.set('camera-orbit', '40deg 10deg 3m');
-  element[all.onArrival]();
+  viewer.call('reset');
   assert.deepEqual(element.getCameraOrbit(), { azimuth: 40, elevation: 10, distance: 3 });
   element.setAttribute('field-of-view', '500');
   assert.equal(camera.fov, 35);
   element.setAttribute('field-of-view', '50deg');
   assert.equal(camera.fov, 50);
   element.toggleAttribute('auto-rotate', true);
-  assert.equal(element[all.animate](0.5), true);
+  assert.equal(viewer.frame(0.5), true);
   element.jumpCameraToGoal();
   assert.ok(element.getCameraOrbit().azimuth > 40);
-  element[all.parts].reducedMotion = { matches: true };
+  viewer.reducedMotion = { matches: true };
   const { azimuth } = element.getCameraOrbit();
-  element[all.animate](0.5);
+  viewer.frame(0.5);
   assert.equal(element.getCameraOrbit().azimuth, azimuth);
 });
 
 // --- appearance ---
 
 test('appearance: options, scenes and qualities are checked before they reach the player', () => {
-  const element = new (all.withAppearance(makeBase()))(), { commands } = element[all.parts];
+  const { element, commands } = makeElement();
   assert.equal(element.renderOptions.samples, 4);
   element.renderOptions = { samples: 0 };
   assert.deepEqual([element.renderOptions.samples, element.renderOptions.groundShadow], [0, true]);
@@ -419,13 +423,10 @@ test('appearance: options, scenes and qualities are checked before they reach th
   assert.equal(commands.wishes.quality.rendition, 0);
   element.method = 'fvvr';
   assert.equal(commands.wishes.method.name, 'fvvr');
-  assert.equal(element[all.sessionOptions]().room, false);
-  element.setAttribute('background', 'room');
-  assert.equal(element[all.sessionOptions]().room, true);
 });
 
 test('appearance: there is no picture and nothing to count before there is a session', async () => {
-  const element = new (all.withAppearance(makeBase()))();
+  const { element } = makeElement();
   assert.equal(await element.toBlob(), null);
   assert.equal(element.stats, null);
 });
@@ -433,16 +434,16 @@ test('appearance: there is no picture and nothing to count before there is a ses
 // --- loading ---
 
 test('loading: a src that is no address is one error, after whoever has set it could listen', async () => {
-  const Loading = all.withLoading(makeBase());
-  const element = new Loading();
-  element.baseURI = 'http://page.example/';
+  const { element, shown, loading } = makeElement();
   element.src = 'http://[';
-  assert.deepEqual(types(element), ['poster', 'offerPlay'], 'the page does not let it load yet');
-  element[all.onGranted](true);
-  assert.deepEqual(types(element).slice(2), ['loading', 'offerPlay', 'loadstart']);
+  assert.deepEqual(types({ events: shown }), ['dropCanvas', 'idle', 'setPoster', 'offerPlay'], 'the page does not let it load yet');
+  assert.deepEqual(types(element), []);
+  loading.allow(true);
+  assert.deepEqual(types({ events: shown }).slice(4), ['loading', 'offerPlay']);
+  assert.deepEqual(types(element), ['loadstart']);
   await Promise.resolve();
   assert.equal(element.error.id, 'invalid-argument');
-  const fail = element.events.find(([name]) => name === 'fail');
+  const fail = shown.find(([name]) => name === 'fail');
   assert.equal(fail[2], true, 'there is nothing else to look at');
   element.src = '';
   assert.equal(element.error, null);
@@ -470,24 +471,24 @@ test('loading: crossorigin says whether requests to other origins carry cookies'
 });
 
 test('loading: progress never begins full, and errors are forgotten when it can play', () => {
-  const element = new (all.withLoading(makeBase()))();
-  element[all.onEvent]('error', { id: 'fetch-failed', message: 'gone' });
+  const { element, viewer, shown } = makeElement();
+  viewer.call('handle', 'error', { id: 'fetch-failed', message: 'gone' });
   assert.equal(element.error.id, 'fetch-failed');
-  element[all.onEvent]('progress', { loaded: 5, total: 5 });
-  assert.ok(!types(element).includes('bar'), 'nothing is loaded');
-  element[all.onEvent]('canplay');
+  viewer.call('handle', 'progress', { loaded: 5, total: 5 });
+  assert.ok(!types({ events: shown }).includes('progress'), 'nothing is loaded');
+  viewer.call('handle', 'canplay');
   assert.equal(element.error, null);
 });
 
 test('loading: a context that comes back serves the session that has lost it, and no other', () => {
-  const element = new (all.withLoading(makeBase()))(), session = {};
-  element[all.parts].session = session;
-  element[all.onLost](session);
-  assert.equal(element[all.parts].session, null);
+  const { element, viewer, loading: { host } } = makeElement(), session = {};
+  viewer.session = session;
+  host.lost(session);
+  assert.equal(viewer.session, null);
   assert.deepEqual(types(element), ['waiting']);
-  assert.equal(element[all.onRestored]({}), false);
+  assert.equal(host.restored({}), false);
   element.load(); // nothing to load, but the lost session is not wanted any more
-  assert.equal(element[all.onRestored](session), false);
+  assert.equal(host.restored(session), false);
 });
 
 // --- the page's ledger ---

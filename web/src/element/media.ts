@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Feature of <fourdvt-viewer>: the rest of the media element's contract, by which ready-made controls drive it: states, ranges
-// of time, volume, callbacks for pictures. Ranges are empty until the
-// player's second part is there.
-import { isOn } from '../page/attributes.js';
+// Feature: the rest of the media element's contract, by which ready-made controls drive it: states, ranges of time, volume, callbacks
+// for pictures. Ranges are empty until the player's second part is there.
 import type { MediaTimes } from '../more/media-times.js';
 import type { More } from '../player/wasm-module.js';
-import { animate, emit, onConnected, onEvent, onGivenUp, onLeft, onMore, onPicture, onSession, parts, report, type Constructor, type ViewerBase } from './base.js';
+import type { ErrorDetail } from '../report/errors.js';
 import type { Loading } from './loading.js';
-import type { Playback } from './playback.js';
+import { valueOf } from './properties.js';
+import type { Feature, Viewer } from './viewer.js';
+
+type TimedViewer = ConstructorParameters<typeof MediaTimes>[0];
+type PictureCallback = (nowMs: number, metadata: PictureMetadata) => void;
 
 /** Metadata of a picture, by the names of HTMLVideoElement's; times in ms, mediaTime in seconds. */
 export interface PictureMetadata {
@@ -17,25 +19,6 @@ export interface PictureMetadata {
   height: number;
   mediaTime: number;
   presentedFrames: number;
-}
-
-export interface Media {
-  /** 'none': loads at the first play() or touch; else `loading` decides. */
-  preload: string;
-  /** 'use-credentials': cookies go to other origins, too. */
-  crossOrigin: string | null;
-  readonly networkState: number;
-  readonly readyState: number;
-  /** Ranges of the motion shown that can be played without the network. */
-  readonly buffered: TimeRanges;
-  readonly seekable: TimeRanges;
-  /** Ranges of it that have been played since it was chosen. */
-  readonly played: TimeRanges;
-  volume: number;
-  muted: boolean;
-  defaultMuted: boolean;
-  requestVideoFrameCallback(callback: (nowMs: number, metadata: PictureMetadata) => void): number;
-  cancelVideoFrameCallback(handle: number): void;
 }
 
 const HAVE: Record<string, number> = { loadedmetadata: 1, loadeddata: 2, waiting: 2, canplay: 3, playing: 3, canplaythrough: 4 };
@@ -50,117 +33,97 @@ export function timeRanges(list: readonly (readonly [number, number])[]): TimeRa
   return { length: list.length, start: at(0), end: at(1) };
 }
 
-export function withMedia<T extends Constructor<ViewerBase & Loading & Playback>>(Base: T): T & Constructor<Media> {
-  return class extends Base implements Media {
-    #ready = 0;
-    #duration = NaN; // at the last durationchange
-    #volume = 1;
-    #muted: boolean | null = null; // null before it is in a document: the attribute counts
-    #times: MediaTimes | null = null;
-    #callbacks = new Map<number, (nowMs: number, metadata: PictureMetadata) => void>();
-    #handles = 0;
-    #presented = NaN;
+export class Media implements Feature {
+  readonly #viewer: Viewer;
+  readonly #loading: Loading;
+  readonly #timed: TimedViewer;
+  #ready = 0;
+  #duration = NaN; // at the last durationchange
+  #volume = 1;
+  #muted: boolean | null = null; // null before it is in a document: the attribute counts
+  #times: MediaTimes | null = null;
+  #callbacks = new Map<number, PictureCallback>();
+  #handles = 0;
+  #presented = NaN;
 
-    get preload(): string { return this.getAttribute('preload') ?? 'auto'; }
-    set preload(value: string) { this.setAttribute('preload', value); }
-    get crossOrigin(): string | null { return this.getAttribute('crossorigin'); }
-    set crossOrigin(value: string | null) {
-      if (value === null) this.removeAttribute('crossorigin');
-      else this.setAttribute('crossorigin', value);
-    }
-    get networkState(): number {
-      const { session } = this[parts];
-      if (!this.src) return 0;
-      if (!session || session.ended) return this.error ? 3 : 1;
-      return !session.character || session.transport.busy ? 2 : 1;
-    }
-    get readyState(): number { return this[parts].session?.character ? this.#ready : 0; }
-    get buffered(): TimeRanges { return timeRanges(this.#times?.buffered() ?? []); }
-    get seekable(): TimeRanges { return timeRanges(this.duration < Infinity ? [[0, this.duration]] : []); }
-    get played(): TimeRanges { return timeRanges(this.#times?.played ?? []); }
-    get volume(): number { return this.#volume; }
-    set volume(value: number) {
-      if (!(value >= 0 && value <= 1)) throw new DOMException('volume must be 0 to 1', 'IndexSizeError');
-      if (this.#volume === value) return;
-      this.#volume = value;
-      this[emit]('volumechange');
-    }
-    get muted(): boolean { return this.#muted ?? this.defaultMuted; }
-    set muted(on: boolean) {
-      const before = this.muted;
-      this.#muted = on;
-      if (before !== on) this[emit]('volumechange');
-    }
-    get defaultMuted(): boolean { return isOn(this, 'muted'); }
-    set defaultMuted(on: boolean) { this.toggleAttribute('muted', on); }
+  /** timed: the element. */
+  constructor(viewer: Viewer, loading: Loading, timed: TimedViewer) {
+    this.#viewer = viewer;
+    this.#loading = loading;
+    this.#timed = timed;
+  }
 
-    requestVideoFrameCallback(callback: (nowMs: number, metadata: PictureMetadata) => void): number {
-      this.#callbacks.set(++this.#handles, callback);
-      return this.#handles;
-    }
-    cancelVideoFrameCallback(handle: number): void { this.#callbacks.delete(handle); }
+  get networkState(): number {
+    const { session, element } = this.#viewer;
+    if (!valueOf(element, 'src')) return 0;
+    if (!session || session.ended) return this.#loading.error ? 3 : 1;
+    return !session.character || session.transport.busy ? 2 : 1;
+  }
+  get readyState(): number { return this.#viewer.session?.character ? this.#ready : 0; }
+  get buffered(): TimeRanges { return timeRanges(this.#times?.buffered() ?? []); }
+  get played(): TimeRanges { return timeRanges(this.#times?.played ?? []); }
+  get volume(): number { return this.#volume; }
+  set volume(value: number) {
+    if (!(value >= 0 && value <= 1)) throw new DOMException('volume must be 0 to 1', 'IndexSizeError');
+    if (this.#volume === value) return;
+    this.#volume = value;
+    this.#viewer.emit('volumechange');
+  }
+  get muted(): boolean { return this.#muted ?? valueOf(this.#viewer.element, 'muted'); }
+  set muted(on: boolean) {
+    const before = this.muted;
+    this.#muted = on;
+    if (before !== on) this.#viewer.emit('volumechange');
+  }
+  requestCallback(callback: PictureCallback): number {
+    this.#callbacks.set(++this.#handles, callback);
+    return this.#handles;
+  }
+  cancelCallback(handle: number): void { this.#callbacks.delete(handle); }
 
-    // The first picture may be drawn after the player can go on from it.
-    override [report](name: string, detail?: unknown): void {
-      if (name === 'canplay' && this.#ready < 2) super[report]('loadeddata');
-      if (name !== 'loadeddata' || this.#ready < 2) super[report](name, detail);
+  // The first picture may be drawn after the player can go on from it.
+  accept(event: string): boolean {
+    if (event === 'canplay' && this.#ready < 2) this.#viewer.report('loadeddata');
+    return event !== 'loadeddata' || this.#ready < 2;
+  }
+  handle(event: string): void {
+    if (event === 'sequencechange') this.#ready = Math.min(this.#ready, 3); // that one may not be buffered yet
+    if (event in HAVE) this.#ready = event === 'waiting' ? HAVE[event]! : Math.max(this.#ready, HAVE[event]!);
+    const { duration } = this.#viewer;
+    if ((event === 'loadedmetadata' || event === 'sequencechange') && !Object.is(this.#duration, duration)) {
+      this.#duration = duration;
+      this.#viewer.emit('durationchange');
     }
-    override [onEvent](name: string, detail: unknown): void {
-      super[onEvent](name, detail);
-      if (name === 'sequencechange') this.#ready = Math.min(this.#ready, 3); // that one may not be buffered yet
-      if (name in HAVE) this.#ready = name === 'waiting' ? HAVE[name]! : Math.max(this.#ready, HAVE[name]!);
-      if ((name === 'loadedmetadata' || name === 'sequencechange') && !Object.is(this.#duration, this.duration)) {
-        this.#duration = this.duration;
-        this[emit]('durationchange');
-      }
-      if (name === 'seeked') this[emit]('timeupdate');
-    }
-    override [onPicture](): void {
-      super[onPicture]();
-      const state = this[parts].commands.state();
-      if (!this.#callbacks.size || state?.framesShown === this.#presented) return;
-      this.#presented = state!.framesShown;
-      const due = this.#callbacks, now = performance.now();
-      this.#callbacks = new Map();
-      for (const callback of due.values()) {
-        const metadata = { presentationTime: now, expectedDisplayTime: now, ...this[parts].size, mediaTime: this.currentTime, presentedFrames: this.#presented };
-        try {
-          callback(now, metadata);
-        } catch (reason) {
-          setTimeout(() => { throw reason; }); // the others, and the next picture, do not wait for it
-        }
+    if (event === 'seeked') this.#viewer.emit('timeupdate');
+  }
+  picture(): void {
+    const { commands, size, currentTime } = this.#viewer, state = commands.state();
+    if (!this.#callbacks.size || state?.framesShown === this.#presented) return;
+    this.#presented = state!.framesShown;
+    const due = this.#callbacks, now = performance.now();
+    this.#callbacks = new Map();
+    for (const callback of due.values()) {
+      const metadata = { presentationTime: now, expectedDisplayTime: now, ...size, mediaTime: currentTime, presentedFrames: this.#presented };
+      try {
+        callback(now, metadata);
+      } catch (reason) {
+        setTimeout(() => { throw reason; }); // the others, and the next picture, do not wait for it
       }
     }
-    override [onMore](more: More): void {
-      super[onMore](more);
-      this.#times ??= new more.MediaTimes(this, {
-        player: () => this[parts].session?.wholePlayer ?? null,
-        bytes: () => this[parts].commands.state()?.bytesFetched ?? 0,
-      }, (name, detail) => this[report](name, detail));
-    }
-    override [animate](dtS: number): boolean {
-      this.#times?.turn();
-      return super[animate](dtS);
-    }
-    override [onConnected](): void {
-      super[onConnected]();
-      this.#muted ??= this.defaultMuted;
-    }
-    override [onLeft](): void {
-      super[onLeft]();
-      this.#times?.dispose();
-    }
-    override [onGivenUp](error?: Parameters<ViewerBase[typeof onGivenUp]>[0]): void {
-      super[onGivenUp](error);
-      if (!error) this.#forget();
-    }
-    override [onSession](): void {
-      super[onSession]();
-      this.#forget();
-    }
-    #forget(): void {
-      this.#ready = 0;
-      this.#duration = NaN;
-    }
-  };
+  }
+  more(more: More): void {
+    const viewer = this.#viewer;
+    this.#times ??= new more.MediaTimes(this.#timed, {
+      player: () => viewer.session?.wholePlayer ?? null,
+      bytes: () => viewer.commands.state()?.bytesFetched ?? 0,
+    }, (name, detail) => viewer.report(name, detail));
+  }
+  frame(): void { this.#times?.turn(); }
+  connect(): void { this.#muted ??= valueOf(this.#viewer.element, 'muted'); }
+  disconnect(): void { this.#times?.dispose(); }
+  giveUp(error?: ErrorDetail): void { if (!error) this.begin(); }
+  begin(): void {
+    this.#ready = 0;
+    this.#duration = NaN;
+  }
 }

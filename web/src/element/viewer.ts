@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// Core of one <fourdvt-viewer>: what its features share, its life in the document, its events. Shows and loads nothing by itself.
+import { OrbitCamera } from '../camera/orbit-camera.js';
+import { isOn, upgradeProperties } from '../page/attributes.js';
+import { PictureBox, type Size } from '../page/picture-box.js';
+import { Commands, type Wishes } from '../player/commands.js';
+import type { More } from '../player/wasm-module.js';
+import type { SequenceInfo } from '../player/wasm-player.js';
+import { dispatch, type ErrorDetail } from '../report/errors.js';
+import { stringsOf, type Languages, type Strings } from '../report/strings.js';
+import { JOIN_EVENT, type Companion } from '../session/companion.js';
+import type { Session } from '../session/session.js';
+import { Overlay } from './overlay.js';
+
+/** One concern of a viewer: an object with the methods that it needs of these. */
+export interface Feature {
+  /** The element has come into a document. */
+  connect?(): void;
+  /** It has left the document. */
+  disconnect?(): void;
+  /** An observed attribute was set while the element is in a document; changed: to another value. */
+  update?(name: string, changed: boolean): void;
+  /** Its texts have changed. */
+  updateTexts?(): void;
+  /** The picture's size or pixel ratio has changed: CSS pixels. */
+  resize?(width: number, height: number): void;
+  /** A turn of the page's loop. True if the view or the motion changes by itself. */
+  frame?(stepS: number): boolean | void;
+  /** The visitor, or a script in his place, has used the viewer. */
+  touch?(): void;
+  /** False: this event is not dispatched, as it was before. */
+  accept?(event: string): boolean;
+  /** An event of the session, before it is dispatched. */
+  handle?(event: string, detail: unknown): void;
+  /** A picture has been drawn. */
+  picture?(): void;
+  /** The player's second part is there; called once or more. */
+  more?(more: More): void;
+  /** Another source begins than before the element left its document. */
+  reset?(): void;
+  /** Settings that another source begins with. */
+  settings?(): Partial<Wishes>;
+  /** A session begins: the state of the last one is over. */
+  begin?(): void;
+  /** What was asked for does not come. error: the reason; none if it was replaced. */
+  giveUp?(error?: ErrorDetail): void;
+}
+
+/** Static properties of the element's class. */
+export interface Statics {
+  strings: Languages;
+  wasmUrl: string;
+  opencvUrl: string;
+}
+
+export class Viewer {
+  readonly element: HTMLElement;
+  readonly overlay: Overlay;
+  readonly picture: PictureBox;
+  readonly camera = new OrbitCamera();
+  readonly commands = new Commands();
+  readonly companions = new Set<Companion>();
+  readonly reducedMotion: { readonly matches: boolean } = matchMedia('(prefers-reduced-motion: reduce)');
+  features: readonly Feature[] = [];
+  session: Session | null = null;
+  /** The element is in a document. */
+  connected = false;
+  /** An attribute was set since the element left its document. */
+  changedOutside = false;
+  /** Time of the visitor's last input, ms. */
+  touchedMs = -Infinity;
+  #watching = new AbortController(); // the picture's size
+
+  constructor(element: HTMLElement) {
+    this.element = element;
+    this.overlay = new Overlay(element.attachShadow({ mode: 'open' }));
+    this.picture = new PictureBox(this.overlay.content);
+    element.addEventListener(JOIN_EVENT, (e) => this.#join(e as CustomEvent<Companion>));
+  }
+
+  get statics(): Statics { return this.element.constructor as unknown as Statics; }
+  /** Of the canvas, pixels. */
+  get size(): Size { return this.picture.canvas; }
+  /** The sequence that is shown. */
+  get current(): SequenceInfo | null { return this.session?.character?.sequences[this.commands.state()?.sequence ?? -1] ?? null; }
+  /** Of it, seconds; NaN before it is loaded. */
+  get duration(): number { return this.session?.live ? Infinity : this.current?.duration ?? NaN; }
+  get currentTime(): number { return this.commands.state()?.currentTimeS ?? this.commands.wishes.time ?? 0; }
+
+  /** Calls a method of every feature that has it, in the order of the list. */
+  call<Name extends keyof Feature>(name: Name, ...values: Parameters<Required<Feature>[Name]>): ReturnType<Required<Feature>[Name]>[] {
+    type Method = (...values: unknown[]) => ReturnType<Required<Feature>[Name]>;
+    return this.features.filter((feature) => feature[name]).map((feature) => (feature[name] as Method).apply(feature, values));
+  }
+
+  connect(): void {
+    if (this.connected) return; // moved within the page: it goes on
+    upgradeProperties(this.element);
+    this.connected = true;
+    this.#watching = new AbortController();
+    this.picture.watch(() => this.#resize(), this.#watching.signal);
+    this.updateTexts();
+    this.call('connect');
+  }
+  // A move within the page takes the element out and puts it back at once.
+  disconnect(): void {
+    queueMicrotask(() => { if (!this.element.isConnected && this.connected) this.#leave(); });
+  }
+  /** Leaves observers and clocks to the old document. Where the element is in the new one, connect() follows. */
+  adopt(): void {
+    this.overlay.applyStyle();
+    if (this.connected) this.#leave();
+  }
+  #leave(): void {
+    this.#watching.abort();
+    this.connected = this.changedOutside = false;
+    this.call('disconnect');
+    this.overlay.idle();
+  }
+
+  update(name: string, changed: boolean): void {
+    if (!this.connected) this.changedOutside = true;
+    else if (/^(alt|lang|camera-controls|motion-controls|touch-action)$/.test(name)) this.updateTexts();
+    if (this.connected) this.call('update', name, changed);
+    this.session?.wake();
+  }
+  updateTexts(): void {
+    const { element, overlay } = this;
+    overlay.say(stringsOf(element, this.statics.strings) as unknown as Strings);
+    overlay.setLabel(element.getAttribute('alt') ?? '', isOn(element, 'camera-controls'), isOn(element, 'motion-controls'));
+    overlay.setTouchAction(element.getAttribute('touch-action') ?? '');
+    this.call('updateTexts');
+  }
+  frame(stepS: number): boolean {
+    this.picture.checkRatio();
+    return this.call('frame', stepS).includes(true);
+  }
+  touch(): void {
+    this.touchedMs = performance.now();
+    this.call('touch');
+  }
+
+  /** Dispatches an event of the element. */
+  emit(name: string, detail?: unknown): void { dispatch(this.element, name, detail); }
+  /** Dispatches an event of the session once the features have handled it. */
+  report(name: string, detail?: unknown): void {
+    if (this.call('accept', name).includes(false)) return;
+    this.call('handle', name, detail);
+    this.emit(name, detail);
+  }
+
+  #resize(): void {
+    const { picture: { size, canvas }, session } = this;
+    this.call('resize', size.width, size.height);
+    session?.resize(canvas.width, canvas.height);
+  }
+
+  #join(event: CustomEvent<Companion>): void {
+    event.stopPropagation();
+    const companion = event.detail;
+    this.companions.add(companion);
+    this.session?.later.add(companion);
+    companion.left.addEventListener('abort', () => {
+      this.companions.delete(companion);
+      this.session?.later.remove(companion);
+    });
+  }
+}
