@@ -101,7 +101,7 @@ test('autoplay is paused until it plays, and dispatches play before playing', ()
   const { element, viewer, settings } = makeElement();
   element.autoplay = true;
   viewer.commands.begin(settings());
-  assert.equal(viewer.commands.wishes.playing, true);
+  assert.equal(viewer.commands.settings.playing, true);
   assert.equal(element.paused, true);
   viewer.report('playing');
   assert.deepEqual(types(element), ['play', 'playing']);
@@ -115,7 +115,7 @@ test('autoplay is paused until it plays, and dispatches play before playing', ()
   other.commands.begin(other.settings());
   other.element.pause();
   assert.deepEqual(types(other.element), [], 'it has not played');
-  assert.equal(other.commands.wishes.playing, false);
+  assert.equal(other.commands.settings.playing, false);
 });
 
 test('what is sought before there is a source is sought in it, once', () => {
@@ -142,7 +142,7 @@ test('loop is as the sequence says, never or always', () => {
   assert.equal(mode(), -1);
   element.loop = true;
   assert.equal(mode(), 1);
-  assert.equal(viewer.commands.wishes.loop, 1);
+  assert.equal(viewer.commands.settings.loop, 1);
   element.loop = false;
   assert.equal(mode(), 0);
 });
@@ -298,7 +298,7 @@ function makeMotion() {
   return made;
 }
 
-test('motion: numbers are checked, wishes and options follow the attributes', () => {
+test('motion: numbers are checked, settings and options follow the attributes', () => {
   const { element, commands, settings } = makeMotion();
   assert.throws(() => element.setParameter('speed', NaN), TypeError);
   assert.throws(() => { element.heading = 'north'; }, TypeError);
@@ -312,24 +312,24 @@ test('motion: numbers are checked, wishes and options follow the attributes', ()
   element.sequence = 'run';
   const { sequence, travel } = settings();
   assert.deepEqual({ sequence, travel }, { sequence: 'run', travel: true });
-  assert.equal(commands.wishes.sequence, 'run');
+  assert.equal(commands.settings.sequence, 'run');
   element.align = 'flow-dis';
   assert.equal(element.align, 'flow-dis');
   element.align = 'sideways';
   assert.equal(element.align, 'baked');
 });
 
-test('motion: attributes wait until the element is in a document; the same sequence again is another wish', () => {
+test('motion: attributes wait until the element is in a document; the same sequence again is another command', () => {
   const { element, viewer, commands } = makeMotion();
   viewer.connected = false;
   element.sequence = 'run';
-  assert.equal(commands.wishes.sequence, null);
+  assert.equal(commands.settings.sequence, null);
   viewer.connected = true;
   element.sequence = 'run';
-  assert.equal(commands.wishes.sequence, 'run');
+  assert.equal(commands.settings.sequence, 'run');
   commands.goTo('walk');
   element.sequence = 'run';
-  assert.equal(commands.wishes.sequence, 'run');
+  assert.equal(commands.settings.sequence, 'run');
 });
 
 test('motion: what steers comes with the second part and goes with the element', () => {
@@ -420,9 +420,9 @@ test('appearance: options, scenes and qualities are checked before they reach th
   element.scene = [{ corners: [] }, { corners: Array(18).fill(0) }];
   assert.equal(element.scene.length, 1);
   element.quality = '0';
-  assert.equal(commands.wishes.quality.rendition, 0);
+  assert.equal(commands.settings.quality.rendition, 0);
   element.method = 'fvvr';
-  assert.equal(commands.wishes.method.name, 'fvvr');
+  assert.equal(commands.settings.method.name, 'fvvr');
 });
 
 test('appearance: there is no picture and nothing to count before there is a session', async () => {
@@ -491,17 +491,17 @@ test('loading: a context that comes back serves the session that has lost it, an
   assert.equal(host.restored(session), false);
 });
 
-// --- the page's ledger ---
+// --- the page's budget ---
 
-const claim = (part = {}) => ({ mode: 'auto', distance: 0, area: 100, shown: true, touchedMs: -Infinity, ...part });
-const share = async (claims, budget, had = []) => {
-  const { shareOut } = await load('element/ledger');
-  return shareOut(claims.map(claim), had, { loaded: 100, running: 100, ...budget }, 10_000);
+const priority = (part = {}) => ({ mode: 'auto', distance: 0, area: 100, shown: true, touchedMs: -Infinity, ...part });
+const share = async (priorities, budget, had = []) => {
+  const { allocate } = await load('element/budget');
+  return allocate(priorities.map(priority), had, { loaded: 100, running: 100, ...budget }, 10_000);
 };
 
-test('ledger: what is near loads, what is on screen first; what is held is kept until it is far', async () => {
-  const grants = await share([{ distance: 0.5 }, { distance: 1.5 }, { distance: 0.5, mode: 'lazy' }, { distance: 50, mode: 'eager' }]);
-  assert.deepEqual(grants.map(({ load }) => load), [true, false, false, true]);
+test('budget: what is near loads, what is on screen first; what is held is kept until it is far', async () => {
+  const reservations = await share([{ distance: 0.5 }, { distance: 1.5 }, { distance: 0.5, mode: 'lazy' }, { distance: 50, mode: 'eager' }]);
+  assert.deepEqual(reservations.map(({ load }) => load), [true, false, false, true]);
   const busy = await share([{ shown: false }, { distance: 0.5 }, { distance: 9, mode: 'eager' }]);
   assert.deepEqual(busy.map(({ load }) => load), [true, false, true], 'what is near waits for what is seen');
   const held = await share([{ distance: 2.9 }, { distance: 3.1 }], {}, [{ load: true, run: false }, { load: true, run: false }]);
@@ -510,8 +510,8 @@ test('ledger: what is near loads, what is on screen first; what is held is kept 
   assert.deepEqual(few.map(({ load }) => load), [false, true, true]);
 });
 
-test('ledger: decoders go to viewers on screen: without a picture, then touched, then larger', async () => {
-  const run = async (claims, running) => (await share(claims, { running })).map((grant) => grant.run);
+test('budget: decoders go to viewers on screen: without a picture, then touched, then larger', async () => {
+  const run = async (priorities, running) => (await share(priorities, { running })).map((reservation) => reservation.run);
   assert.deepEqual(await run([{ distance: 0.5, shown: false }, {}], 1), [false, true]);
   assert.deepEqual(await run([{ area: 500 }, { shown: false }], 1), [false, true]);
   assert.deepEqual(await run([{ area: 500 }, { touchedMs: 9000 }], 1), [false, true]);
@@ -519,55 +519,55 @@ test('ledger: decoders go to viewers on screen: without a picture, then touched,
   assert.deepEqual(await run([{ distance: 0.5 }, {}], 2), [true, true], 'what is left is for those that are near');
 });
 
-test('ledger: the budget follows what viewers have turned out to hold', async () => {
-  const { budgetOf } = await load('element/ledger');
-  assert.deepEqual(budgetOf(150e6, 4, 0, 0), { loaded: 10, running: 4 });
-  assert.deepEqual(budgetOf(150e6, 4, 120e6, 4), { loaded: 5, running: 4 });
-  assert.equal(budgetOf(10e6, 4, 120e6, 1).loaded, 1, 'one is always shown');
+test('budget: the budget follows what viewers have turned out to hold', async () => {
+  const { limitsOf } = await load('element/budget');
+  assert.deepEqual(limitsOf(150e6, 4, 0, 0), { loaded: 10, running: 4 });
+  assert.deepEqual(limitsOf(150e6, 4, 120e6, 4), { loaded: 5, running: 4 });
+  assert.equal(limitsOf(10e6, 4, 120e6, 1).loaded, 1, 'one is always shown');
 });
 
-test('ledger: one that is heavier than the others is freed once, not for ever', async () => {
-  const { Ledger } = await load('element/ledger');
+test('budget: one that is heavier than the others is freed once, not for ever', async () => {
+  const { PageBudget } = await load('element/budget');
   const members = [], due = [];
   const used = () => members.reduce((sum, { holds, bytes }) => sum + (holds ? bytes : 0), 0);
-  const ledger = new Ledger({ usedBytes: used, bytes: 160e6, decoders: 4, now: () => 0, later: (run) => due.push(run) });
+  const budget = new PageBudget({ usedBytes: used, bytes: 160e6, decoders: 4, now: () => 0, later: (run) => due.push(run) });
   for (let i = 0; i < 10; ++i) {
-    const one = { bytes: i < 9 ? 5e6 : 120e6, holds: false, loads: 0, claim: () => claim({ area: 100 - i }), granted({ load }) {
+    const one = { bytes: i < 9 ? 5e6 : 120e6, holds: false, loads: 0, priority: () => priority({ area: 100 - i }), reserved({ load }) {
       if (load && !this.holds) ++this.loads;
       this.holds = load;
     } };
     members.push(one);
-    ledger.add(one);
+    budget.add(one);
   }
   for (let turns = 0; turns < 20; ++turns) {
     for (const run of due.splice(0)) run();
-    ledger.review();
+    budget.review();
   }
   assert.deepEqual(members.map(({ loads }) => loads), Array(10).fill(1));
   assert.deepEqual(members.map(({ holds }) => holds), [...Array(9).fill(true), false]);
   assert.ok(used() <= 160e6);
 });
 
-test('ledger: only those whose grant changes hear of it, the freed ones first, once a turn', async () => {
-  const { Ledger } = await load('element/ledger');
+test('budget: only those whose reservation changes hear of it, the freed ones first, once a turn', async () => {
+  const { PageBudget } = await load('element/budget');
   const due = [], log = [];
-  const ledger = new Ledger({ usedBytes: () => 0, bytes: 15e6, decoders: 1, now: () => 0, later: (run) => due.push(run) });
+  const budget = new PageBudget({ usedBytes: () => 0, bytes: 15e6, decoders: 1, now: () => 0, later: (run) => due.push(run) });
   const turn = () => { for (const run of due.splice(0)) run(); };
-  const member = (name, part) => ({ part, claim() { return claim(this.part); }, granted: ({ load, run }) => log.push(`${name} ${load} ${run}`) });
+  const member = (name, part) => ({ part, priority() { return priority(this.part); }, reserved: ({ load, run }) => log.push(`${name} ${load} ${run}`) });
   const a = member('a', {}), b = member('b', { distance: 0.9 });
-  for (const one of [a, b]) ledger.add(one);
+  for (const one of [a, b]) budget.add(one);
   assert.equal(due.length, 1);
   turn();
   assert.deepEqual(log.splice(0), ['a true true'], 'there is room for one');
   a.part = { distance: 5 };
   b.part = {};
-  ledger.review();
+  budget.review();
   turn();
   assert.deepEqual(log.splice(0), ['a false false', 'b true true']);
-  ledger.review();
+  budget.review();
   turn();
   assert.deepEqual(log, []);
-  ledger.remove(b);
-  ledger.remove(b);
+  budget.remove(b);
+  budget.remove(b);
   turn();
 });

@@ -198,7 +198,7 @@ test('a viewer whose manifest fails leaves the stage, which ends with the last v
   await leave();
   await until(page, () => globalThis.contextOfPage.isContextLost());
   await putBack();
-  assert.equal(await page.evaluate(() => globalThis.counts.contexts), 2, 'no seat was left on the first');
+  assert.equal(await page.evaluate(() => globalThis.counts.contexts), 2, 'no slot was left on the first');
   assert.deepEqual(await page.evaluate(() => globalThis.counts.errors.map(({ id }) => id)), ['fetch-failed']);
   page.reported.length = 0;
   await page.close();

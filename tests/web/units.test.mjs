@@ -398,17 +398,18 @@ test('the second part gets the exports of the first; one that is missing is one 
   }
 });
 
-// A character as Commands sees it: writes down what its player is told, and refuses the sequence `none`.
-function makePerformer(state = {}) {
-  const told = [];
-  const player = new Proxy({}, {
-    get: (_, name) => (...values) => {
+// A character as Commands uses it: lists calls of its player, which refuses `none`.
+function makeInstance(state = {}) {
+  const calls = [];
+  const list = {
+    get: (target, name) => target[name] ?? ((...values) => {
       if (values[0] === 'none') throw new Error('refused');
-      told.push([name, ...values]);
-    },
-  });
+      calls.push([name, ...values]);
+    }),
+  };
+  const player = new Proxy({ set: new Proxy({}, list) }, list);
   return {
-    told, character: { sequences: [{ name: 'walk' }, { name: 'run' }] },
+    calls, character: { sequences: [{ name: 'walk' }, { name: 'run' }] },
     state: () => ({
       hasFrame: true, seeking: false, sequence: 1, frame: 7, goal: 'run', x: 1, z: 2, heading: 30, ...state,
     }),
@@ -420,7 +421,7 @@ function makePerformer(state = {}) {
   };
 }
 
-test('commands: wishes until the character is there, then it does them; a new one hears what differs', async () => {
+test('commands: settings apply once the character is there; a new one gets those that differ from its own', async () => {
   const { Commands } = await load('player/commands');
   const commands = new Commands();
   commands.begin({ sequence: 'walk', loop: 1 });
@@ -432,60 +433,60 @@ test('commands: wishes until the character is there, then it does them; a new on
   commands.seek(1);
   assert.deepEqual(commands.placement, { x: 0, z: 0, heading: 90 });
   assert.equal(commands.parameter('speed_mps'), 2);
-  const performer = makePerformer();
-  commands.attach(performer);
-  assert.deepEqual(performer.told.splice(0), [
-    ['setParameter', 'speed_mps', 2, true], ['setLoop', 1], ['place', { x: 0, z: 0, heading: 90 }],
-    ['selectSequence', 'walk'], ['seek', 1], ['play']]);
+  const instance = makeInstance();
+  commands.attach(instance);
+  assert.deepEqual(instance.calls.splice(0), [
+    ['setParameter', 'speed_mps', 2, true], ['loop', 1], ['placement', { x: 0, z: 0, heading: 90 }],
+    ['sequence', 'walk'], ['time', 1], ['playing', true]]);
   commands.setParameter('speed_mps', 3, false);
   commands.set('playing', false);
   commands.setParameter('speed_mps', 4, false);
   commands.steer(10);
   commands.seek(1);
   commands.goTo('run');
-  assert.deepEqual(performer.told.splice(0), [
-    ['setParameter', 'speed_mps', 3, false], ['pause'], ['setParameter', 'speed_mps', 4, true], ['steer', 10],
-    ['seek', 1], ['goTo', 'run']]);
+  assert.deepEqual(instance.calls.splice(0), [
+    ['setParameter', 'speed_mps', 3, false], ['playing', false], ['setParameter', 'speed_mps', 4, true], ['steer', 10],
+    ['time', 1], ['goTo', 'run']]);
   assert.equal(commands.parameter('speed_mps'), 1.5);
 });
 
-test('commands: the next performer begins where the last one was, another source as last asked for', async () => {
+test('commands: the next instance begins where the last one was, another source as set', async () => {
   const { Commands } = await load('player/commands');
   const commands = new Commands();
   const here = { x: 5, z: 0, heading: 0 };
   commands.begin({ sequence: 'walk', placement: here });
   const next = (state, between = () => undefined) => {
-    const [first, second] = [makePerformer(state), makePerformer()];
+    const [first, second] = [makeInstance(state), makeInstance()];
     commands.attach(first);
     commands.detach(first);
     between();
     commands.attach(second);
-    return second.told;
+    return second.calls;
   };
-  const there = ['place', { x: 1, z: 2, heading: 30 }];
-  assert.deepEqual(next({}), [there, ['selectSequence', 'run'], ['seekFrame', 7]]);
+  const there = ['placement', { x: 1, z: 2, heading: 30 }];
+  assert.deepEqual(next({}), [there, ['sequence', 'run'], ['frame', 7]]);
   commands.begin();
-  assert.deepEqual(next({ goal: 'walk' }), [there, ['selectSequence', 'walk']], 'the goal of a transition');
+  assert.deepEqual(next({ goal: 'walk' }), [there, ['sequence', 'walk']], 'the goal of a transition');
   commands.begin();
-  assert.deepEqual(next({ seeking: true }), [there, ['selectSequence', 'walk']], 'while seeking, what is sought');
+  assert.deepEqual(next({ seeking: true }), [there, ['sequence', 'walk']], 'while seeking, what is sought');
   commands.begin();
-  assert.deepEqual(next({ hasFrame: false }), [['place', here], ['selectSequence', 'walk']]);
+  assert.deepEqual(next({ hasFrame: false }), [['placement', here], ['sequence', 'walk']]);
   commands.begin();
-  assert.deepEqual(next({}, () => commands.set('frame', 3)), [there, ['selectSequence', 'run'], ['seekFrame', 3]],
+  assert.deepEqual(next({}, () => commands.set('frame', 3)), [there, ['sequence', 'run'], ['frame', 3]],
     'a command counts more than the place that was left');
   commands.begin();
-  assert.deepEqual(next({}, () => commands.begin()), [['place', here], ['selectSequence', 'walk']]);
+  assert.deepEqual(next({}, () => commands.begin()), [['placement', here], ['sequence', 'walk']]);
 });
 
 test('commands: what the character refuses is not remembered', async () => {
   const { Commands } = await load('player/commands');
   const commands = new Commands();
   commands.begin({ sequence: 'walk' });
-  commands.attach(makePerformer());
+  commands.attach(makeInstance());
   assert.equal(commands.set('align', 'none'), false);
   commands.select('none');
-  assert.equal(commands.wishes.align, 'baked');
-  assert.equal(commands.wishes.sequence, 'walk');
+  assert.equal(commands.settings.align, 'baked');
+  assert.equal(commands.settings.sequence, 'walk');
 });
 
 test('frame loop: goes on while something moves, sleeps after, stands still off-screen', async () => {

@@ -23,13 +23,13 @@ export interface Steered extends HTMLElement {
 export class Steering {
   readonly #controls: MotionControls;
   readonly #viewer: Steered;
-  readonly #wished: (name: string) => number | undefined;
+  readonly #requested: (name: string) => number | undefined;
   #turns = false; // by keys or joystick
 
-  /** wished: the value of a parameter that was asked for last; wake: asks for a turn of the frame loop. */
-  constructor(stage: HTMLElement, viewer: Steered, wished: (name: string) => number | undefined, wake: () => void) {
+  /** requested: the last value that was set for a parameter; wake: asks for a turn of the frame loop. */
+  constructor(stage: HTMLElement, viewer: Steered, requested: (name: string) => number | undefined, wake: () => void) {
     this.#viewer = viewer;
-    this.#wished = wished;
+    this.#requested = requested;
     this.#controls = new MotionControls(stage, {
       steers: () => isOn(viewer, 'motion-controls'),
       act: () => this.#act(),
@@ -46,23 +46,23 @@ export class Steering {
 
   /** A turn of the frame loop. True while something is held. */
   step(dtS: number): boolean {
-    const viewer = this.#viewer, wish = this.#controls.steering;
-    if (!wish || viewer.paused) return false;
-    if (wish.turn) {
-      viewer.heading -= STEER_DEG * wish.turn;
+    const viewer = this.#viewer, input = this.#controls.steering;
+    if (!input || viewer.paused) return false;
+    if (input.turn) {
+      viewer.heading -= STEER_DEG * input.turn;
       this.#turns = true;
     } else {
       this.#stopTurning();
     }
     const [parameter] = viewer.parameters;
-    if (parameter && (wish.change || wish.level !== null)) {
+    if (parameter && (input.change || input.level !== null)) {
       const { name, min, max } = parameter;
-      const now = this.#wished(name) ?? viewer.getParameter(name);
-      const wanted = wish.level !== null ? min + (max - min) * wish.level : now + wish.change * (max - min) * PARAMETER_RANGES_S * dtS;
-      const value = Math.min(max, Math.max(min, wanted));
+      const now = this.#requested(name) ?? viewer.getParameter(name);
+      const next = input.level !== null ? min + (max - min) * input.level : now + input.change * (max - min) * PARAMETER_RANGES_S * dtS;
+      const value = Math.min(max, Math.max(min, next));
       if (value !== now) viewer.setParameter(name, value);
     }
-    return wish.turn !== 0 || wish.change !== 0 || wish.level !== null;
+    return input.turn !== 0 || input.change !== 0 || input.level !== null;
   }
 
   // The heading that was wanted lies ahead: once keys and joystick are let go, it is the present one.

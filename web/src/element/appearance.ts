@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature: how the characters are drawn, what they stand in, and at which quality.
 import { qualityOf } from '../page/quality-attribute.js';
-import type { Wishes } from '../player/commands.js';
 import { checkRenderOptions } from '../player/input-checks.js';
 import { methodOf } from '../player/method-attributes.js';
-import type { RenderOptions, SceneMesh } from '../player/wasm-player.js';
+import type { RenderOptions, SceneMesh, Settings } from '../player/wasm-player.js';
 import { valueOf } from './properties.js';
 import type { Feature, Viewer } from './viewer.js';
 
@@ -27,14 +26,14 @@ export class Appearance implements Feature {
     if (!whole) throw new RangeError('a scene mesh needs 18 finite numbers per triangle');
     this.#viewer.commands.set('scene', scene.filter(({ corners }) => corners.length > 0));
   }
-  get options(): RenderOptions { return { ...this.#viewer.commands.wishes.options! }; }
+  get options(): RenderOptions { return { ...this.#viewer.commands.settings.options! }; }
   setOptions(options: Partial<RenderOptions>): void {
     const all = { ...this.options, ...options };
     checkRenderOptions(all, this.#viewer.session?.layers);
     this.#viewer.commands.set('options', all);
   }
 
-  settings(): Partial<Wishes> { return { method: methodOf(this.#viewer.element) }; }
+  settings(): Partial<Settings> { return { method: methodOf(this.#viewer.element) }; }
   update(name: string, changed: boolean): void {
     const { element, commands, session } = this.#viewer;
     if (!changed) return;
@@ -45,7 +44,7 @@ export class Appearance implements Feature {
   }
   resize(): void {
     const { element, commands, size } = this.#viewer;
-    const wish = qualityOf(element, size.height), { quality: before } = commands.wishes;
-    if (before?.rendition !== wish.rendition || before.mostTexels !== wish.mostTexels) commands.set('quality', wish);
+    const quality = qualityOf(element, size.height), { quality: before } = commands.settings;
+    if (before?.rendition !== quality.rendition || before.mostTexels !== quality.mostTexels) commands.set('quality', quality);
   }
 }

@@ -100,13 +100,13 @@ export class Loading implements Feature, Loader {
       if (attempt !== this.#attempt) return;
       for (const { src, commands: its } of companions) if (src === null) its.begin();
     }
-    overlay.offerPlay(!commands.wishes.playing);
+    overlay.offerPlay(!commands.settings.playing);
     this.#due = { fresh };
     this.#begin();
   }
   get waits(): boolean {
     const { element, commands, session } = this.#viewer;
-    return valueOf(element, 'preload') === 'none' && !this.#used && !commands.wishes.playing && !session;
+    return valueOf(element, 'preload') === 'none' && !this.#used && !commands.settings.playing && !session;
   }
   #begin(): void {
     const { overlay, commands } = this.#viewer, due = this.#due;
@@ -115,7 +115,7 @@ export class Loading implements Feature, Loader {
     this.#due = null;
     this.#loading = true;
     overlay.loading();
-    overlay.offerPlay(!commands.wishes.playing);
+    overlay.offerPlay(!commands.settings.playing);
     this.#viewer.emit('loadstart');
     this.#startSession(due.fresh);
   }
@@ -126,7 +126,7 @@ export class Loading implements Feature, Loader {
     overlay.keepPicture();
     this.#viewer.session = null;
     session!.dispose();
-    overlay.offerPlay(!this.#viewer.commands.wishes.playing);
+    overlay.offerPlay(!this.#viewer.commands.settings.playing);
     this.#due = { fresh: false };
     this.#viewer.emit('suspend');
   }

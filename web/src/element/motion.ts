@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature: the motion that is shown, transitions to others, and the keys and the joystick that steer the character.
-import type { Wishes } from '../player/commands.js';
+import type { Settings } from '../player/wasm-player.js';
 import type { More } from '../player/wasm-module.js';
 import type { Loading } from './loading.js';
 import { valueOf } from './properties.js';
@@ -28,7 +28,7 @@ export class Motion implements Feature {
   // Goes over by a transition; until the second part is there, which transitions need, the present motion plays on.
   goTo(state: string): void {
     const { session, commands } = this.#viewer, { later, character } = session ?? {};
-    const waits = character && !later!.loaded && commands.wishes.playing && commands.state()?.hasFrame;
+    const waits = character && !later!.loaded && commands.settings.playing && commands.state()?.hasFrame;
     this.#goal = waits && character.sequences.some(({ name }) => name === state) ? state : null;
     if (!this.#goal) return commands.goTo(state);
     void later!.rest().then(() => {
@@ -37,7 +37,7 @@ export class Motion implements Feature {
     });
   }
 
-  settings(): Partial<Wishes> {
+  settings(): Partial<Settings> {
     const { element } = this.#viewer;
     this.#goal = null;
     return { sequence: element.getAttribute('sequence'), travel: valueOf(element, 'travel') };
@@ -54,7 +54,7 @@ export class Motion implements Feature {
   more(more: More): void {
     const viewer = this.#viewer, { connected, overlay, commands } = viewer;
     if (!connected) return;
-    this.#steering ??= new more.Steering(overlay.stage, this.#steered, (name) => commands.wishedParameter(name), () => {
+    this.#steering ??= new more.Steering(overlay.stage, this.#steered, (name) => commands.requestedParameter(name), () => {
       viewer.touch();
       viewer.session?.wake();
     });

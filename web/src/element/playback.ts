@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature: playing, pausing and seeking, like the media element.
 import { deferred, type Deferred } from '../page/deferred.js';
-import type { Wishes } from '../player/commands.js';
+import type { Settings } from '../player/wasm-player.js';
 import { ViewerError, type ErrorDetail } from '../report/errors.js';
 import type { Loading } from './loading.js';
 import { valueOf } from './properties.js';
@@ -58,7 +58,7 @@ export class Playback implements Feature {
     this.#viewer.commands.seekFrame(frame);
   }
 
-  settings(): Partial<Wishes> {
+  settings(): Partial<Settings> {
     const { element, reducedMotion } = this.#viewer, sought = this.#sought;
     this.#sought = {};
     const playing = valueOf(element, 'autoplay') && !this.#stopped ? !reducedMotion.matches : this.#playing;

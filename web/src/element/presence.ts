@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// Feature: the viewer's place on the page, and what it may hold there: `loading`, and the page's ledger. What is far
+// Feature: the viewer's place on the page, and what it may hold there: `loading`, and the page's budget. What is far
 // from the screen is freed, what is not on it stands still.
 import { viewOf } from '../page/documents.js';
 import { Stage } from '../session/stage.js';
-import { Ledger, type Claim, type Grant, type Member } from './ledger.js';
+import { PageBudget, type Priority, type Reservation, type Member } from './budget.js';
 import { valueOf } from './properties.js';
 import type { Feature, Viewer } from './viewer.js';
 
 const PHONE = '(hover: none) and (pointer: coarse)';
 const PHONE_BYTES = 160e6, DESKTOP_BYTES = 400e6;
 const PHONE_DECODERS = 4, DESKTOP_DECODERS = 12;
-const MARGINS = ['0px', '100%', '200%', '300%']; // of the screen; crossing one makes the ledger share out anew
+const MARGINS = ['0px', '100%', '200%', '300%']; // of the screen; crossing one makes the budget share out anew
 const STEPS = [0, 0.25, 0.5, 0.75, 1];
 
-let ledger: Ledger | null = null;
+let budget: PageBudget | null = null;
 const observers = new WeakMap<typeof globalThis, IntersectionObserver[]>();
 const observed = new WeakMap<Element, Presence>();
 
-// Makes the ledger for the first viewer; also those that were moved into other documents share it.
-function ofPage(): Ledger {
-  if (ledger) return ledger;
+// Makes the budget for the first viewer; also those that were moved into other documents share it.
+function ofPage(): PageBudget {
+  if (budget) return budget;
   const { deviceMemory = 8 } = navigator as { deviceMemory?: number }, phone = matchMedia(PHONE).matches;
-  return (ledger = new Ledger({
+  return (budget = new PageBudget({
     usedBytes: () => Stage.usedBytes(),
     bytes: phone || deviceMemory <= 4 ? PHONE_BYTES : DESKTOP_BYTES,
     decoders: phone ? PHONE_DECODERS : DESKTOP_DECODERS,
@@ -51,7 +51,7 @@ export interface Loader {
 export class Presence implements Feature, Member {
   readonly #viewer: Viewer;
   readonly #loader: Loader;
-  #grant: Grant = { load: false, run: false };
+  #reservation: Reservation = { load: false, run: false };
   #seen: IntersectionObserverEntry | null = null;
   #left = new AbortController(); // the document
 
@@ -74,21 +74,21 @@ export class Presence implements Feature, Member {
   disconnect(): void {
     this.#left.abort();
     this.#seen = null;
-    this.#grant = { load: false, run: false };
+    this.#reservation = { load: false, run: false };
     --Stage.viewers;
     ofPage().remove(this);
   }
   update(name: string): void { if (name === 'loading') this.review(); }
   // Others may run after an error; progress: it holds more than it did.
   handle(event: string): void { if (/error|progress/.test(event)) this.review(); }
-  touch(): void { if (!this.#grant.run) this.review(); }
+  touch(): void { if (!this.#reservation.run) this.review(); }
   /** Called when the viewer crosses a margin of the screen; entry: what is seen of it, null if that is the same. */
   onSeen(entry: IntersectionObserverEntry | null): void {
     if (entry) this.#seen = entry;
     this.review();
   }
 
-  claim(): Claim {
+  priority(): Priority {
     const { element, session, touchedMs } = this.#viewer, shown = session ? session.ended || session.drawing.shown : !element.hasAttribute('src');
     const { left, right, top, bottom, width, height } = element.getBoundingClientRect(), { innerWidth, innerHeight } = viewOf(element);
     const across = Math.max(0, left - innerWidth, -right) / innerWidth, down = Math.max(0, top - innerHeight, -bottom) / innerHeight;
@@ -97,10 +97,10 @@ export class Presence implements Feature, Member {
     const distance = this.#loader.waits ? Infinity : width * height === 0 ? 1 : Math.max(across, down, this.#onScreen ? 0 : 0.01);
     return { mode: valueOf(element, 'loading'), distance, area: w * h, shown, touchedMs };
   }
-  granted(grant: Grant): void {
-    const { load } = this.#grant;
-    this.#grant = grant;
-    if (load !== grant.load) this.#loader.allow(grant.load);
+  reserved(reservation: Reservation): void {
+    const { load } = this.#reservation;
+    this.#reservation = reservation;
+    if (load !== reservation.load) this.#loader.allow(reservation.load);
     this.review();
   }
 
@@ -108,7 +108,7 @@ export class Presence implements Feature, Member {
 
   /** Lets the session run or rest, and the page share out anew. */
   review(): void {
-    const { element, session, connected } = this.#viewer, decodes = this.#grant.run && !element.ownerDocument.hidden;
+    const { element, session, connected } = this.#viewer, decodes = this.#reservation.run && !element.ownerDocument.hidden;
     if (connected) ofPage().review();
     session?.setActive(decodes && (this.#onScreen || !session.drawing.shown), decodes, this.#onScreen);
   }

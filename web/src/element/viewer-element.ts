@@ -28,11 +28,6 @@ export interface Orbit {
   distance: number;
 }
 
-function finite(value: unknown, name: string, unit: string): number {
-  if (!Number.isFinite(Number(value))) throw new TypeError(`${name} must be a number of ${unit}`);
-  return Number(value);
-}
-
 export interface FourdvtViewer extends Reflected {
   /** Of its <track> elements; undefined until the player's second part is there. */
   readonly textTracks?: TextTrackList;
@@ -99,11 +94,14 @@ export class FourdvtViewer extends PageElement {
   /** Seconds; Infinity for a live stream. */
   get duration(): number { return this.#viewer.duration; }
   get currentTime(): number { return this.#viewer.currentTime; }
-  set currentTime(value: number) { this.#playback.seek(finite(value, 'currentTime', 'seconds')); }
+  set currentTime(value: number) {
+    if (!Number.isFinite(Number(value))) throw new TypeError('currentTime must be a number of seconds');
+    this.#playback.seek(Number(value));
+  }
   get frame(): number { return this.#viewer.commands.state()?.frame ?? 0; }
   seekFrame(frame: number): void { this.#playback.seekFrame(frame); }
   /** 0…4; 0: plays, but the frame stays. */
-  get playbackRate(): number { return this.#viewer.commands.wishes.rate; }
+  get playbackRate(): number { return this.#viewer.commands.settings.rate; }
   set playbackRate(value: number) {
     if (!(value >= 0 && value <= 4)) throw new RangeError('playbackRate must be 0 to 4');
     this.#viewer.commands.set('rate', value);
@@ -178,7 +176,7 @@ export class FourdvtViewer extends PageElement {
   get method(): string { return methodOf(this).name || this.#viewer.session?.character?.method || ''; }
   set method(name: string) { this.setAttribute('method', name); }
   /** Meshes that the characters stand among; web/README.md says what they consist of. */
-  get scene(): SceneMesh[] { return this.#viewer.commands.wishes.scene ?? []; }
+  get scene(): SceneMesh[] { return this.#viewer.commands.settings.scene ?? []; }
   set scene(meshes: SceneMesh[]) { this.#appearance.setScene(meshes); }
   /** Background, ground shadow, multisampling, debug views. Assigning some of the options keeps the others. */
   get renderOptions(): RenderOptions { return this.#appearance.options; }

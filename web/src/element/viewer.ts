@@ -3,9 +3,9 @@
 import { OrbitCamera } from '../camera/orbit-camera.js';
 import { isOn, upgradeProperties } from '../page/attributes.js';
 import { PictureBox, type Size } from '../page/picture-box.js';
-import { Commands, type Wishes } from '../player/commands.js';
+import { Commands } from '../player/commands.js';
 import type { More } from '../player/wasm-module.js';
-import type { SequenceInfo } from '../player/wasm-player.js';
+import type { SequenceInfo, Settings } from '../player/wasm-player.js';
 import { dispatch, type ErrorDetail } from '../report/errors.js';
 import { stringsOf, type Languages, type Strings } from '../report/strings.js';
 import { JOIN_EVENT, type Companion } from '../session/companion.js';
@@ -39,7 +39,7 @@ export interface Feature {
   /** Another source begins than before the element left its document. */
   reset?(): void;
   /** Settings that another source begins with. */
-  settings?(): Partial<Wishes>;
+  settings?(): Partial<Settings>;
   /** A session begins: the state of the last one is over. */
   begin?(): void;
   /** What was asked for does not come. error: the reason; none if it was replaced. */
@@ -85,7 +85,7 @@ export class Viewer {
   get current(): SequenceInfo | null { return this.session?.character?.sequences[this.commands.state()?.sequence ?? -1] ?? null; }
   /** Of it, seconds; NaN before it is loaded. */
   get duration(): number { return this.session?.live ? Infinity : this.current?.duration ?? NaN; }
-  get currentTime(): number { return this.commands.state()?.currentTimeS ?? this.commands.wishes.time ?? 0; }
+  get currentTime(): number { return this.commands.state()?.currentTimeS ?? this.commands.settings.time ?? 0; }
 
   /** Calls a method of every feature that has it, in the order of the list. */
   call<Name extends keyof Feature>(name: Name, ...values: Parameters<Required<Feature>[Name]>): ReturnType<Required<Feature>[Name]>[] {

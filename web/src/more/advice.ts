@@ -7,7 +7,7 @@ import type { PlayerFiles } from '../wasm/files.js';
 import { decodeBeside, type Turning } from '../decode/geometry-decoding.js';
 import { isFromCameras } from '../net/manifest.js';
 import { mediaType } from '../decode/media-segments.js';
-import { savesData, type Quality } from '../page/quality-attribute.js';
+import { savesData } from '../page/quality-attribute.js';
 import type { SessionSide } from './session-side.js';
 import type { TellPlayer } from '../wasm/wasm-abi.js';
 
@@ -31,7 +31,6 @@ interface Manifest {
 }
 
 interface Player {
-  setQuality(quality: Quality): void;
   judgeRendition(sequence: number, rendition: number, plays: boolean): void;
   lookAhead(atOnce: boolean): void;
   tell(action: TellPlayer): void;
@@ -89,7 +88,10 @@ interface Battery {
 // A battery that runs low gets the lowest rendition, until the element is resized. Only some browsers have its state.
 async function spareBattery(advised: Advised): Promise<void> {
   const battery = await (navigator as { getBattery?(): Promise<Battery> }).getBattery?.().catch(() => null);
-  if (battery && !battery.charging && battery.level <= LOW_BATTERY) advised.run((player) => player.setQuality({ rendition: 0, mostTexels: 0 }));
+  if (battery && !battery.charging && battery.level <= LOW_BATTERY) advised.run((player) => player.tell((m, handle) => {
+    m._fdvt_set_quality(handle, 0, 0);
+    return 1;
+  }));
 }
 
 /** manifest: one that the player has read; element: the viewer, if its keys and buttons are for this character. */

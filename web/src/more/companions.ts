@@ -59,7 +59,7 @@ export class Companions {
 
   #open(companion: SideCompanion, transport: Transport, manifest: unknown): void {
     const session = this.#session, { commands } = companion;
-    commands.set('playing', session.host.commands.wishes.playing);
+    commands.set('playing', session.host.commands.settings.playing);
     commands.set('align', session.align === 'none' ? 'none' : 'baked');
     const host: ActorHost = {
       emit: (name, detail) => {

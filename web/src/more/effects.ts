@@ -19,11 +19,11 @@ export async function useFlow(session: SessionSide, isCurrent: () => boolean): P
       await loadOpenCvFlow(session.options.files, session.module);
     } catch (reason) {
       if (!isCurrent()) return;
-      session.align = commands.wishes.align;
+      session.align = commands.settings.align;
       return emit('error', fetchFailed(reason));
     }
   }
-  if (isCurrent() && session.main && !commands.set('align', align)) session.align = commands.wishes.align;
+  if (isCurrent() && session.main && !commands.set('align', align)) session.align = commands.settings.align;
 }
 
 /** True once the element's look is drawn. If it cannot be, an error event says why. */

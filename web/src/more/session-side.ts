@@ -5,7 +5,6 @@ import type { ErrorDetail } from '../report/errors.js';
 import type { PlayerFiles } from '../wasm/files.js';
 import type { Transport } from '../net/transport.js';
 import type { UploadPath } from '../decode/upload-path.js';
-import type { Quality } from '../page/quality-attribute.js';
 import type { TellPlayer, TurnHook, WasmModule } from '../wasm/wasm-abi.js';
 
 export type SideFiles = Pick<Transport, 'range' | 'stopReplay'>;
@@ -18,7 +17,6 @@ export interface SidePlayer {
   invalidateState(): void;
   /** The second part is there. */
   moreCame(): void;
-  setQuality(quality: Quality): void;
   judgeRendition(sequence: number, rendition: number, plays: boolean): void;
   lookAhead(atOnce: boolean): void;
 }
@@ -36,9 +34,9 @@ export interface SideActor {
 
 /** Of one character. */
 export interface SideCommands {
-  readonly wishes: { readonly align: string; readonly playing: boolean };
+  readonly settings: { readonly align: string; readonly playing: boolean };
   /** False, after an error event, if the character refuses it. */
-  set(name: 'align' | 'playing', wish: string | boolean): boolean;
+  set(name: 'align' | 'playing', value: string | boolean): boolean;
 }
 
 /** A character to be drawn beside the main one. */

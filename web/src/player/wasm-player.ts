@@ -15,8 +15,7 @@ import type { TellPlayer, TurnHook, WasmModule } from '../wasm/wasm-abi.js';
 import { hasMore } from './wasm-module.js';
 
 export { ALIGN_MODES, VISIBILITIES };
-export type { Quality, TellPlayer };
-export type { PictureKind, Visibility };
+export type { PictureKind, Quality, TellPlayer, Visibility };
 /** Only the fields that its kind needs are filled in; see wasm/abi.txt. */
 export type PlayerRequest = RequestRecord;
 export type PlayerEvent = EventRecord;
@@ -100,6 +99,27 @@ export interface OrbitPose {
   fov: number;
 }
 
+/** Settings of a character that a page makes. */
+export interface Settings {
+  /** -1 as the sequence says, 0 never, 1 always. */
+  loop: number;
+  rate: number;
+  placement: Placement;
+  travel: boolean;
+  align: Align;
+  method: Method;
+  quality: Quality | null;
+  /** Options and scene belong to the canvas, so only its main character is given any. */
+  options: RenderOptions | null;
+  scene: SceneMesh[] | null;
+  /** Null: the first sequence of the character. */
+  sequence: string | null;
+  frame: number;
+  /** Seconds; null: the frame says where. */
+  time: number | null;
+  playing: boolean;
+}
+
 const RADIANS = Math.PI / 180;
 const SMALLEST_SCRATCH_BYTES = 4096;
 const encoder = new TextEncoder();
@@ -110,6 +130,26 @@ export class WasmPlayer {
   #scratch = 0;
   #scratchBytes = 0;
   #scene: SceneMesh[] | null = null; // that waits for the second part
+
+  /** Applies a setting. */
+  readonly set: { readonly [Name in keyof Settings]: (value: NonNullable<Settings[Name]>) => void } = {
+    loop: (mode) => this.#m._fdvt_set_loop(this.#h, mode),
+    rate: (rate) => this.#m._fdvt_set_rate(this.#h, rate),
+    placement: ({ x, z, heading }) => this.#m._fdvt_place(this.#h, x, z, heading * RADIANS),
+    travel: (on) => this.#m._fdvt_set_travel(this.#h, on ? 1 : 0),
+    align: (align) => this.#check(this.#m._fdvt_set_align(this.#h, ALIGN_MODES.indexOf(align))),
+    method: ({ name, closest, visibility }) => {
+      if (!this.character()?.fromCameras) return; // layered characters have none
+      this.#check(this.#m._fdvt_set_method(this.#h, ...this.#text(name), closest, VISIBILITIES.indexOf(visibility)));
+    },
+    quality: ({ rendition, mostTexels }) => this.#m._fdvt_set_quality(this.#h, rendition, mostTexels),
+    options: (options) => this.#m._fdvt_set_options(this.#h, this.#put(bytesOfOptions(options))),
+    scene: (meshes) => this.#setScene(meshes),
+    sequence: (name) => this.#check(this.#m._fdvt_select(this.#h, ...this.#text(name))),
+    frame: (frame) => this.#m._fdvt_seek_frame(this.#h, frame),
+    time: (timeS) => this.#m._fdvt_seek(this.#h, timeS),
+    playing: (on) => this.#m[on ? '_fdvt_play' : '_fdvt_pause'](this.#h),
+  };
 
   /**
    * `on`: the context, registered in the module, or another character of the same canvas, which must outlive this one. readable:
@@ -151,19 +191,11 @@ export class WasmPlayer {
     this.#check(load ? load(this.#m, this.#h) : this.#m._fdvt_load(this.#h, this.#put(start), start.length));
   }
 
-  play(): void { this.#m._fdvt_play(this.#h); }
-  pause(): void { this.#m._fdvt_pause(this.#h); }
-  seekFrame(frame: number): void { this.#m._fdvt_seek_frame(this.#h, frame); }
-  seek(timeS: number): void { this.#m._fdvt_seek(this.#h, timeS); }
-  setRate(rate: number): void { this.#m._fdvt_set_rate(this.#h, rate); }
-  /** -1 as the sequence says, 0 never, 1 always. */
-  setLoop(loop: number): void { this.#m._fdvt_set_loop(this.#h, loop); }
   tick(nowS: number, hook: TurnHook | null): void {
     hook?.beforeTick(this.#m, this.#h);
     this.#m._fdvt_tick(this.#h, nowS);
     hook?.afterTick(this.#m, this.#h);
   }
-  selectSequence(name: string): void { this.#check(this.#m._fdvt_select(this.#h, ...this.#text(name))); }
 
   nextRequest(): PlayerRequest | null {
     const at = this.#m._fdvt_next_request(this.#h);
@@ -211,9 +243,6 @@ export class WasmPlayer {
   pace(decoder: number): number { return this.#m._fdvt_pace(this.#h, decoder); }
   invalidateState(): void { this.#m._fdvt_invalidate_state(this.#h); }
 
-  setOptions(options: RenderOptions): void {
-    this.#m._fdvt_set_options(this.#h, this.#put(bytesOfOptions(options)));
-  }
   /** Draws this character and the others, which were created beside it, into the same picture. */
   draw(pose: OrbitPose, width: number, height: number, others: WasmPlayer[] = []): void {
     const view = bytesOfView({ ...pose, width, height });
@@ -233,26 +262,17 @@ export class WasmPlayer {
   /** The value as shown; NaN if no class has the parameter. */
   parameter(name: string): number { return this.#m._fdvt_parameter(this.#h, ...this.#text(name)); }
   goTo(state: string): void { this.#check(this.#m._fdvt_goto(this.#h, ...this.#text(state))); }
-  setTravel(on: boolean): void { this.#m._fdvt_set_travel(this.#h, on ? 1 : 0); }
-  place({ x, z, heading }: Placement): void { this.#m._fdvt_place(this.#h, x, z, heading * RADIANS); }
   steer(headingDeg: number): void { this.#m._fdvt_steer(this.#h, headingDeg * RADIANS); }
-  setAlign(align: Align): void { this.#check(this.#m._fdvt_set_align(this.#h, ALIGN_MODES.indexOf(align))); }
-  setQuality({ rendition, mostTexels }: Quality): void { this.#m._fdvt_set_quality(this.#h, rendition, mostTexels); }
   /** Before `loadManifest`. */
   expectThroughput(bitsPerSecond: number): void { this.#m._fdvt_expect_throughput(this.#h, bitsPerSecond); }
   judgeRendition(sequence: number, rendition: number, plays: boolean): void {
     this.#m._fdvt_judge_rendition(this.#h, sequence, rendition, plays ? 1 : 0);
   }
   lookAhead(atOnce: boolean): void { this.#m._fdvt_look_ahead(this.#h, atOnce ? 1 : 0); }
-  /** Layered characters have no method. */
-  setMethod({ name, closest, visibility }: Method): void {
-    if (!this.character()?.fromCameras) return;
-    this.#check(this.#m._fdvt_set_method(this.#h, ...this.#text(name), closest, VISIBILITIES.indexOf(visibility)));
-  }
   /** Runs one of the functions of the second part, when that is there. */
   tell(action: TellPlayer): void { this.#check(action(this.#m, this.#h)); }
-  /** Takes effect when the second part is there (`moreCame`). */
-  setScene(meshes: SceneMesh[]): void {
+  // Takes effect when the second part is there (`moreCame`).
+  #setScene(meshes: SceneMesh[]): void {
     this.#scene = hasMore(this.#m) ? null : meshes;
     if (this.#scene) return;
     this.#m._fdvt_clear_scene(this.#h);
@@ -262,7 +282,7 @@ export class WasmPlayer {
     }
   }
 
-  moreCame(): void { if (this.#scene) this.setScene(this.#scene); }
+  moreCame(): void { if (this.#scene) this.#setScene(this.#scene); }
 
   /**
    * Draws the character's room from now on, in place of any before. The page fills the texture with what the bytes show,

@@ -55,7 +55,7 @@ export const STRINGS: Languages = {
     failure: 'This character cannot be shown.',
     'insecure-context': 'This page must come over https to show the character.',
     'decoder-unsupported': 'This browser cannot decode this character.',
-    'decoder-lost': 'The browser has taken the video decoder away.',
+    'decoder-lost': 'The browser stopped the video decoder.',
     'files-differ': 'The files of this character do not belong together.',
     'out-of-memory': 'The browser has no memory left for this character.',
   } satisfies Strings,

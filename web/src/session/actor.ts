@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One character: its transport, its decoders and its player in wasm, and the traffic between them. Draws nothing and
 // owns no canvas: session.ts does. After dispose() nothing of it runs any more.
-import type { Commands, Performer } from '../player/commands.js';
+import type { Commands, Instance } from '../player/commands.js';
 import { asViewerError, ViewerError, type ErrorDetail } from '../report/errors.js';
 import type { DecoderFault } from '../wasm/generated/abi.js';
 import { FrameDecoder, type DecoderCallbacks, type Picture, type PictureDecoder } from '../decode/frame-decoder.js';
@@ -45,7 +45,7 @@ export interface Source {
   load?: TellPlayer | undefined;
 }
 
-export class Actor implements Performer {
+export class Actor implements Instance {
   readonly #context: ActorContext;
   readonly #transport: Files;
   readonly #commands: Commands;

@@ -6,7 +6,7 @@ import { DrawPace } from '../page/frame-loop.js';
 import { checkSnapshot, MAX_CANVAS_SIDE } from '../player/input-checks.js';
 import type { SessionHost, Snapshot } from './session-host.js';
 import { parseOrbit } from '../camera/orbit-camera.js';
-import type { Seat, Stage } from './stage.js';
+import type { StageSlot, Stage } from './stage.js';
 import type { OrbitPose } from '../player/wasm-player.js';
 
 const FOLLOW_S = 1; // after the last change; six times the settling time of montage4d (native/render/method.h)
@@ -16,7 +16,7 @@ export interface DrawingHost {
   actors(): Actor[];
   /** Once there is an actor. */
   stage(): Stage;
-  readonly seat: Seat;
+  readonly slot: StageSlot;
   firstPicture(): void;
   picture(): void;
   /** Reports a failed draw. */
@@ -79,14 +79,14 @@ export class Drawing {
    * with a TypeError, a RangeError or the player's error if there can be no such picture; the one that is shown stays.
    */
   async toBlob(snapshot?: Snapshot): Promise<Blob | null> {
-    const { width = this.#size.width, height = this.#size.height, pose: wish } = snapshot ?? {}, { pose: shown } = this.#view.camera;
-    const part = typeof wish === 'string' ? parseOrbit(wish) : wish;
+    const { width = this.#size.width, height = this.#size.height, pose: wanted } = snapshot ?? {}, { pose: shown } = this.#view.camera;
+    const part = typeof wanted === 'string' ? parseOrbit(wanted) : wanted;
     const pose: OrbitPose = { ...shown, ...part, distance: part?.distance ?? shown.distance };
     if (snapshot) checkSnapshot(width, height, pose);
     if (!this.#host.actors()[0]?.state()?.hasFrame) return null;
     try {
       this.#paint(width, height, pose);
-      return this.#host.stage().toBlob(this.#host.seat, width, height);
+      return this.#host.stage().toBlob(this.#host.slot, width, height);
     } finally {
       this.redraw();
     }
@@ -110,7 +110,7 @@ export class Drawing {
   #paint(width: number, height: number, pose: OrbitPose): void {
     const [main, ...others] = this.#host.actors().filter((actor) => actor.state()?.hasFrame);
     if (!main) return;
-    this.#host.stage().fit(this.#host.seat, width, height);
+    this.#host.stage().fit(this.#host.slot, width, height);
     main.player?.draw(pose, width, height, others.map((actor) => actor.player!));
   }
   // False, after an error event, if the player cannot.
@@ -119,7 +119,7 @@ export class Drawing {
     try {
       this.#paint(width, height, this.#view.camera.pose);
       if (!this.#host.actors().length) return false;
-      this.#host.stage().present(this.#host.seat, width, height);
+      this.#host.stage().present(this.#host.slot, width, height);
       return true;
     } catch (reason) {
       this.#host.drawFailed(reason);

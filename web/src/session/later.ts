@@ -68,7 +68,7 @@ export class Later {
     this.#unproven = false;
     this.#measures = measures;
     const { commands, element } = this.#session.host;
-    if (this.loaded || !commands.wishes.playing || isOn(element, 'motion-controls')) { // the rest has the keys that steer
+    if (this.loaded || !commands.settings.playing || isOn(element, 'motion-controls')) { // the rest has the keys that steer
       this.#loadRest();
     } else {
       this.#picturesLeft = MOVED_PICTURES;
@@ -138,7 +138,7 @@ export class Later {
       if (name === 'useLook' && done) this.#looked = true;
     }, (reason: unknown) => {
       if (!isCurrent()) return;
-      if (name === 'useFlow') session.align = session.host.commands.wishes.align;
+      if (name === 'useFlow') session.align = session.host.commands.settings.align;
       this.#miss(reason);
     });
   }

@@ -13,7 +13,7 @@ import { extensionOf, isFromCameras } from '../net/manifest.js';
 import type { SessionHost, SessionOptions } from './session-host.js';
 import type { ActorHost, Bake, SessionSide, SidePlayer } from '../more/session-side.js';
 import { partsReceived } from '../net/requests.js';
-import { Stage, type Seat } from './stage.js';
+import { Stage, type StageSlot } from './stage.js';
 import { Transport } from '../net/transport.js';
 import { choosePath, kindOf, rememberedPath, type UploadPath } from '../decode/upload-path.js';
 import type { WasmModule } from '../wasm/wasm-abi.js';
@@ -25,7 +25,7 @@ type Source = ConstructorParameters<typeof Actor>[1];
 
 const LATE_TURN_MS = 5000;
 
-export class Session implements SessionSide, Seat {
+export class Session implements SessionSide, StageSlot {
   readonly options: SessionOptions;
   readonly host: SessionHost;
   readonly drawing: Drawing;
@@ -61,7 +61,7 @@ export class Session implements SessionSide, Seat {
     this.drawing = new Drawing(host, {
       actors: () => this.#actors,
       stage: () => this.#stage!,
-      seat: this,
+      slot: this,
       picture: () => { host.picture(); this.later.onPicture(); },
       firstPicture: () => { host.firstPicture(); this.later.firstPicture(); },
       drawFailed: (reason) => this.fatal(reason),
@@ -171,7 +171,7 @@ export class Session implements SessionSide, Seat {
   #missing(): Step | null {
     const { main, drawing: { shown } } = this, state = main?.state(), [step = null] = this.#steps;
     if (!main || !state) return step;
-    const holds = shown && !state.seeking && (this.#live || this.host.commands.wishes.rate === 0);
+    const holds = shown && !state.seeking && (this.#live || this.host.commands.settings.rate === 0);
     if (holds || (!main.awaits(state) && (shown || !state.hasFrame))) return null;
     if (performance.now() - this.#loop.turnedMs > LATE_TURN_MS) return 'display';
     return !state.hasFrame && this.#steps.has('more') ? 'more' : main.missing(state);
@@ -190,7 +190,7 @@ export class Session implements SessionSide, Seat {
     }
   }
 
-  // --- its seat on the stage ---
+  // --- its slot on the stage ---
   show(canvas: HTMLCanvasElement): void { if (!this.ended) this.host.show(canvas); }
   redraw(): void { this.drawing.redraw(); }
   bytes(): number { return this.main?.bytes() ?? 0; }

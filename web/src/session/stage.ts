@@ -11,7 +11,7 @@ import { instantiate } from '../player/wasm-module.js';
 const LINGER_MS = 2000; // after the last viewer has left: the next one may come at once
 
 /** A viewer on the stage. */
-export interface Seat {
+export interface StageSlot {
   /** Shows this canvas, in place of any before. */
   show(canvas: HTMLCanvasElement): void;
   /** Draws once more, at once: the canvas that it shows is about to be used for others, too. */
@@ -49,8 +49,8 @@ export class Stage {
   readonly context: number;
   readonly #url: string;
   readonly #canvas: ContextCanvas;
-  readonly #seats = new Set<Seat>();
-  readonly #own = new Map<Seat, Renderer>(); // of viewers that do not show the context's canvas
+  readonly #slots = new Set<StageSlot>();
+  readonly #own = new Map<StageSlot, Renderer>(); // of viewers that do not show the context's canvas
   #timer = 0;
   #over = false; // no viewer may join any more
 
@@ -58,7 +58,7 @@ export class Stage {
   static viewers = 0;
 
   /** Joins the page's stage. Errors: ViewerError as of `instantiate`, 'gpu-failure'. */
-  static async join(files: { readonly wasm: string }, seat: Seat, report: Report): Promise<Stage> {
+  static async join(files: { readonly wasm: string }, slot: StageSlot, report: Report): Promise<Stage> {
     const { wasm: url } = files;
     let coming = stages.get(url);
     if (!coming) {
@@ -66,8 +66,8 @@ export class Stage {
       coming.catch(() => stages.delete(url));
     }
     const stage = await coming;
-    if (stage.#over) return Stage.join(files, seat, report);
-    stage.#add(seat);
+    if (stage.#over) return Stage.join(files, slot, report);
+    stage.#add(slot);
     return stage;
   }
 
@@ -75,8 +75,8 @@ export class Stage {
   static usedBytes(): number {
     let bytes = 0;
     for (const stage of open) {
-      for (const seat of stage.#seats) {
-        const held = seat.bytes(); // counts every block of the heap
+      for (const slot of stage.#slots) {
+        const held = slot.bytes(); // counts every block of the heap
         bytes += held;
         if (held) break;
       }
@@ -101,30 +101,30 @@ export class Stage {
     open.add(this);
   }
 
-  leave(seat: Seat): void {
-    this.#own.delete(seat);
-    if (!this.#seats.delete(seat) || this.#seats.size || this.#over) return;
+  leave(slot: StageSlot): void {
+    this.#own.delete(slot);
+    if (!this.#slots.delete(slot) || this.#slots.size || this.#over) return;
     this.#timer = setTimeout(() => this.#end(), LINGER_MS);
   }
 
   /** A call of a viewer, which has left, has trapped: nothing of the player can be used any more. */
   fail(): void {
     this.#end();
-    for (const seat of [...this.#seats]) seat.trapped();
+    for (const slot of [...this.#slots]) slot.trapped();
   }
 
   // --- pictures ---
 
   /** Makes room for a picture of the viewer, in the lower left corner of the context's canvas. */
-  fit(seat: Seat, width: number, height: number): void {
-    const canvas = this.#canvas, grows = 'style' in canvas && this.#own.has(seat);
+  fit(slot: StageSlot, width: number, height: number): void {
+    const canvas = this.#canvas, grows = 'style' in canvas && this.#own.has(slot);
     const [w, h] = grows ? [Math.max(canvas.width, width), Math.max(canvas.height, height)] : [width, height];
     if (canvas.width !== w) canvas.width = w;
     if (canvas.height !== h) canvas.height = h;
   }
   /** Shows the picture that has just been drawn, of this size. */
-  present(seat: Seat, width: number, height: number): void {
-    const renderer = this.#own.get(seat);
+  present(slot: StageSlot, width: number, height: number): void {
+    const renderer = this.#own.get(slot);
     if (!renderer) return;
     const { canvas } = renderer;
     if (canvas.width !== width) canvas.width = width;
@@ -133,10 +133,10 @@ export class Stage {
     else renderer.transferFromImageBitmap((this.#canvas as OffscreenCanvas).transferToImageBitmap());
   }
   /** A PNG of the picture that has just been drawn, of this size. */
-  toBlob(seat: Seat, width: number, height: number): Promise<Blob | null> {
+  toBlob(slot: StageSlot, width: number, height: number): Promise<Blob | null> {
     let from = this.#canvas;
     if (!('style' in from)) return from.convertToBlob();
-    if (this.#own.has(seat)) {
+    if (this.#own.has(slot)) {
       from = Object.assign(document.createElement('canvas'), { width, height });
       this.#copy(from.getContext('2d')!, width, height);
       this.#canvas.width = this.#canvas.height = 1; // one of that size is not needed again
@@ -151,24 +151,24 @@ export class Stage {
 
   // --- who is there ---
 
-  #add(seat: Seat): void {
+  #add(slot: StageSlot): void {
     const canvas = this.#canvas;
     clearTimeout(this.#timer);
-    for (const other of this.#seats) if (!this.#own.has(other)) this.#giveCanvas(other);
-    if (this.#seats.size || !('style' in canvas)) {
-      this.#giveCanvas(seat);
+    for (const other of this.#slots) if (!this.#own.has(other)) this.#giveCanvas(other);
+    if (this.#slots.size || !('style' in canvas)) {
+      this.#giveCanvas(slot);
     } else {
       canvas.width = canvas.width; // forgets the last viewer's picture
-      seat.show(canvas);
+      slot.show(canvas);
     }
-    this.#seats.add(seat);
+    this.#slots.add(slot);
   }
-  #giveCanvas(seat: Seat): void {
+  #giveCanvas(slot: StageSlot): void {
     const canvas = document.createElement('canvas'), renderer = canvas.getContext(('style' in this.#canvas ? '2d' : 'bitmaprenderer') as '2d');
     if (!renderer) throw new ViewerError('gpu-failure', 'no canvas for the picture: the browser refuses one');
-    this.#own.set(seat, renderer);
-    seat.redraw();
-    seat.show(canvas);
+    this.#own.set(slot, renderer);
+    slot.redraw();
+    slot.show(canvas);
   }
 
   // Frees the context before the next garbage collection.
@@ -185,11 +185,11 @@ export class Stage {
   readonly #onLost = (e: Event): void => {
     e.preventDefault(); // asks the browser to restore it
     this.#close();
-    const seats = [...this.#seats], canvas = this.#canvas;
+    const slots = [...this.#slots], canvas = this.#canvas;
     canvas.addEventListener('webglcontextrestored', () => {
       spare = canvas;
-      if (!seats.map((seat) => seat.restored()).includes(true)) spare = null;
+      if (!slots.map((slot) => slot.restored()).includes(true)) spare = null;
     }, { once: true });
-    for (const seat of seats) seat.lost();
+    for (const slot of slots) slot.lost();
   };
 }

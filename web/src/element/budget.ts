@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shares a page's memory and decoders out among its viewers: what is on screen comes first, what is far away is freed.
-// Reads viewers by their claims alone.
+// Reads viewers by their priorities alone.
 
 /** When a viewer loads: once it is near the screen, once it is on it, at once. */
 export type LoadingMode = 'auto' | 'lazy' | 'eager';
 
 /** Place and state of a viewer, by which it is served. */
-export interface Claim {
+export interface Priority {
   readonly mode: LoadingMode;
   /** From the edge of the screen, in heights or widths of it; 0: some of it is on screen. */
   readonly distance: number;
@@ -19,12 +19,12 @@ export interface Claim {
 }
 
 /** load: it may hold a character. run: it may decode; else it holds still. */
-export interface Grant {
+export interface Reservation {
   load: boolean;
   run: boolean;
 }
 
-export interface Budget {
+export interface Limits {
   /** Viewers that hold a character. */
   loaded: number;
   /** Viewers that decode. */
@@ -40,45 +40,45 @@ const FULL_BYTES = 15_000_000; // of a viewer, in GPU and heap, at the least: th
  * Limits by what viewers have turned out to hold. used: bytes of the viewers that hold a character, of which there are `loaded`; least: bytes of each,
  * as they were when the page held too much: one that is heavier than the others would else be freed and loaded for ever.
  */
-export function budgetOf(bytes: number, decoders: number, used: number, loaded: number, least = FULL_BYTES): Budget {
+export function limitsOf(bytes: number, decoders: number, used: number, loaded: number, least = FULL_BYTES): Limits {
   const each = Math.max(used / (loaded || 1), least);
   return { loaded: Math.max(1, Math.floor(bytes / each)), running: decoders };
 }
 
-/** The grants of all claims, in their order. had: the grants before, so that little changes back and forth. */
-export function shareOut(claims: readonly Claim[], had: readonly Grant[], { loaded, running }: Budget, nowMs: number): Grant[] {
-  const grants = claims.map(() => ({ load: false, run: false }));
-  const order = (less: (a: Claim, b: Claim) => number): number[] => claims.map((_, i) => i).sort((a, b) => less(claims[a]!, claims[b]!));
-  const busy = claims.some(({ distance, shown }) => distance === 0 && !shown); // viewers that are only near wait for those on screen
-  const wants = ({ mode, distance }: Claim, holds: boolean): boolean =>
+/** The reservations of all priorities, in their order. had: the reservations before, so that little changes back and forth. */
+export function allocate(priorities: readonly Priority[], had: readonly Reservation[], { loaded, running }: Limits, nowMs: number): Reservation[] {
+  const reservations = priorities.map(() => ({ load: false, run: false }));
+  const order = (less: (a: Priority, b: Priority) => number): number[] => priorities.map((_, i) => i).sort((a, b) => less(priorities[a]!, priorities[b]!));
+  const busy = priorities.some(({ distance, shown }) => distance === 0 && !shown); // viewers that are only near wait for those on screen
+  const wants = ({ mode, distance }: Priority, holds: boolean): boolean =>
     distance <= NEAR[mode] + (holds ? KEPT : 0) && (holds || !busy || distance === 0 || mode === 'eager');
   for (const i of order((a, b) => a.distance - b.distance || b.area - a.area)) {
-    if (loaded > 0 && wants(claims[i]!, had[i]?.load ?? false)) {
-      grants[i]!.load = true;
+    if (loaded > 0 && wants(priorities[i]!, had[i]?.load ?? false)) {
+      reservations[i]!.load = true;
       --loaded;
     }
   }
   // Viewers on screen come first; among them those without a picture, then those that the visitor touches and sees most of.
-  const touched = ({ touchedMs }: Claim): number => (nowMs - touchedMs < RECENT_MS ? touchedMs : 0);
+  const touched = ({ touchedMs }: Priority): number => (nowMs - touchedMs < RECENT_MS ? touchedMs : 0);
   for (const i of order((a, b) => Number(a.distance > 0) - Number(b.distance > 0) || Number(a.shown) - Number(b.shown) ||
                                   touched(b) - touched(a) || b.area - a.area)) {
-    if (running > 0 && grants[i]!.load) {
-      grants[i]!.run = true;
+    if (running > 0 && reservations[i]!.load) {
+      reservations[i]!.run = true;
       --running;
     }
   }
-  return grants;
+  return reservations;
 }
 
-/** A viewer's place in the ledger. */
+/** A viewer's place in the budget. */
 export interface Member {
-  claim(): Claim;
+  priority(): Priority;
   /** Called when it has changed. */
-  granted(grant: Grant): void;
+  reserved(reservation: Reservation): void;
 }
 
 /** The page, as far as it is used here. */
-export interface LedgerPage {
+export interface BudgetPage {
   /** Bytes on the GPU and in the player's memory, of all viewers. */
   usedBytes(): number;
   bytes: number;
@@ -87,13 +87,13 @@ export interface LedgerPage {
   later(run: () => void): void;
 }
 
-export class Ledger {
-  readonly #members = new Map<Member, Grant>();
-  readonly #page: LedgerPage;
+export class PageBudget {
+  readonly #members = new Map<Member, Reservation>();
+  readonly #page: BudgetPage;
   #due = false;
   #least: number | undefined;
 
-  constructor(page: LedgerPage) {
+  constructor(page: BudgetPage) {
     this.#page = page;
   }
 
@@ -104,7 +104,7 @@ export class Ledger {
   remove(member: Member): void {
     if (this.#members.delete(member)) this.review();
   }
-  /** Shares out anew, before the page's next turn: a claim has changed. */
+  /** Shares out anew, before the page's next turn: a priority has changed. */
   review(): void {
     if (this.#due) return;
     this.#due = true;
@@ -118,18 +118,18 @@ export class Ledger {
     const members = [...this.#members.keys()], had = [...this.#members.values()], page = this.#page;
     const used = page.usedBytes(), loaded = had.filter(({ load }) => load).length;
     if (used > page.bytes) this.#least = used / loaded;
-    const budget = budgetOf(page.bytes, page.decoders, used, loaded, this.#least);
-    const grants = shareOut(members.map((member) => member.claim()), had, budget, page.now());
+    const budget = limitsOf(page.bytes, page.decoders, used, loaded, this.#least);
+    const reservations = allocate(members.map((member) => member.priority()), had, budget, page.now());
     const changed = members.filter((member, i) => {
-      const before = had[i]!, grant = grants[i]!;
-      this.#members.set(member, grant);
-      return before.load !== grant.load || before.run !== grant.run;
+      const before = had[i]!, reservation = reservations[i]!;
+      this.#members.set(member, reservation);
+      return before.load !== reservation.load || before.run !== reservation.run;
     });
     // Frees first: the others may need the room.
     const isFreed = (member: Member): boolean => !this.#members.get(member)?.load;
     for (const member of [...changed.filter(isFreed), ...changed.filter((member) => !isFreed(member))]) {
-      const grant = this.#members.get(member);
-      if (grant) member.granted(grant);
+      const reservation = this.#members.get(member);
+      if (reservation) member.reserved(reservation);
     }
   }
 }
