@@ -37,7 +37,6 @@ for (const ranges of [true, false]) {
       assert.deepEqual(await transport.range(offset, 'data.bin', offset, size), bytes.slice(offset, offset + size));
     }
     assert.equal(server.requests.length, ranges ? 3 : 1, 'a whole file is fetched once');
-    assert.equal(transport.bytesReceived, ranges ? 920 : 5000);
     await assert.rejects(transport.range(9, 'data.bin', 4995, 10), { id: 'fetch-failed' });
     await assert.rejects(transport.range(9, 'none.bin', 0, 10), { id: 'fetch-failed' });
     transport.dispose();

@@ -14,6 +14,7 @@ const ON_DEVELOPERS_MACHINE = /^(file:|https?:\/\/(localhost|127\.0\.0\.1|\[::1]
 const textOf = ({ id, message }: ErrorDetail, short: string): string =>
   ON_DEVELOPERS_MACHINE.test(location.protocol === 'file:' ? 'file:' : origin) ? `${id}: ${message}` : short;
 
+// plus-lighter: cover and canvas are mixed linearly, also where they are translucent.
 const CSS = `
 :host { display: block; position: relative; overflow: hidden; contain: strict; container-type: size; width: 300px; aspect-ratio: 3/4; }
 :host([hidden]) { display: none; }
@@ -27,7 +28,7 @@ canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block
 .poster, .picture { position: absolute; inset: 0; width: 100%; height: 100%; object-fit: contain; pointer-events: none;
   transition: opacity .3s, visibility .3s; }
 .covered, .fading { isolation: isolate; }
-.cover { mix-blend-mode: plus-lighter; } /* with the canvas: a linear mix, also of what is translucent */
+.cover { mix-blend-mode: plus-lighter; }
 .covered > canvas:not(.cover), .fading > .cover { opacity: 0; }
 .fading > canvas { transition: opacity .3s; }
 ::slotted([slot=poster]) { pointer-events: auto; }

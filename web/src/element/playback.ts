@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature: playing, pausing and seeking, like the media element.
-import { deferred, type Deferred } from '../page/deferred.js';
+import { deferred, type Deferred } from '../page/promises.js';
 import type { Settings } from '../player/wasm-player.js';
 import { ViewerError, type ErrorDetail } from '../report/errors.js';
 import type { Loading } from './loading.js';

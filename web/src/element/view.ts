@@ -6,7 +6,7 @@ import type { Playback } from './playback.js';
 import { valueOf } from './properties.js';
 import type { Feature, Viewer } from './viewer.js';
 
-const ATTRIBUTES = ['camera-orbit', 'min-camera-orbit', 'max-camera-orbit', 'camera-target', 'camera-follow', 'field-of-view'];
+const ATTRIBUTES = /^(m\w+-)?camera-(orbit|target|follow)$|^field-of-view$/;
 const LEAST_FIELD_DEG = 5, MOST_FIELD_DEG = 120, DEFAULT_FIELD_DEG = 35;
 
 export class View implements Feature {
@@ -40,7 +40,7 @@ export class View implements Feature {
     this.#controls = null;
   }
   reset(): void { this.#apply(); }
-  update(name: string, changed: boolean): void { if (changed && ATTRIBUTES.includes(name)) this.#apply(); }
+  update(name: string, changed: boolean): void { if (changed && ATTRIBUTES.test(name)) this.#apply(); }
   resize(width: number, height: number): void {
     const { camera } = this.#viewer;
     if (height > 0) camera.setAspect(width / height);

@@ -118,7 +118,6 @@ export class LiveStream {
   #pingMs = 0;
   #pongs: { tripMs: number; aheadMs: number }[] = []; // the server's clock is ahead of the page's by so much
   #bounds: Box | null = null;
-  bytesReceived = 0;
 
   /** Connects when it is asked for the manifest, and until dispose(). */
   constructor(url: string, host: LiveHost, page: LivePage) {
@@ -278,7 +277,6 @@ export class LiveStream {
     this.#met = true;
     this.#heardMs = this.#page.now();
     if (typeof data === 'string') return data.length > MOST_BYTES ? this.#refuse('a message of more than 8 MiB') : this.#onText(data);
-    this.bytesReceived += data.byteLength;
     if (data.byteLength > MOST_BYTES) this.#refuse('a message of more than 8 MiB');
     else if (!this.#greeted) this.#refuse('a frame before the manifest');
     else this.#onFrame(new Uint8Array(data));

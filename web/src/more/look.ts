@@ -3,6 +3,7 @@
 // is montage4d, which layered characters have too. Part of fourdvt-more.js.
 // The player checks names and numbers; a picture that does not load is an Error here.
 import { LOOKS, type Look } from '../wasm/generated/abi.js';
+import { keep } from '../page/promises.js';
 import type { WasmModule } from '../wasm/wasm-abi.js';
 
 // Of the picture handed to the player; nine coefficients need no more.
@@ -36,14 +37,10 @@ async function fetchLight(url: string): Promise<Light> {
 }
 
 async function loadLight(address: string, base: string): Promise<Light> {
-  let url = address;
   try {
-    url = new URL(address, base).href;
-    let light = lights.get(url);
-    if (!light) lights.set(url, (light = fetchLight(url)));
-    return await light;
+    const url = new URL(address, base).href;
+    return await keep(lights, url, () => fetchLight(url));
   } catch (reason) {
-    lights.delete(url);
     throw new Error(`light="${address}": the picture does not load (${String(reason)}); correct the address`);
   }
 }

@@ -2,6 +2,7 @@
 // Connects the player to OpenCV's optical flow, a second wasm module that is loaded only when it is asked for: the
 // reference for the GPU's flow, and the fallback where the GPU has no float render targets. Copies the pictures from
 // one module's memory to the other's. Part of fourdvt-more.js.
+import { keep } from '../page/promises.js';
 import type { PlayerFiles } from '../wasm/files.js';
 import type { OpencvModule, WasmModule } from '../wasm/wasm-abi.js';
 
@@ -18,16 +19,13 @@ async function load({ opencv: url, opencvWasm }: Files): Promise<OpencvModule> {
     if (!wasm.ok) throw new Error(`${opencvWasm}: HTTP ${wasm.status}`);
     return await create({ wasmBinary: await wasm.arrayBuffer(), printErr: (line: string) => console.warn(`fourdvt-viewer: ${line}`) });
   } catch (reason) {
-    loading.delete(url);
     throw new Error(`${url}: the OpenCV module does not load (${String(reason)}); put it and its .wasm beside the player`);
   }
 }
 
 /** Loads the module; afterwards the player can align with 'flow-opencv'. Errors: an Error that says what to do. */
 export async function loadOpenCvFlow(files: Files, player: WasmModule): Promise<void> {
-  let module = loading.get(files.opencv);
-  if (!module) loading.set(files.opencv, (module = load(files)));
-  const flow = await module;
+  const flow = await keep(loading, files.opencv, () => load(files));
   player.fourdvtFlow = (a, b, width, height, out) => {
     const pixels = width * height;
     // The field comes first, so that it is aligned.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fetches a character's files and byte ranges of them, by the names that its manifest has. Names are resolved against the address that
 // answered with the manifest. If a server ignores Range and answers with the whole file (200), the file is kept and cut up here.
+import { keep } from '../page/promises.js';
 import { ViewerError } from '../report/errors.js';
 import { cannotLoad, isPartOfPage, originOf, PageFault, PassingFault, shortened, StatusFault } from './faults.js';
 import { ask, MOST_BYTES, patiently, type Answer, type Report } from './requests.js';
@@ -46,7 +47,6 @@ export class Transport {
   #waiting = 0; // fetches that wait for the network
   // The ranges of the first seconds: a second player on another upload path gets them without downloading them again.
   #replay: Map<string, Uint8Array> | null = new Map();
-  bytesReceived = 0;
 
   /** `report` hears when waiting for the network begins, and when nothing waits any more. */
   constructor(manifestUrl: string, report: Report = () => undefined, options: RequestOptions = {}) {
@@ -88,7 +88,6 @@ export class Transport {
   async #fetchStart(url: string): Promise<{ url: string; bytes: Uint8Array }> {
     try {
       const answer = await this.#ask(url, this.#abort.signal), bytes = await answer.read();
-      this.bytesReceived += bytes.length;
       return { url: answer.redirectedTo || url, bytes };
     } catch {
       return { url, bytes: new Uint8Array() };
@@ -146,11 +145,7 @@ export class Transport {
 
   #sign(url: string): Promise<string> {
     const sign = this.#options.signer?.sign;
-    let address = this.#signed.get(url);
-    if (!sign || address) return address ?? Promise.resolve(url);
-    this.#signed.set(url, (address = signedAddress(sign, url)));
-    address.catch(() => this.#signed.delete(url));
-    return address;
+    return sign ? keep(this.#signed, url, () => signedAddress(sign, url)) : this.#signed.get(url) ?? Promise.resolve(url);
   }
 
   // An address that the page has signed and the server refuses is signed anew, once: signatures expire.
@@ -210,9 +205,8 @@ export class Transport {
       const answer = await this.#ask(url, signal, { Range: `bytes=${offset}-${offset + bytes - 1}` });
       if (answer.status === 206) return this.#readPart(answer, url, offset, bytes);
       // Several answers may bring the same file at the same time; only the first is read to its end.
-      whole = this.#whole.get(url);
-      if (whole) answer.drop();
-      else whole = this.#keepWhole(url, answer);
+      if (this.#whole.has(url)) answer.drop();
+      whole = keep(this.#whole, url, () => answer.read(this.#lengths.get(url)));
     }
     return slice(url, await whole, offset, bytes);
   }
@@ -224,22 +218,11 @@ export class Transport {
       throw cannotLoad(url, `the server answers with other bytes (${range}) than those from ${offset}; let it send the range that is requested, or the whole file`);
     }
     const part = await answer.read(this.#lengths.get(url));
-    this.bytesReceived += part.length;
     if (isPartOfPage(part, type!)) throw new PageFault(url);
     if (part.length !== bytes && encoding) {
       throw cannotLoad(url, `a range of a compressed file cannot be used (Content-Encoding: ${encoding}); serve .bin, .mp4 and pictures uncompressed`);
     }
     return slice(url, part, 0, bytes);
-  }
-
-  #keepWhole(url: string, answer: Answer): Promise<Uint8Array> {
-    const whole = answer.read(this.#lengths.get(url)).then((file) => {
-      this.bytesReceived += file.length;
-      return file;
-    });
-    this.#whole.set(url, whole);
-    whole.catch(() => this.#whole.delete(url));
-    return whole;
   }
 }
 

@@ -4,6 +4,7 @@
 // looks, is put into it afterwards.
 import createPlayer from 'fourdvt-wasm';
 
+import { keep } from '../page/promises.js';
 import type { PlayerFiles } from '../wasm/files.js';
 import type { WasmModule } from '../wasm/wasm-abi.js';
 import { asViewerError, ViewerError } from '../report/errors.js';
@@ -43,14 +44,7 @@ async function compileNew(url: string, report: Report, cache: RequestCache = 'de
 }
 
 // The first caller's `report` is the one that is called while the network is waited for; all share the download.
-function compile(url: string, report: Report): Promise<WebAssembly.Module> {
-  let module = compiled.get(url);
-  if (!module) {
-    compiled.set(url, (module = compileNew(url, report)));
-    module.catch(() => compiled.delete(url));
-  }
-  return module;
-}
+const compile = (url: string, report: Report): Promise<WebAssembly.Module> => keep(compiled, url, () => compileNew(url, report));
 
 // In place of the second part's functions until it is there.
 const absent = (): never => { throw new Error("the player's second part is not there yet"); };
@@ -97,22 +91,7 @@ export const hasMore = (module: WasmModule): boolean => complete.has(module);
  * Puts the second part into an instance of the first: fourdvt-more.wasm, and fourdvt-more.js with the page's side. Errors: as of `instantiate`; after one the next call tries again.
  */
 export function loadMore(module: WasmModule, files: SecondPart, report: Report): Promise<More> {
-  let more = secondParts.get(module);
-  if (!more) {
-    more = addSecond(module, files, report);
-    secondParts.set(module, more);
-    more.catch(() => secondParts.delete(module));
-  }
-  return more;
-}
-
-function importOnce(script: string, report: Report): Promise<More> {
-  let more = scripts.get(script);
-  if (!more) {
-    scripts.set(script, (more = importScript(script, report)));
-    more.catch(() => scripts.delete(script));
-  }
-  return more;
+  return keep(secondParts, module, () => addSecond(module, files, report));
 }
 
 // Browsers say nothing of why a script does not load, and may not load an address again that has failed: a fetch of the file waits for
@@ -132,7 +111,7 @@ async function importScript(script: string, report: Report): Promise<More> {
 }
 
 async function addSecond(module: WasmModule, { more: script, moreWasm }: SecondPart, report: Report): Promise<More> {
-  const [more, second] = await Promise.all([importOnce(script, report), compile(moreWasm, report)]);
+  const [more, second] = await Promise.all([keep(scripts, script, () => importScript(script, report)), compile(moreWasm, report)]);
   if (!complete.has(module)) {
     await WebAssembly.instantiate(second, { first: importsOfSecond(firstParts.get(module)!) }).catch((reason: unknown) => {
       throw refusal(moreWasm, reason);

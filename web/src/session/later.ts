@@ -4,7 +4,7 @@
 // is needed.
 import { isOn } from '../page/attributes.js';
 import type { Companion } from './companion.js';
-import { deferred } from '../page/deferred.js';
+import { deferred } from '../page/promises.js';
 import { mayBeOfTwoBakes, type ErrorDetail } from '../report/errors.js';
 import type { LiveStream } from '../live/live.js';
 import type { SessionSide, SideActor } from '../more/session-side.js';

@@ -3,6 +3,7 @@
 // canvas itself. Several are drawn one after the other, and have canvases of their own that get the pictures: as bitmaps out of
 // an OffscreenCanvas; copied out of the first one's canvas where the others came later, or there are no such canvases. When the
 // context is lost or the player has trapped, all hear of it and begin anew on another stage. Does not load or draw characters.
+import { keep } from '../page/promises.js';
 import { ViewerError } from '../report/errors.js';
 import type { Report } from '../net/requests.js';
 import type { WasmModule } from '../wasm/wasm-abi.js';
@@ -60,12 +61,7 @@ export class Stage {
   /** Joins the page's stage. Errors: ViewerError as of `instantiate`, 'gpu-failure'. */
   static async join(files: { readonly wasm: string }, slot: StageSlot, report: Report): Promise<Stage> {
     const { wasm: url } = files;
-    let coming = stages.get(url);
-    if (!coming) {
-      stages.set(url, (coming = instantiate(files, report).then((module) => new Stage(url, module))));
-      coming.catch(() => stages.delete(url));
-    }
-    const stage = await coming;
+    const stage = await keep(stages, url, () => instantiate(files, report).then((module) => new Stage(url, module)));
     if (stage.#over) return Stage.join(files, slot, report);
     stage.#add(slot);
     return stage;
