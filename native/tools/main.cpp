@@ -1,29 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstring>
-
 #include "tools/commands.h"
 #include "tools/program.h"
 
 namespace {
 
 using namespace fourdvt::tools;
-
-constexpr const char* kBuildLab = "   (built by tests/run.sh, or with cmake -DFOURDVT_LAB=ON)";
-
-std::string presentStudio(int, char**) { return std::string("fourdvt-lab studio MODEL -o CAPTURE") + kBuildLab; }
-
-std::string presentEvaluate(int argc, char** argv) {
-  const auto has = [&](const char* option) {
-    for (int i = 0; i < argc; ++i)
-      if (std::strncmp(argv[i], option, std::strlen(option)) == 0) return true;
-    return false;
-  };
-  const char* present = has("--character")    ? "fourdvt-lab score CHARACTER --capture CAPTURE"
-                        : has("--surface")    ? "fourdvt-lab surfaces CAPTURE"
-                        : has("--projective") ? "fourdvt-lab methods CAPTURE"
-                                              : "fourdvt-lab study CAPTURE -o REPORT";
-  return std::string(present) + kBuildLab;
-}
 
 constexpr Command kCommands[] = {
     {"import", "make a capture folder from another program's calibration", importCommand},
@@ -42,8 +23,6 @@ constexpr Command kCommands[] = {
     {"live-camera", "send one camera of a live stage", liveCameraCommand},
 };
 
-constexpr FormerCommand kFormer[] = {{"studio", presentStudio}, {"evaluate", presentEvaluate}};
-
 }  // namespace
 
-int main(int argc, char** argv) { return runProgram("fourdvt", kCommands, kFormer, argc, argv); }
+int main(int argc, char** argv) { return runProgram("fourdvt", kCommands, argc, argv); }

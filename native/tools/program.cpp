@@ -37,18 +37,11 @@ int runGuarded(const Command& command, int argc, char** argv) {
 
 }  // namespace
 
-int runProgram(const char* program, std::span<const Command> commands, std::span<const FormerCommand> former, int argc,
-               char** argv) {
+int runProgram(const char* program, std::span<const Command> commands, int argc, char** argv) {
   setProgramName(program);
   const char* name = argc > 1 ? argv[1] : "";
   for (const Command& command : commands)
     if (std::strcmp(name, command.name) == 0) return runGuarded(command, argc, argv);
-  for (const FormerCommand& command : former) {
-    if (std::strcmp(name, command.name) != 0) continue;
-    std::fprintf(stderr, "%s: \"%s\" has moved: %s\n", programName(), name,
-                 command.present(argc - 2, argv + 2).c_str());
-    return kUsage;
-  }
   if (std::strcmp(name, "--help") == 0 || std::strcmp(name, "-h") == 0) {
     printUsage(stdout, commands);
     return kOk;

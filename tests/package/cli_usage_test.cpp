@@ -92,12 +92,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"render a --parameter s -o b.png", "--parameter"}, Mistake{"render a --align x -o b.png", "--align"},
         Mistake{"render a --class c --sequence s -o b.png", "--class"},
         Mistake{"render a --phase 2 -o b.png", "--phase"}, Mistake{"render a --travel -o b.png", "--travel"},
-        Mistake{"evaluate a -o b --quick", "fourdvt-lab study CAPTURE -o REPORT"},
-        Mistake{"evaluate a --character b", "fourdvt-lab score CHARACTER --capture CAPTURE"},
-        Mistake{"evaluate a --character=b", "fourdvt-lab score"},
-        Mistake{"evaluate a --surface", "fourdvt-lab surfaces"},
-        Mistake{"evaluate a --projective -o b", "fourdvt-lab methods"},
-        Mistake{"studio procedural -o b", "fourdvt-lab studio"}, Mistake{"bake a -o b --labels naive", "--labels"}));
+        Mistake{"bake a -o b --labels naive", "--labels"}));
 
 class LabUsage : public testing::TestWithParam<Mistake> {};
 

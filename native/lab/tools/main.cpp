@@ -21,4 +21,4 @@ constexpr tools::Command kCommands[] = {
 
 }  // namespace
 
-int main(int argc, char** argv) { return tools::runProgram("fourdvt-lab", kCommands, {}, argc, argv); }
+int main(int argc, char** argv) { return tools::runProgram("fourdvt-lab", kCommands, argc, argv); }
