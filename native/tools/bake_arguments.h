@@ -17,7 +17,7 @@ struct BakeCommandLine {
   std::optional<int> exit_code;  // help or a problem was printed; none: the options are valid
 };
 
-BakeCommandLine readBakeCommand(int argc, char** argv, const BakeExtension* extension = nullptr);
+BakeCommandLine readBakeCommand(int argc, char** argv, BakeExtension extension = nullptr);
 // Borrows both; Ctrl-C is listened for.
 bake::BakeEnvironment bakeEnvironment(const GpuSession& gpu, ProgressLine& line);
 void printBakeSummary(const std::string& character_folder, const bake::BakeReport& report, double seconds);

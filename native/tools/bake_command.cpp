@@ -8,189 +8,171 @@
 #include "render/cameras/camera_method.h"
 #include "tools/args.h"
 #include "tools/bake_arguments.h"
-#include "tools/choice.h"
 #include "tools/commands.h"
+#include "tools/common_options.h"
 #include "tools/log.h"
 #include "tools/progress_line.h"
-#include "tools/refine_arguments.h"
 #include "tools/session.h"
 #include "tools/stop_signal.h"
 
 namespace fourdvt::tools {
 namespace {
 
-// Help texts live as long as the process.
-const char* qualityHelp() {
-  static const std::string text = [] {
-    std::string t = "sets texture, layers, crf and preset; explicit options override it (default web):";
-    for (const bake::Quality& q : bake::qualities()) t += std::string("\n") + q.name + ": " + q.meaning;
-    return t;
-  }();
-  return text.c_str();
+std::string qualityMeaning() {
+  std::string out = "sets texture, layers, crf and preset; explicit options override it (default web):";
+  for (const bake::Quality& q : bake::qualities()) out += std::string("\n") + q.name + ": " + q.meaning;
+  return out;
 }
 
-const char* presetHelp() {
-  static const std::string text = [] {
-    std::string t = "speed preset of the encoder, by its own name (default: of the quality):";
-    for (const encode::CodecInfo& info : encode::kCodecInfos) t += std::string("\n") + info.name + ": " + info.presets;
-    return t;
-  }();
-  return text.c_str();
+std::string presetMeaning() {
+  std::string out = "speed preset of the encoder, by its own name (default: of the quality):";
+  for (const encode::CodecInfo& info : encode::kCodecInfos) out += std::string("\n") + info.name + ": " + info.presets;
+  return out;
 }
 
-const char* methodHelp() {
-  static const std::string text = [] {
-    std::string names;
-    for (const std::string& name : render::cameraMethodNames(render::MethodGroup::Textured)) names += ", " + name;
-    return "cameras: the method that players draw the character by: auto (default; measured on cameras that are left "
-           "out), or one of" +
-           names.substr(1);
-  }();
-  return text.c_str();
+std::string methodMeaning() {
+  std::string names;
+  for (const std::string& name : render::cameraMethodNames(render::MethodGroup::Textured)) names += ", " + name;
+  return "cameras: the method that players draw the character by: auto (default; measured on cameras that are left "
+         "out), or one of" +
+         names.substr(1);
 }
 
-const CommandHelp& help() {
-  static const CommandHelp text{
-      "bake CAPTURE -o CHARACTER [options]",
-      "Turns a capture folder into a character folder that any web server can host. A new folder appears when it is "
-      "complete; in an old one, the earlier bake's files are replaced. After Ctrl-C, the same command with --resume "
-      "continues.",
-      {{"-o", "CHARACTER", "folder to write (required)"},
-       {"--sequences", "A,B", "only these sequences (default: all)"},
-       {"--cameras", "A,B",
-        "only these cameras, by the names in images.txt, at most 31 (default: all, or of more than 31 the best in "
-        "directions, share of the surface in the picture and pixels on it)"},
-       {"--appearance", "KIND",
-        "layers (texture layers on a mesh of constant topology) or cameras (camera pictures on surfaces of any "
-        "topology); default: layers if the meshes allow it"},
-       {"--quality", "NAME", qualityHelp()},
-       {"--codec", "NAME", "h264 (plays everywhere, the default), vp9 or av1 (smaller, slower to bake)"},
-       {"--layers", "N", "texture layers, 1 to 6 (default: of the quality)"},
-       {"--texture", "N", "texels, side of layer 1 (default: of the quality)"},
-       {"--equal-layers", nullptr, "all layers have the size of layer 1 (default: the others have half of it)"},
-       {"--crf", "N",
-        "rate factor, lower is better: 0 to 51 for h264, 0 to 63 for vp9 and av1 (default: of the quality)"},
-       {"--preset", "NAME", presetHelp()},
-       {"--renditions", "LIST",
-        "smaller renditions beside the highest, which the options above describe: SIZE:CRF or SIZE:CRF:CODEC, "
-        "separated "
-        "by commas. SIZE: texels of layer 1, a multiple of 32 from 64; for characters from cameras the share of the "
-        "highest's sides, a multiple of 0.125. highest: none but that (default: its size at half the bitrate, and 3/8 "
-        "of it, from cameras half of it; 1024:36,384:34 for web)"},
-       {"--penalty", "NAME",
-        "penalty of a camera for a face, by its optical axis (axis; default, as in the papers), its ray to the face's "
-        "centre (ray) or its number of pixels (resolution)"},
-       kRefineOption,
-       kRefineCamerasOption,
-       kMatteBiasOption,
-       {"--no-colour-calibration", nullptr, "do not match the cameras' colours"},
-       {"--filter", "NAME", "filter for sampling camera pictures: bicubic (default), bilinear or mipmap"},
-       {"--no-classes", nullptr, "leave out the capture's motion classes"},
-       {"--align", "MODE", "classes: baked (align the members' textures on the surface; default) or none (faster)"},
-       {"--blend-error", "MM",
-        "classes: largest distance of the blended mesh from the non-linear blend, millimetres (default 1 for a person, "
-        "and in proportion to the size of other surfaces)"},
-       {"--tile-scale", "X", "cameras: texels per pixel of their pictures, 0.01 to 1 (default 1)"},
-       {"--faces", "N",
-        "cameras: simplify surfaces of changing topology to about N faces, 100 to 1000000; 0: keep all (default "
-        "10000)"},
-       {"--tile-texels", "N", "cameras: largest tiled picture, million texels (default 9.4, what phones decode)"},
-       {"--method", "NAME", methodHelp()},
-       {"--method-cost", "X",
-        "cameras: methods that auto may choose take at most X times as long for a frame as fvvr, 1 to 100 (default "
-        "2.5)"},
-       {"--position-step", "MM",
-        "quantisation step of vertices, millimetres (default for a person 0.25 from layers, 1 from cameras; half of it "
-        "for surfaces of half the size, and so on)"},
-       {"--coarse-step", "MM",
-        "layers: likewise for renditions with fewer texels than the highest, 0.001 to 100, or 0: as for the others "
-        "(default 2 for a person, as above); their alignment is coarser in proportion"},
-       {"--gop", "N", "most frames of a group of pictures (default 20)"},
-       {"--jobs", "N", "worker threads; 0: one per core (default 0)"},
-       {"--resume", nullptr, "continue an interrupted run with the same settings"}}};
-  return text;
+const bake::Quality* qualityOf(const Args& args) {
+  return bake::findQuality(args.text("--quality", bake::kDefaultQuality));
 }
 
-// Applies quality and codec first, so that options that are given explicitly win.
-void readEncoding(Args& args, bake::BakeOptions& o) {
+void readQuality(Args& args, const std::string& name) {
+  if (!qualityOf(args)) args.refuse(name, "one of draft, web, high");
+}
+
+// Applies quality and codec, so that the options after these, which are given explicitly, win.
+void readCodec(Args& args, const std::string& name, bake::BakeOptions& o) {
   encode::Codec codec = o.codec;
-  if (args.has("--codec") && !encode::parseCodec(args.text("--codec"), codec))
-    args.complain("--codec must be one of " + encode::codecNames() + ", not \"" + args.text("--codec") + "\"");
-  const std::string name = args.text("--quality", bake::kDefaultQuality);
-  if (const bake::Quality* quality = bake::findQuality(name))
-    bake::applyQuality(*quality, codec, o);
-  else
-    args.complain("--quality must be one of draft, web, high, not \"" + name + "\"");
-  o.layers = args.integer("--layers", o.layers, 1, 6);
-  o.texture = args.integer("--texture", o.texture, 64, 4096);
-  o.crf = args.integer("--crf", o.crf, 0, encode::infoOf(codec).highest_crf);
-  o.preset = args.text("--preset", o.preset);
-  o.equal_layers = args.has("--equal-layers");
-  if (!encode::knowsPreset(codec, o.preset))
-    args.complain(std::string("--preset for ") + encode::infoOf(codec).name + " must be " +
-                  encode::infoOf(codec).presets + ", not \"" + o.preset + "\"");
+  if (args.has(name) && !encode::parseCodec(args.text(name), codec)) args.refuse(name, "one of " + encode::codecNames());
+  if (const bake::Quality* quality = qualityOf(args)) bake::applyQuality(*quality, codec, o);
 }
 
-// After readEncoding: the other codecs' presets are the quality's.
-void readRenditions(Args& args, bake::BakeOptions& o) {
-  o.standard_renditions = !args.has("--renditions");
-  if (o.standard_renditions || args.text("--renditions") == "highest") return;
-  const std::string wrong = bake::parseRenditions(args.list("--renditions"), o, o.lower_renditions);
-  if (!wrong.empty()) args.complain("--renditions: " + wrong);
-  const bake::Quality* quality = bake::findQuality(args.text("--quality", bake::kDefaultQuality));
+void readPreset(Args& args, const std::string& name, bake::BakeOptions& o) {
+  o.preset = args.text(name, o.preset);
+  if (!encode::knowsPreset(o.codec, o.preset))
+    args.complain(name + " for " + encode::infoOf(o.codec).name + " must be " + encode::infoOf(o.codec).presets +
+                  ", not \"" + o.preset + "\"");
+}
+
+// The other codecs' presets are the quality's.
+void readRenditions(Args& args, const std::string& name, bake::BakeOptions& o) {
+  o.standard_renditions = !args.has(name);
+  if (o.standard_renditions || args.text(name) == "highest") return;
+  const std::string wrong = bake::parseRenditions(args.list(name), o, o.lower_renditions);
+  if (!wrong.empty()) args.complain(name + ": " + wrong);
+  const bake::Quality* quality = qualityOf(args);
   for (bake::LowerRendition& r : o.lower_renditions)
     r.preset = r.codec == o.codec || !quality ? o.preset : quality->preset[static_cast<int>(r.codec)];
 }
 
-void readAppearance(Args& args, bake::BakeOptions& o) {
-  using package::AppearanceKind;
-  if (args.has("--appearance"))
-    o.appearance = choice(args, "--appearance", AppearanceKind::Layers,
-                          {{"layers", AppearanceKind::Layers}, {"cameras", AppearanceKind::Cameras}});
-  o.cameras.faces = args.integer("--faces", o.cameras.faces, 0, 1'000'000);
-  if (o.cameras.faces > 0 && o.cameras.faces < 100) args.complain("--faces must be 0, or 100 to 1000000");
-  o.cameras.tile_scale = args.number("--tile-scale", o.cameras.tile_scale, 0.01, 1);
-  o.cameras.max_texels = args.number("--tile-texels", o.cameras.max_texels / 1e6, 0.01, 16.8) * 1e6;
-  const std::string method = args.text("--method", "auto");
+void readMethod(Args& args, const std::string& name, bake::BakeOptions& o) {
+  const std::string method = args.text(name, "auto");
   const auto methods = render::cameraMethodNames(render::MethodGroup::Textured);
   if (std::find(methods.begin(), methods.end(), method) != methods.end())
     o.cameras.method = method;
   else if (method != "auto")
-    args.complain(std::string("--method: ") + methodHelp() + "; not \"" + method + "\"");
-  o.cameras.choice.most_cost = args.number("--method-cost", o.cameras.choice.most_cost, 1, 100);
-  if (args.has("--coarse-step")) o.coarse_step_m = args.number("--coarse-step", 2, 0, 100) / 1e3;
-  if (o.coarse_step_m && *o.coarse_step_m != 0 && *o.coarse_step_m < 1e-6)
-    args.complain("--coarse-step must be 0, or 0.001 to 100");
-  if (!args.has("--position-step")) return;
-  o.position_step_m = args.number("--position-step", 0.5, 0.001, 100) / 1e3;
+    args.complain(name + ": " + methodMeaning() + "; not \"" + method + "\"");
 }
 
-bake::BakeOptions readOptions(Args& args) {
-  bake::BakeOptions o;
-  o.capture_folder = args.positional();
-  o.character_folder = args.required("-o");
-  o.sequences = args.list("--sequences");
-  o.camera_names = args.list("--cameras");
-  readEncoding(args, o);
-  readRenditions(args, o);
-  o.gop = args.integer("--gop", o.gop, 1, 1000);
-  o.jobs = args.integer("--jobs", o.jobs, 0, 1024);
-  o.resume = args.has("--resume");
-  o.penalty =
-      choice(args, "--penalty", o.penalty,
-             {{"axis", bake::Penalty::Axis}, {"ray", bake::Penalty::Ray}, {"resolution", bake::Penalty::Resolution}});
-  o.resample.filter = choice(args, "--filter", o.resample.filter,
-                             {{"bilinear", bake::ResampleFilter::Bilinear},
-                              {"mipmap", bake::ResampleFilter::Mipmap},
-                              {"bicubic", bake::ResampleFilter::Bicubic}});
-  o.classes.bake = !args.has("--no-classes");
-  o.classes.align = choice(args, "--align", o.classes.align, {{"baked", true}, {"none", false}});
-  if (args.has("--blend-error")) o.classes.blend_error_m = args.number("--blend-error", 1, 0.01, 1000) / 1e3;
-  readAppearance(args, o);
-  o.refine = readRefineOptions(args);
-  o.refine_asked = args.has("--refine") || args.has("--refine-cameras") || args.has("--matte-bias-px");
-  o.colour_calibration = !args.has("--no-colour-calibration");
-  return o;
+// Passes the options, as those before it have set them, on to a reader.
+Reader with(bake::BakeOptions& o, void (*read)(Args&, const std::string&, bake::BakeOptions&)) {
+  return [&o, read](Args& args, const std::string& name) { read(args, name, o); };
+}
+
+Options sourceOptions(bake::BakeOptions& o) {
+  using package::AppearanceKind;
+  return {
+      {"-o CHARACTER", required(o.character_folder), "folder to write (required)"},
+      sequencesOption(o.sequences),
+      {"--cameras A,B", list(o.camera_names),
+       "only these cameras, by the names in images.txt, at most 31 (default: all, or of more than 31 the best in "
+       "directions, share of the surface in the picture and pixels on it)"},
+      {"--appearance KIND",
+       choice(o.appearance, {{"layers", AppearanceKind::Layers}, {"cameras", AppearanceKind::Cameras}}),
+       "layers (texture layers on a mesh of constant topology) or cameras (camera pictures on surfaces of any "
+       "topology); default: layers if the meshes allow it"},
+  };
+}
+
+Options encodingOptions(bake::BakeOptions& o) {
+  const auto readCrf = [&o](Args& args, const std::string& name) {
+    number(o.crf, 0, encode::infoOf(o.codec).highest_crf)(args, name);
+  };
+  return {
+      {"--quality NAME", readQuality, qualityMeaning()},
+      {"--codec NAME", with(o, readCodec),
+       "h264 (plays everywhere, the default), vp9 or av1 (smaller, slower to bake)"},
+      {"--layers N", number(o.layers, 1, package::kMaxLayers), "texture layers, 1 to 6 (default: of the quality)"},
+      {"--texture N", number(o.texture, 64, 4096), "texels, side of layer 1 (default: of the quality)"},
+      {"--equal-layers", flag(o.equal_layers),
+       "all layers have the size of layer 1 (default: the others have half of it)"},
+      {"--crf N", readCrf,
+       "rate factor, lower is better: 0 to 51 for h264, 0 to 63 for vp9 and av1 (default: of the quality)"},
+      {"--preset NAME", with(o, readPreset), presetMeaning()},
+      {"--renditions LIST", with(o, readRenditions),
+       "smaller renditions beside the highest, which the options above describe: SIZE:CRF or SIZE:CRF:CODEC, separated "
+       "by commas. SIZE: texels of layer 1, a multiple of 32 from 64; for characters from cameras the share of the "
+       "highest's sides, a multiple of 0.125. highest: none but that (default: its size at half the bitrate, and 3/8 "
+       "of it, from cameras half of it; 1024:36,384:34 for web)"},
+  };
+}
+
+Options textureOptions(bake::BakeOptions& o) {
+  using bake::ResampleFilter;
+  return {
+      {"--no-colour-calibration", flag(o.colour_calibration, false), "do not match the cameras' colours"},
+      {"--filter NAME",
+       choice(o.resample.filter, {{"bilinear", ResampleFilter::Bilinear},
+                                  {"mipmap", ResampleFilter::Mipmap},
+                                  {"bicubic", ResampleFilter::Bicubic}}),
+       "filter for sampling camera pictures: bicubic (default), bilinear or mipmap"},
+      {"--no-classes", flag(o.classes.bake, false), "leave out the capture's motion classes"},
+      {"--align MODE", choice(o.classes.align, {{"baked", true}, {"none", false}}),
+       "classes: baked (align the members' textures on the surface; default) or none (faster)"},
+      {"--blend-error MM", number(o.classes.blend_error_m, 0.01, 1000, 1e-3),
+       "classes: largest distance of the blended mesh from the non-linear blend, millimetres (default 1 for a person, "
+       "and in proportion to the size of other surfaces)"},
+      {"--tile-scale X", number(o.cameras.tile_scale, 0.01, 1),
+       "cameras: texels per pixel of their pictures, 0.01 to 1 (default 1)"},
+      {"--faces N", number(o.cameras.faces, 0, 1'000'000),
+       "cameras: simplify surfaces of changing topology to about N faces, 100 to 1000000; 0: keep all (default "
+       "10000)"},
+      {"--tile-texels N", number(o.cameras.max_texels, 0.01, 16.8, 1e6),
+       "cameras: largest tiled picture, million texels (default 9.4, what phones decode)"},
+      {"--method NAME", with(o, readMethod), methodMeaning()},
+      {"--method-cost X", number(o.cameras.choice.most_cost, 1, 100),
+       "cameras: methods that auto may choose take at most X times as long for a frame as fvvr, 1 to 100 (default "
+       "2.5)"},
+  };
+}
+
+Options bakeOptions(bake::BakeOptions& o) {
+  using bake::Penalty;
+  return join({
+      sourceOptions(o),
+      encodingOptions(o),
+      {{"--penalty NAME",
+        choice(o.penalty, {{"axis", Penalty::Axis}, {"ray", Penalty::Ray}, {"resolution", Penalty::Resolution}}),
+        "penalty of a camera for a face, by its optical axis (axis; default, as in the papers), its ray to the face's "
+        "centre (ray) or its number of pixels (resolution)"}},
+      refineOptions(o.refine),
+      textureOptions(o),
+      {{"--position-step MM", number(o.position_step_m, 0.001, 100, 1e-3),
+        "quantisation step of vertices, millimetres (default for a person 0.25 from layers, 1 from cameras; half of it "
+        "for surfaces of half the size, and so on)"},
+       {"--coarse-step MM", number(o.coarse_step_m, 0, 100, 1e-3),
+        "layers: likewise for renditions with fewer texels than the highest, 0.001 to 100, or 0: as for the others "
+        "(default 2 for a person, as above); their alignment is coarser in proportion"},
+       {"--gop N", number(o.gop, 1, 1000), "most frames of a group of pictures (default 20)"},
+       jobsOption(o.jobs),
+       resumeOption(o.resume)},
+  });
 }
 
 }  // namespace
@@ -204,19 +186,24 @@ void printBakeSummary(const std::string& character_folder, const bake::BakeRepor
        report.peak_rss_bytes / 1e6, bake::reportFolderOf(character_folder).c_str());
 }
 
-BakeCommandLine readBakeCommand(int argc, char** argv, const BakeExtension* extension) {
-  CommandHelp known = help();
-  if (extension) known.options.push_back(extension->option);
-  Args args(known, argc, argv);
-  BakeCommandLine line{readOptions(args), std::nullopt};
-  if (extension) extension->read(args, line.options);
-  if (args.problem().empty() && !args.wantsHelp()) {
-    const std::string wrong = line.options.check();
-    if (!wrong.empty()) args.complain(wrong);
-  }
-  line.exit_code = helpOrProblem(known, args);
+BakeCommandLine readBakeCommand(int argc, char** argv, BakeExtension extension) {
+  BakeCommandLine line;
+  bake::BakeOptions& o = line.options;
+  Args args({"bake CAPTURE -o CHARACTER [options]",
+             "Turns a capture folder into a character folder that any web server can host. A new folder appears when "
+             "it is complete; in an old one, the earlier bake's files are replaced. After Ctrl-C, the same command "
+             "with --resume continues.",
+             {&o.capture_folder},
+             join({bakeOptions(o), extension ? extension(o) : Options()})},
+            argc, argv);
+  if (o.cameras.faces > 0 && o.cameras.faces < 100) args.complain("--faces must be 0, or 100 to 1000000");
+  if (o.coarse_step_m && *o.coarse_step_m != 0 && *o.coarse_step_m < 1e-6)
+    args.complain("--coarse-step must be 0, or 0.001 to 100");
+  o.refine_asked = refinesExplicitly(args);
+  args.complain(o.check());
+  line.exit_code = args.helpOrProblem();
   if (line.exit_code) return line;
-  const Status found = encode::checkEncoder(line.options.codec, line.options.preset);
+  const Status found = encode::checkEncoder(o.codec, o.preset);
   if (!found.ok()) line.exit_code = fail(found.error());
   return line;
 }
@@ -233,7 +220,7 @@ bake::BakeEnvironment bakeEnvironment(const GpuSession& gpu, ProgressLine& line)
   return environment;
 }
 
-int bakeCommand(int argc, char** argv, const BakeExtension* extension) {
+int bakeCommand(int argc, char** argv, BakeExtension extension) {
   const auto [options, exit_code] = readBakeCommand(argc, argv, extension);
   if (exit_code) return *exit_code;
   auto gpu = openGpu();

@@ -2,8 +2,6 @@
 // The subcommands of `fourdvt`; each parses, checks, calls the library and returns the exit code (args.h).
 #pragma once
 
-#include <functional>
-
 #include "tools/args.h"
 
 namespace fourdvt::bake {
@@ -12,17 +10,14 @@ struct BakeOptions;
 
 namespace fourdvt::tools {
 
-// An option that another program adds to `bake`.
-struct BakeExtension {
-  Option option;
-  std::function<void(Args&, bake::BakeOptions&)> read;
-};
+// Options that another program adds to `bake`.
+using BakeExtension = Options (*)(bake::BakeOptions&);
 
 int importCommand(int argc, char** argv);
 int calibrateCommand(int argc, char** argv);
 int mattesCommand(int argc, char** argv);
 int reconstructCommand(int argc, char** argv);
-int bakeCommand(int argc, char** argv, const BakeExtension* extension = nullptr);
+int bakeCommand(int argc, char** argv, BakeExtension extension = nullptr);
 int planCommand(int argc, char** argv);
 int pieceCommand(int argc, char** argv);
 int finishCommand(int argc, char** argv);

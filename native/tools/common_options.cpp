@@ -1,26 +1,48 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/refine_arguments.h"
+#include "tools/common_options.h"
+
+#include "package/character.h"
 
 namespace fourdvt::tools {
-namespace {
 
-bool readMode(Args& args, const char* name, const char* on, const char* off) {
-  const std::string mode = args.text(name, on);
-  if (mode != on && mode != off)
-    args.complain(std::string(name) + " must be " + on + " or " + off + ", not \"" + mode + "\"");
-  return mode == on;
+Option sequencesOption(std::vector<std::string>& field) {
+  return {"--sequences A,B", list(field), "only these sequences (default: all)"};
 }
 
-}  // namespace
+Option jobsOption(int& field, const std::string& what) {
+  return {"--jobs N", number(field, 0, 1024), what + "; 0: one per core (default 0)"};
+}
 
-refine::RefineOptions readRefineOptions(Args& args) {
-  refine::RefineOptions options;
-  options.outline = readMode(args, "--refine", "outline", "none");
-  options.cameras = readMode(args, "--refine-cameras", "on", "off");
-  if (args.has("--matte-bias-px")) options.matte_bias_pixels = args.number("--matte-bias-px", 0, -8, 8);
-  if (options.matte_bias_pixels && !options.any())
-    args.complain("--matte-bias-px has nothing to correct with --refine none and --refine-cameras off");
-  return options;
+Option resumeOption(bool& field) {
+  return {"--resume", flag(field), "continue an interrupted run with the same settings"};
+}
+
+Option renditionOption(std::optional<int>& field) {
+  return {
+      "--rendition N", number(field, 0, package::kMaxPictureSide),
+      "rendition: 0 for the lowest, counted as `fourdvt inspect` lists them, or the texels of layer 1 (default: the "
+      "highest)"};
+}
+
+Options refineOptions(refine::RefineOptions& o) {
+  const auto readBias = [&o](Args& args, const std::string& name) {
+    number(o.matte_bias_pixels, -8, 8)(args, name);
+    if (o.matte_bias_pixels && !o.any())
+      args.complain("--matte-bias-px has nothing to correct with --refine none and --refine-cameras off");
+  };
+  return {
+      {"--refine MODE", choice(o.outline, {{"outline", true}, {"none", false}}, Wording::Or),
+       "outline (default): move the mesh along its normals until its outlines match the mattes; none: as given"},
+      {"--refine-cameras MODE", choice(o.cameras, {{"on", true}, {"off", false}}, Wording::Or),
+       "on (default): correct cameras that the mattes clearly contradict; off: as given"},
+      {"--matte-bias-px PX", readBias,
+       "margin of the mattes beyond the performer's outline, pixels; negative if they are too small (default: "
+       "measured)"},
+  };
+}
+
+bool refinesExplicitly(const Args& args) {
+  return args.has("--refine") || args.has("--refine-cameras") || args.has("--matte-bias-px");
 }
 
 }  // namespace fourdvt::tools

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Options of every command that reads a capture's meshes and cameras: refinement of both against the pictures.
+// Rows of options that several commands have.
 #pragma once
 
 #include "refine/refine.h"
@@ -7,15 +7,14 @@
 
 namespace fourdvt::tools {
 
-inline constexpr Option kRefineOption{
-    "--refine", "MODE",
-    "outline (default): move the mesh along its normals until its outlines match the mattes; none: as given"};
-inline constexpr Option kRefineCamerasOption{
-    "--refine-cameras", "MODE", "on (default): correct cameras that the mattes clearly contradict; off: as given"};
-inline constexpr Option kMatteBiasOption{
-    "--matte-bias-px", "PX",
-    "margin of the mattes beyond the performer's outline, pixels; negative if they are too small (default: measured)"};
+Option sequencesOption(std::vector<std::string>& field);
+Option jobsOption(int& field, const std::string& what = "worker threads");
+Option resumeOption(bool& field);
+// The rendition that is drawn, as findRendition takes it (session.h).
+Option renditionOption(std::optional<int>& field);
 
-refine::RefineOptions readRefineOptions(Args& args);
+// Refinement of a capture's meshes and cameras against its pictures.
+Options refineOptions(refine::RefineOptions& options);
+bool refinesExplicitly(const Args& args);  // one of them is given
 
 }  // namespace fourdvt::tools

@@ -28,20 +28,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const CommandHelp& help() {
-  static const CommandHelp text{
-      "inspect CHARACTER|CAPTURE",
-      "Of a capture folder: lists per camera the pictures, the marks that their files have (turned, interlaced, HDR, "
-      "colour "
-      "profiles), what reading makes of them, and where mattes come from; exits with 1 if a view cannot be used. Of a "
-      "character: lists sequences, motion classes, renditions (the lowest first) and sizes of a character folder (or "
-      "of "
-      "its character.gltf). Checks content hashes and decodes every chunk, every video "
-      "frame, the motion graph and the room. Exits with 1 if anything is damaged.",
-      {}};
-  return text;
-}
-
 Error inFile(const std::string& path, const Error& error) {
   if (error.message.find(path) != std::string::npos) return error;
   return {error.id, path + ": " + error.message};
@@ -425,9 +411,18 @@ class Inspection {
 }  // namespace
 
 int inspectCommand(int argc, char** argv) {
-  Args args(help(), argc, argv);
-  if (const auto code = helpOrProblem(help(), args)) return *code;
-  const std::string path = args.positional();
+  std::string path;
+  const Args args({"inspect CHARACTER|CAPTURE",
+                   "Of a capture folder: lists per camera the pictures, the marks that their files have (turned, "
+                   "interlaced, HDR, colour profiles), what reading makes of them, and where mattes come from; exits "
+                   "with 1 if a view cannot be used. Of a character: lists sequences, motion classes, renditions (the "
+                   "lowest first) and sizes of a character folder (or of its character.gltf). Checks content hashes "
+                   "and decodes every chunk, every video frame, the motion graph and the room. Exits with 1 if "
+                   "anything is damaged.",
+                   {&path},
+                   {}},
+                  argc, argv);
+  if (const auto code = args.helpOrProblem()) return *code;
   if (isCaptureFolder(path)) return inspectCapture(path);
   if (std::error_code ignored; fs::is_directory(path, ignored) && !fs::exists(manifestPath(path), ignored))
     return fail(Error{

@@ -20,33 +20,6 @@ std::string withoutSlash(std::string path) {
   return path;
 }
 
-const CommandHelp& pieceHelp() {
-  static const CommandHelp text{"piece JOB ID [options]",
-                                "Computes one piece of a plan; Snakemake calls it. JOB is the folder that `fourdvt "
-                                "plan` has made, and its plan.json "
-                                "lists the pieces. A piece that is done already is left as it is.",
-                                {{"--threads", "N", "worker threads, 1 to 1024 (default 2)"}},
-                                nullptr,
-                                "ID"};
-  return text;
-}
-
-const CommandHelp& finishHelp() {
-  static const CommandHelp text{"finish JOB",
-                                "Writes the result of a plan whose pieces are done, and the job's report. JOB stays; "
-                                "delete it when you do not want to plan on from it.",
-                                {}};
-  return text;
-}
-
-const CommandHelp& jobHelp() {
-  static const CommandHelp text{"job JOB",
-                                "Prints how far a job is, and writes the report over its pieces: their seconds and "
-                                "memory, the slowest, those that were started again (JOB/job.html).",
-                                {}};
-  return text;
-}
-
 // Counts the attempt, does the work, writes the record.
 template <class Work>
 Status recorded(const std::string& job_folder, const jobs::Plan& plan, const jobs::Piece& piece, Work work) {
@@ -136,10 +109,16 @@ Status finishJob(const std::string& job_folder, const jobs::Plan& plan, const jo
 }  // namespace
 
 int pieceCommand(int argc, char** argv) {
-  Args args(pieceHelp(), argc, argv);
-  const std::string job_folder = withoutSlash(args.positional()), id = args.second();
-  const int threads = args.integer("--threads", 2, 1, 1024);
-  if (const auto code = helpOrProblem(pieceHelp(), args)) return *code;
+  std::string job_folder, id;
+  int threads = 2;
+  const Args args({"piece JOB ID [options]",
+                   "Computes one piece of a plan; Snakemake calls it. JOB is the folder that `fourdvt plan` has made, "
+                   "and its plan.json lists the pieces. A piece that is done already is left as it is.",
+                   {&job_folder, &id},
+                   {{"--threads N", number(threads, 1, 1024), "worker threads, 1 to 1024 (default 2)"}}},
+                  argc, argv);
+  if (const auto code = args.helpOrProblem()) return *code;
+  job_folder = withoutSlash(job_folder);
   const auto plan = jobs::readPlan(job_folder);
   if (!plan.ok()) return fail(plan.error());
   const jobs::Piece* piece = plan.value().find(id);
@@ -151,9 +130,15 @@ int pieceCommand(int argc, char** argv) {
 }
 
 int finishCommand(int argc, char** argv) {
-  Args args(finishHelp(), argc, argv);
-  const std::string job_folder = withoutSlash(args.positional());
-  if (const auto code = helpOrProblem(finishHelp(), args)) return *code;
+  std::string job_folder;
+  const Args args({"finish JOB",
+                   "Writes the result of a plan whose pieces are done, and the job's report. JOB stays; delete it when "
+                   "you do not want to plan on from it.",
+                   {&job_folder},
+                   {}},
+                  argc, argv);
+  if (const auto code = args.helpOrProblem()) return *code;
+  job_folder = withoutSlash(job_folder);
   const auto plan = jobs::readPlan(job_folder);
   if (!plan.ok()) return fail(plan.error());
   const Status done = finishJob(job_folder, plan.value(), plan.value().pieces.back());
@@ -161,9 +146,15 @@ int finishCommand(int argc, char** argv) {
 }
 
 int jobCommand(int argc, char** argv) {
-  Args args(jobHelp(), argc, argv);
-  const std::string job_folder = withoutSlash(args.positional());
-  if (const auto code = helpOrProblem(jobHelp(), args)) return *code;
+  std::string job_folder;
+  const Args args({"job JOB",
+                   "Prints how far a job is, and writes the report over its pieces: their seconds and memory, the "
+                   "slowest, those that were started again (JOB/job.html).",
+                   {&job_folder},
+                   {}},
+                  argc, argv);
+  if (const auto code = args.helpOrProblem()) return *code;
+  job_folder = withoutSlash(job_folder);
   const auto plan = jobs::readPlan(job_folder);
   if (!plan.ok()) return fail(plan.error());
   const jobs::Progress progress = jobs::readProgress(job_folder, plan.value());

@@ -25,47 +25,20 @@ using Clock = std::chrono::steady_clock;
 constexpr size_t kMostQueuedPictures = 2;
 constexpr auto kReopenPause = std::chrono::seconds(2);
 
-const CommandHelp& help() {
-  static const CommandHelp text{
-      "live-camera RIG.json CAMERA --server ws://HOST:PORT [options]",
-      "Reads the source of one camera of a live stage, finds the performer in its pictures, and sends outlines and "
-      "pictures to fourdvt live. Connects again after every loss. Ends by Ctrl-C, or when the server refuses it.",
-      {{"--server", "URL", "ws://HOST:PORT or wss://HOST:PORT of fourdvt live (required)"},
-       {"--token", "T", "the camera token of the server's --tokens file (default: FOURDVT_LIVE_TOKEN)"},
-       {"--ca", "FILE", "PEM of a certificate to trust besides the system's; for wss"},
-       {"--clock-off", "S", "pretend a clock that is S seconds ahead; for tests (default 0)"},
-       {"--delay-ms", "X", "send everything X milliseconds later, 0 to 10000; for tests (default 0)"}},
-      nullptr,
-      "CAMERA"};
-  return text;
-}
-
 struct CameraArguments {
   std::string rig_file, camera;
   live::ClientOptions client;
-  int64_t clock_off_us = 0;
-  double delay_s = 0;
+  double clock_off_s = 0, delay_s = 0;
+  int64_t clockOff_us() const { return std::llround(clock_off_s * 1e6); }
 };
 
-CameraArguments readOptions(Args& args) {
-  CameraArguments a;
-  a.rig_file = args.positional();
-  a.camera = args.second();
-  a.client.url = args.required("--server");
-  const char* token = std::getenv("FOURDVT_LIVE_TOKEN");
-  a.client.token = args.text("--token", token ? token : "");
-  a.client.ca_file = args.text("--ca");
-  a.clock_off_us = std::llround(args.number("--clock-off", 0, -1e6, 1e6) * 1e6);
-  a.delay_s = args.number("--delay-ms", 0, 0, 10000) / 1e3;
-  // The path is the server's own.
-  if (const size_t host = a.client.url.find("://"); host != std::string::npos) {
-    const size_t slash = a.client.url.find('/', host + 3);
-    if (slash == std::string::npos)
-      a.client.url += "/camera";
-    else if (slash + 1 == a.client.url.size())
-      a.client.url += "camera";
-  }
-  return a;
+// The path is the server's own.
+std::string withPath(const std::string& url) {
+  const size_t host = url.find("://");
+  if (host == std::string::npos) return url;
+  const size_t slash = url.find('/', host + 3);
+  if (slash == std::string::npos) return url + "/camera";
+  return slash + 1 == url.size() ? url + "camera" : url;
 }
 
 // Runs actions after a time, one after another.
@@ -234,7 +207,7 @@ class LiveCamera {
     if (const auto* question = std::get_if<live::ClockQuestion>(&message.value())) {
       const auto now = std::chrono::system_clock::now().time_since_epoch();
       const int64_t now_us = std::chrono::duration_cast<std::chrono::microseconds>(now).count();
-      sendMessage(live::ClockAnswer{question->server_us, now_us + arguments_.clock_off_us});
+      sendMessage(live::ClockAnswer{question->server_us, now_us + arguments_.clockOff_us()});
       return;
     }
     std::shared_ptr<live::CameraWorker> worker;
@@ -247,7 +220,7 @@ class LiveCamera {
   }
 
   void send(live::CameraPicture picture) {
-    picture.captured_us += arguments_.clock_off_us;
+    picture.captured_us += arguments_.clockOff_us();
     const auto bytes = std::make_shared<std::vector<uint8_t>>(live::writeFromCamera(std::move(picture)));
     later_.add([this, bytes] {
       const auto open = client();
@@ -284,14 +257,30 @@ class LiveCamera {
 }  // namespace
 
 int liveCameraCommand(int argc, char** argv) {
-  Args args(help(), argc, argv);
-  const CameraArguments arguments = readOptions(args);
-  if (const auto code = helpOrProblem(help(), args)) return *code;
+  CameraArguments a;
+  const char* token = std::getenv("FOURDVT_LIVE_TOKEN");
+  a.client.token = token ? token : "";
+  const Args args(
+      {"live-camera RIG.json CAMERA --server ws://HOST:PORT [options]",
+       "Reads the source of one camera of a live stage, finds the performer in its pictures, and sends outlines and "
+       "pictures to fourdvt live. Connects again after every loss. Ends by Ctrl-C, or when the server refuses it.",
+       {&a.rig_file, &a.camera},
+       {{"--server URL", required(a.client.url), "ws://HOST:PORT or wss://HOST:PORT of fourdvt live (required)"},
+        {"--token T", text(a.client.token),
+         "the camera token of the server's --tokens file (default: FOURDVT_LIVE_TOKEN)"},
+        {"--ca FILE", text(a.client.ca_file), "PEM of a certificate to trust besides the system's; for wss"},
+        {"--clock-off S", number(a.clock_off_s, -1e6, 1e6),
+         "pretend a clock that is S seconds ahead; for tests (default 0)"},
+        {"--delay-ms X", number(a.delay_s, 0, 10000, 1e-3),
+         "send everything X milliseconds later, 0 to 10000; for tests (default 0)"}}},
+      argc, argv);
+  if (const auto code = args.helpOrProblem()) return *code;
+  a.client.url = withPath(a.client.url);
   const std::atomic<bool>* stop = listenForStop();
-  const auto rig = live::readRig(arguments.rig_file);
+  const auto rig = live::readRig(a.rig_file);
   if (!rig.ok()) return fail(rig.error());
   LiveLine line;
-  LiveCamera camera(rig.value(), arguments, line);
+  LiveCamera camera(rig.value(), a, line);
   if (const Status started = camera.start(); !started.ok()) return fail(started.error());
   for (int tenths = 1; !*stop && !camera.isRefused(); ++tenths) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));

@@ -14,60 +14,43 @@ namespace {
 
 using live::LiveOptions, live::LiveStatus;
 
-constexpr int kDefaultPort = 8090;
-
-const CommandHelp& help() {
-  static const CommandHelp text{
-      "live RIG.json [options]",
-      "Makes 4D video while it is filmed: takes outlines and pictures from the rig's cameras, makes a surface of every "
-      "instant, and sends it to the pages that watch. Cameras that have a source in RIG.json are read by this command; "
-      "others come from fourdvt live-camera on any machine. Ends by Ctrl-C.",
-      {{"--port", "N", "port to listen on, 1 to 65535; 0: any (default 8090)"},
-       {"--listen", "ADDRESS",
-        "address to listen on (default 127.0.0.1: this machine only); others, such as 0.0.0.0, need --certificate, "
-        "--key and --tokens"},
-       {"--certificate", "FILE", "PEM of the certificate, followed by those that signed it, for https and wss"},
-       {"--key", "FILE", "PEM of the certificate's private key, without a password"},
-       {"--tokens", "FILE",
-        "lines \"camera TOKEN\", \"viewer TOKEN\", \"console TOKEN\": who may send, watch and control; a file that "
-        "does not exist is made"},
-       {"--allow-origin", "A,B", "sites whose pages may connect besides the server's own, e.g. https://example.org"},
-       {"--host", "A,B", "names of the server besides localhost, when it listens on this machine only"},
-       {"--web", "FOLDER", "files to serve under /, e.g. build/site"},
-       {"--record", "CAPTURE", "capture folder to write what the cameras send to"},
-       {"--tolerance", "PX",
-        "by which outlines are simplified, pixels, 0.05 to 64 (default: as the machine keeps up, from 0.5 to 16)"},
-       {"--crf", "N", "quality of the video, 0 (best) to 51 (default 23)"},
-       {"--wait-ms", "X", "for cameras that are late, milliseconds, 0 to 2000 (default 100)"},
-       {"--no-local", nullptr, "do not read the rig's own sources"}}};
-  return text;
-}
-
 struct LiveArguments {
   std::string rig_file, token_file;
   LiveOptions options;
 };
 
-LiveArguments readOptions(Args& args) {
-  LiveArguments a;
+Options serverOptions(LiveArguments& a) {
   LiveOptions& o = a.options;
-  a.rig_file = args.positional();
-  a.token_file = args.text("--tokens");
-  o.server.port = static_cast<uint16_t>(args.integer("--port", kDefaultPort, 0, 65535));
-  o.server.address = args.text("--listen", o.server.address);
-  o.server.certificate_file = args.text("--certificate");
-  o.server.key_file = args.text("--key");
-  if (o.server.certificate_file.empty() != o.server.key_file.empty())
-    args.complain("--certificate and --key go together");
-  o.access.origins = args.list("--allow-origin");
-  o.access.hosts = args.list("--host");
-  o.web_folder = args.text("--web");
-  o.reads_sources = !args.has("--no-local");
-  o.pipeline.record_folder = args.text("--record");
-  o.pipeline.crf = args.integer("--crf", o.pipeline.crf, 0, 51);
-  o.pipeline.wait_s = args.number("--wait-ms", o.pipeline.wait_s * 1e3, 0, 2000) / 1e3;
-  if (args.has("--tolerance")) o.tolerance_px = args.number("--tolerance", 1, 0.05, 64);
-  return a;
+  return {
+      {"--port N", number(o.server.port, 0, 65535), "port to listen on, 1 to 65535; 0: any (default 8090)"},
+      {"--listen ADDRESS", text(o.server.address),
+       "address to listen on (default 127.0.0.1: this machine only); others, such as 0.0.0.0, need --certificate, "
+       "--key "
+       "and --tokens"},
+      {"--certificate FILE", text(o.server.certificate_file),
+       "PEM of the certificate, followed by those that signed it, for https and wss"},
+      {"--key FILE", text(o.server.key_file), "PEM of the certificate's private key, without a password"},
+      {"--tokens FILE", text(a.token_file),
+       "lines \"camera TOKEN\", \"viewer TOKEN\", \"console TOKEN\": who may send, watch and control; a file that "
+       "does not exist is made"},
+      {"--allow-origin A,B", list(o.access.origins),
+       "sites whose pages may connect besides the server's own, e.g. https://example.org"},
+      {"--host A,B", list(o.access.hosts),
+       "names of the server besides localhost, when it listens on this machine only"},
+      {"--web FOLDER", text(o.web_folder), "files to serve under /, e.g. build/site"},
+  };
+}
+
+Options pipelineOptions(LiveOptions& o) {
+  return {
+      {"--record CAPTURE", text(o.pipeline.record_folder), "capture folder to write what the cameras send to"},
+      {"--tolerance PX", number(o.tolerance_px, 0.05, 64),
+       "by which outlines are simplified, pixels, 0.05 to 64 (default: as the machine keeps up, from 0.5 to 16)"},
+      {"--crf N", number(o.pipeline.crf, 0, 51), "quality of the video, 0 (best) to 51 (default 23)"},
+      {"--wait-ms X", number(o.pipeline.wait_s, 0, 2000, 1e-3),
+       "for cameras that are late, milliseconds, 0 to 2000 (default 100)"},
+      {"--no-local", flag(o.reads_sources, false), "do not read the rig's own sources"},
+  };
 }
 
 void printTokens(const std::string& path, const live::Tokens& tokens) {
@@ -116,9 +99,18 @@ std::string statusLine(const LiveStatus& status) {
 }  // namespace
 
 int liveCommand(int argc, char** argv) {
-  Args args(help(), argc, argv);
-  LiveArguments a = readOptions(args);
-  if (const auto code = helpOrProblem(help(), args)) return *code;
+  LiveArguments a;
+  a.options.server.port = 8090;
+  Args args({"live RIG.json [options]",
+             "Makes 4D video while it is filmed: takes outlines and pictures from the rig's cameras, makes a surface "
+             "of every instant, and sends it to the pages that watch. Cameras that have a source in RIG.json are read "
+             "by this command; others come from fourdvt live-camera on any machine. Ends by Ctrl-C.",
+             {&a.rig_file},
+             join({serverOptions(a), pipelineOptions(a.options)})},
+            argc, argv);
+  if (a.options.server.certificate_file.empty() != a.options.server.key_file.empty())
+    args.complain("--certificate and --key go together");
+  if (const auto code = args.helpOrProblem()) return *code;
 
   const std::atomic<bool>* stop = listenForStop();
   const auto rig = live::readRig(a.rig_file);

@@ -2,6 +2,7 @@
 #include "mattes/run/mattes.h"
 #include "tools/args.h"
 #include "tools/commands.h"
+#include "tools/common_options.h"
 #include "tools/log.h"
 #include "tools/progress_line.h"
 #include "tools/session.h"
@@ -10,50 +11,38 @@
 namespace fourdvt::tools {
 namespace {
 
-const CommandHelp& help() {
-  static const CommandHelp text{
-      "mattes CAPTURE -o CAPTURE2 [options]",
-      "Makes mattes for the cameras that have none, and writes a capture folder with them: pictures are links into "
-      "CAPTURE, mattes are PNG files. Each camera is keyed against its plates, or, without plates, against a "
-      "background "
-      "that is made from its clips; then the cameras help each other: what the others contradict is dropped, what all "
-      "of them demand is filled, dark patches that lie on the floor are shadows. Strokes painted by hand in "
-      "CAPTURE/hints/SEQUENCE/CAMERA/000000.png (white: performer, black: background, the rest transparent) are "
-      "obeyed, and followed through later frames. `fourdvt reconstruct` does the same where mattes are missing. The "
-      "folder appears when it is complete. After Ctrl-C, the same command with --resume continues. The report, with a "
-      "contact sheet for every camera, is CAPTURE2/mattes.html.",
-      {{"-o", "CAPTURE2", "folder to write (required)"},
-       {"--sequences", "A,B", "only these sequences (default: all)"},
-       {"--preview", "N",
-        "only N frames of every sequence, and no capture: a report to look at before the long run, 1 to 100"},
-       {"--leave-out", "A,B", "cameras that the new capture shall not have"},
-       {"--mattes-alone", nullptr, "every camera by itself, e.g. where cameras are not synchronised"},
-       {"--any-silhouettes", nullptr, "go on although no common volume explains the silhouettes of the first frame"},
-       {"--jobs", "N", "worker threads; 0: one per core (default 0)"},
-       {"--resume", nullptr, "continue an interrupted run with the same settings"}}};
-  return text;
-}
-
-mattes::MattesOptions readOptions(Args& args) {
-  mattes::MattesOptions o;
-  o.capture_folder = args.positional();
-  o.folder = args.required("-o");
-  o.sequences = args.list("--sequences");
-  if (args.has("--preview")) o.preview = args.integer("--preview", 6, 1, 100);
-  o.leave_out = args.list("--leave-out");
-  o.alone = args.has("--mattes-alone");
-  o.any_silhouettes = args.has("--any-silhouettes");
-  o.jobs = args.integer("--jobs", 0, 0, 1024);
-  o.resume = args.has("--resume");
-  return o;
+Options rows(mattes::MattesOptions& o) {
+  return {
+      {"-o CAPTURE2", required(o.folder), "folder to write (required)"},
+      sequencesOption(o.sequences),
+      {"--preview N", number(o.preview, 1, 100),
+       "only N frames of every sequence, and no capture: a report to look at before the long run, 1 to 100"},
+      {"--leave-out A,B", list(o.leave_out), "cameras that the new capture shall not have"},
+      {"--mattes-alone", flag(o.alone), "every camera by itself, e.g. where cameras are not synchronised"},
+      {"--any-silhouettes", flag(o.any_silhouettes),
+       "go on although no common volume explains the silhouettes of the first frame"},
+      jobsOption(o.jobs),
+      resumeOption(o.resume),
+  };
 }
 
 }  // namespace
 
 int mattesCommand(int argc, char** argv) {
-  Args args(help(), argc, argv);
-  const mattes::MattesOptions options = readOptions(args);
-  if (const auto code = helpOrProblem(help(), args)) return *code;
+  mattes::MattesOptions options;
+  Args args({"mattes CAPTURE -o CAPTURE2 [options]",
+             "Makes mattes for the cameras that have none, and writes a capture folder with them: pictures are links "
+             "into CAPTURE, mattes are PNG files. Each camera is keyed against its plates, or, without plates, against "
+             "a background that is made from its clips; then the cameras help each other: what the others contradict "
+             "is dropped, what all of them demand is filled, dark patches that lie on the floor are shadows. Strokes "
+             "painted by hand in CAPTURE/hints/SEQUENCE/CAMERA/000000.png (white: performer, black: background, the "
+             "rest transparent) are obeyed, and followed through later frames. `fourdvt reconstruct` does the same "
+             "where mattes are missing. The folder appears when it is complete. After Ctrl-C, the same command with "
+             "--resume continues. The report, with a contact sheet for every camera, is CAPTURE2/mattes.html.",
+             {&options.capture_folder},
+             rows(options)},
+            argc, argv);
+  if (const auto code = args.helpOrProblem()) return *code;
   const std::atomic<bool>* stop = listenForStop();
   ProgressLine line;
   mattes::MattesEnvironment environment;

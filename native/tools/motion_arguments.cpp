@@ -18,18 +18,6 @@ std::optional<double> number(const std::string& text) {
 
 }  // namespace
 
-std::optional<AlignMethod> alignMethod(const std::string& name) {
-  constexpr std::pair<const char*, AlignMethod> kMethods[] = {{"none", AlignMethod::None},
-                                                              {"baked", AlignMethod::Baked},
-                                                              {"flow-gpu", AlignMethod::FlowGpu},
-                                                              {"flow-dis", AlignMethod::FlowDis},
-                                                              {"flow-opencv", AlignMethod::FlowOpencv},
-                                                              {"flow-opencv-dis", AlignMethod::FlowOpencvDis}};
-  for (const auto& [known, method] : kMethods)
-    if (name == known) return method;
-  return std::nullopt;
-}
-
 Result<render::Align> prepareAlign(AlignMethod method, gpu::Device& device, render::Recipe& recipe) {
   if (method == AlignMethod::None) return render::Align::None;
   if (method == AlignMethod::Baked) return render::Align::Baked;

@@ -13,8 +13,6 @@ namespace fourdvt::tools {
 
 // How the members of a class, and the two states of a transition, are aligned; see render::Align.
 enum class AlignMethod { None, Baked, FlowGpu, FlowDis, FlowOpencv, FlowOpencvDis };
-constexpr const char* kAlignNames = "none, baked, flow-gpu, flow-dis, flow-opencv or flow-opencv-dis";
-std::optional<AlignMethod> alignMethod(const std::string& name);
 // Sets up the flow that the method needs in the recipe. Errors: Unsupported (no float render targets).
 Result<render::Align> prepareAlign(AlignMethod method, gpu::Device& device, render::Recipe& recipe);
 

@@ -2,8 +2,8 @@
 #include <cstdio>
 
 #include "tools/args.h"
-#include "tools/choice.h"
 #include "tools/commands.h"
+#include "tools/common_options.h"
 #include "tools/log.h"
 #include "tools/reconstruct_arguments.h"
 #include "tools/stop_signal.h"
@@ -13,76 +13,70 @@ namespace {
 
 using reconstruct::HullKind, reconstruct::ReconstructOptions;
 
-const CommandHelp& help() {
-  static const CommandHelp text{
-      "reconstruct CAPTURE -o CAPTURE2 [options]",
-      "Makes a surface for every frame from calibrated cameras and their pictures alone, and writes a capture folder "
-      "with it: pictures are links into CAPTURE, meshes are PLY files. Meshes of CAPTURE are ignored. The folder "
-      "appears when it is complete. After Ctrl-C, the same command with --resume continues. The report is "
-      "CAPTURE2/reconstruct.html.",
-      {{"-o", "CAPTURE2", "folder to write (required)"},
-       {"--sequences", "A,B", "only these sequences (default: all)"},
-       {"--leave-out", "A,B", "cameras that the new capture shall not have"},
-       {"--mattes-alone", nullptr,
-        "missing mattes are made by every camera by itself (default: cameras help each other, see fourdvt mattes)"},
-       {"--any-silhouettes", nullptr, "go on although no common volume explains the silhouettes of the first frame"},
-       {"--synchronise", "MODE",
-        "on (default): find cameras that are off in time by their silhouettes (see fourdvt calibrate); off: as given"},
-       {"--refine-cameras", "MODE",
-        "on (default): turn cameras that the silhouettes clearly contradict; off: as given"},
-       {"--hull", "KIND",
-        "volumetric (voxels; default), or polyhedral (exact intersection of the silhouettes' cones, few triangles; "
-        "volumetric in frames where the polyhedron fails its checks)"},
-       {"--contour-tolerance", "PX",
-        "polyhedral: largest distance of polygons from the outlines, pixels, 0.25 to 8 (default 1)"},
-       {"--voxel-mm", "X",
-        "side of a voxel, 0.001 to 10000 (default: the size of a pixel on the performer in the sequence's first frame, "
-        "or larger where the surface would have over four times --faces)"},
-       {"--faces", "N",
-        "most triangles of a surface, 1000 to 10000000; those beyond are simplified away (default 150000)"},
-       {"--adaptivity", "X", "0 to 1: fewer triangles where the surface is flat (default 0.1)"},
-       {"--refine", "MODE",
-        "stereo (find the photo-consistent surface inside the volumetric hull; default) or none (default with --hull "
-        "polyhedral)"},
-       {"--planes", "N", "stereo: number of depth hypotheses, 16 to 128 in steps of 4 (default 64; fewer are faster)"},
-       {"--fairing", "N", "rounds of smoothing that preserve the silhouettes, 0 to 100 (default 0)"},
-       {"--jobs", "N", "worker threads; 0: one per core (default 0)"},
-       {"--resume", nullptr, "continue an interrupted run with the same settings"}}};
-  return text;
+Options silhouetteOptions(ReconstructOptions& o) {
+  return {
+      {"-o CAPTURE2", required(o.folder), "folder to write (required)"},
+      sequencesOption(o.sequences),
+      {"--leave-out A,B", list(o.leave_out), "cameras that the new capture shall not have"},
+      {"--mattes-alone", flag(o.mattes_alone),
+       "missing mattes are made by every camera by itself (default: cameras help each other, see fourdvt mattes)"},
+      {"--any-silhouettes", flag(o.any_silhouettes),
+       "go on although no common volume explains the silhouettes of the first frame"},
+      {"--synchronise MODE", choice(o.synchronise, {{"on", true}, {"off", false}}),
+       "on (default): find cameras that are off in time by their silhouettes (see fourdvt calibrate); off: as given"},
+      {"--refine-cameras MODE", choice(o.refine_cameras, {{"on", true}, {"off", false}}),
+       "on (default): turn cameras that the silhouettes clearly contradict; off: as given"},
+  };
 }
 
-ReconstructOptions readOptions(Args& args) {
-  ReconstructOptions o;
-  o.capture_folder = args.positional();
-  o.folder = args.required("-o");
-  o.sequences = args.list("--sequences");
-  o.leave_out = args.list("--leave-out");
-  o.mattes_alone = args.has("--mattes-alone");
-  o.any_silhouettes = args.has("--any-silhouettes");
-  o.hull = choice(args, "--hull", o.hull, {{"polyhedral", HullKind::Polyhedral}, {"volumetric", HullKind::Volumetric}});
-  o.contour_tolerance_px = args.number("--contour-tolerance", o.contour_tolerance_px, 0.25, 8);
-  if (args.has("--voxel-mm")) o.voxel_m = args.number("--voxel-mm", 5, 1e-3, 1e4) / 1e3;
-  o.faces = args.integer("--faces", o.faces, 1000, 10'000'000);
-  o.adaptivity = args.number("--adaptivity", o.adaptivity, 0, 1);
-  o.stereo = choice(args, "--refine", o.hull == HullKind::Volumetric, {{"stereo", true}, {"none", false}});
-  o.synchronise = choice(args, "--synchronise", true, {{"on", true}, {"off", false}});
-  o.refine_cameras = choice(args, "--refine-cameras", true, {{"on", true}, {"off", false}});
-  o.planes = args.integer("--planes", o.planes, 16, 128);
-  if (o.planes % 4 != 0) args.complain("--planes must be a multiple of 4");
-  o.fairing = args.integer("--fairing", o.fairing, 0, 100);
-  o.jobs = args.integer("--jobs", o.jobs, 0, 1024);
-  o.resume = args.has("--resume");
-  return o;
+Options surfaceOptions(ReconstructOptions& o) {
+  const auto readStereo = [&o](Args& args, const std::string& name) {
+    o.stereo = o.hull == HullKind::Volumetric;
+    choice(o.stereo, {{"stereo", true}, {"none", false}})(args, name);
+  };
+  const auto readPlanes = [&o](Args& args, const std::string& name) {
+    number(o.planes, 16, 128)(args, name);
+    if (o.planes % 4 != 0) args.complain(name + " must be a multiple of 4");
+  };
+  return {
+      {"--hull KIND", choice(o.hull, {{"polyhedral", HullKind::Polyhedral}, {"volumetric", HullKind::Volumetric}}),
+       "volumetric (voxels; default), or polyhedral (exact intersection of the silhouettes' cones, few triangles; "
+       "volumetric in frames where the polyhedron fails its checks)"},
+      {"--contour-tolerance PX", number(o.contour_tolerance_px, 0.25, 8),
+       "polyhedral: largest distance of polygons from the outlines, pixels, 0.25 to 8 (default 1)"},
+      {"--voxel-mm X", number(o.voxel_m, 1e-3, 1e4, 1e-3),
+       "side of a voxel, 0.001 to 10000 (default: the size of a pixel on the performer in the sequence's first frame, "
+       "or larger where the surface would have over four times --faces)"},
+      {"--faces N", number(o.faces, 1000, 10'000'000),
+       "most triangles of a surface, 1000 to 10000000; those beyond are simplified away (default 150000)"},
+      {"--adaptivity X", number(o.adaptivity, 0, 1), "0 to 1: fewer triangles where the surface is flat (default 0.1)"},
+      {"--refine MODE", readStereo,
+       "stereo (find the photo-consistent surface inside the volumetric hull; default) or none (default with --hull "
+       "polyhedral)"},
+      {"--planes N", readPlanes,
+       "stereo: number of depth hypotheses, 16 to 128 in steps of 4 (default 64; fewer are faster)"},
+      {"--fairing N", number(o.fairing, 0, 100),
+       "rounds of smoothing that preserve the silhouettes, 0 to 100 (default 0)"},
+      jobsOption(o.jobs),
+      resumeOption(o.resume),
+  };
 }
 
 }  // namespace
 
 ReconstructCommandLine readReconstructCommand(int argc, char** argv) {
-  Args args(help(), argc, argv);
-  ReconstructCommandLine line{readOptions(args), std::nullopt};
-  if (const std::string wrong = line.options.check(); args.problem().empty() && !args.wantsHelp() && !wrong.empty())
-    args.complain(wrong);
-  line.exit_code = helpOrProblem(help(), args);
+  ReconstructCommandLine line;
+  ReconstructOptions& o = line.options;
+  Args args({"reconstruct CAPTURE -o CAPTURE2 [options]",
+             "Makes a surface for every frame from calibrated cameras and their pictures alone, and writes a capture "
+             "folder with it: pictures are links into CAPTURE, meshes are PLY files. Meshes of CAPTURE are ignored. "
+             "The folder appears when it is complete. After Ctrl-C, the same command with --resume continues. The "
+             "report is CAPTURE2/reconstruct.html.",
+             {&o.capture_folder},
+             join({silhouetteOptions(o), surfaceOptions(o)})},
+            argc, argv);
+  args.complain(o.check());
+  line.exit_code = args.helpOrProblem();
   return line;
 }
 

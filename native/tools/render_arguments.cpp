@@ -4,17 +4,14 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <iterator>
-#include <string_view>
 
 #include "capture/capture.h"
+#include "platform/files.h"
 #include "render/cameras/camera_method.h"
-#include "tools/session.h"
+#include "tools/common_options.h"
 
 namespace fourdvt::tools {
 namespace {
-
-constexpr std::string_view kVisibility[] = {"none", "plain", "offset", "fattened"};  // as render::Visibility
 
 using render::MethodGroup;
 
@@ -29,135 +26,171 @@ std::string listed(MethodGroup group) {
   return out;
 }
 
-const std::string& methodMeaning() {
-  static const std::string text =
-      "for characters from cameras: " + listed(MethodGroup::Textured) + " (default: the character's own, else " +
-      render::cameraMethodNames(MethodGroup::Textured).front() +
-      "); to inspect them: " + listed(MethodGroup::Inspection) + "; for characters from layers: layered, montage4d";
-  return text;
+std::string methodMeaning() {
+  return "for characters from cameras: " + listed(MethodGroup::Textured) + " (default: the character's own, else " +
+         render::cameraMethodNames(MethodGroup::Textured).front() +
+         "); to inspect them: " + listed(MethodGroup::Inspection) + "; for characters from layers: layered, montage4d";
 }
 
 constexpr int kMaxSide = 8192;
 
 // Premultiplied background from RRGGBB, "room" or "none"; the room is drawn over a background of none.
-glm::vec4 background(Args& args) {
-  const std::string text = args.text("--background", "none");
-  if (text == "none" || text == "room") return glm::vec4(0);
-  unsigned value = 0;
-  bool hexadecimal = text.size() == 6;
-  for (char c : text) hexadecimal = hexadecimal && std::isxdigit(static_cast<unsigned char>(c));
-  if (hexadecimal)
-    value = static_cast<unsigned>(std::stoul(text, nullptr, 16));
-  else
-    args.complain("--background must be RRGGBB, room or none, not \"" + text + "\"");
-  return glm::vec4(value >> 16 & 255, value >> 8 & 255, value & 255, 255) / 255.0f;
+void readBackground(Args& args, const std::string& name, RenderArguments& a) {
+  const std::string text = args.text(name, "none");
+  a.room = text == "room";
+  if (text == "none" || a.room) return;
+  const auto isHexadecimal = [](unsigned char c) { return std::isxdigit(c) != 0; };
+  if (text.size() != 6 || !std::all_of(text.begin(), text.end(), isHexadecimal))
+    return args.refuse(name, "RRGGBB, room or none");
+  const unsigned long value = std::stoul(text, nullptr, 16);
+  a.recipe.background = glm::vec4(value >> 16 & 255, value >> 8 & 255, value & 255, 255) / 255.0f;
 }
 
-std::string debugView(Args& args, render::RecipeOptions& recipe) {
-  const std::string name = args.text("--debug");
-  if (name == "labels")
-    recipe.debug = render::DebugView::Labels;
-  else if (name == "layers")
-    recipe.debug = render::DebugView::Layer;
-  else if (name == "weights")
-    recipe.debug = render::DebugView::Weights;
-  else if (name == "normals")
-    recipe.debug = render::DebugView::Normals;
-  else if (!name.empty())
-    args.complain("--debug must be labels, layers, weights or normals, not \"" + name + "\"");
-  return name;
+bool texturesFromCameras(const RenderArguments& a) {
+  return a.method_name.empty() || isMethod(a.method_name, MethodGroup::Textured);
 }
 
-std::optional<double> optionalNumber(Args& args, const char* name, double low, double high) {
-  if (!args.has(name)) return std::nullopt;
-  return args.number(name, 0, low, high);
+void readMethod(Args& args, const std::string& name, RenderArguments& a) {
+  a.method_name = args.text(name);
+  if (!texturesFromCameras(a) && a.method_name != "layered" && !isMethod(a.method_name, MethodGroup::Inspection))
+    args.refuse(name, listed(MethodGroup::Textured) + ", " + listed(MethodGroup::Inspection) + " or layered");
 }
 
-void readMethod(Args& args, RenderArguments& a) {
-  a.method_name = args.text("--method");
-  const bool textured = a.method_name.empty() || isMethod(a.method_name, MethodGroup::Textured);
-  if (!textured && a.method_name != "layered" && !isMethod(a.method_name, MethodGroup::Inspection))
-    args.complain("--method must be " + listed(MethodGroup::Textured) + ", " + listed(MethodGroup::Inspection) +
-                  " or layered, not \"" + a.method_name + "\"");
-  a.fvvr.capture_folder = args.text("--capture");
-  a.fvvr.wanted = !a.fvvr.capture_folder.empty();
-  a.method.closest = a.fvvr.options.closest = args.integer("--closest", 0, 1, package::kMaxCameras);
-  if (!args.has("--closest")) a.method.closest = render::MethodOptions().closest;
-  const std::string visibility = args.text("--visibility", "offset");
-  const auto kind = std::find(std::begin(kVisibility), std::end(kVisibility), visibility);
-  if (kind == std::end(kVisibility))
-    args.complain("--visibility must be none, plain, offset or fattened, not \"" + visibility + "\"");
-  else
-    a.method.visibility = a.fvvr.depth_maps.visibility = render::Visibility(kind - std::begin(kVisibility));
-  a.fvvr.refine = readRefineOptions(args);
-  a.fvvr.options.background = a.recipe.background;
-  a.chooses_cameras = args.has("--closest") || args.has("--visibility");
-  if (!textured && a.chooses_cameras)
+Options motionOptions(RenderArguments& a) {
+  return {
+      {"-o PICTURE", text(a.output), ".png (with transparency), .jpg or .webp"},
+      {"--turntable MOVIE", text(a.turntable), "H.264 .mp4 instead of a picture"},
+      {"--seconds S", number(a.seconds, 0.1, 3600), "length of a movie (default: whole loops, at least 8 s)"},
+      {"--sequence NAME", text(a.sequence), "sequence (default: the first)"},
+      {"--frame N", number(a.frame, 0, 100'000'000), "frame, from 0 (default 0)"},
+      renditionOption(a.rendition),
+      {"--class NAME", text(a.motion_class), "motion class instead of a sequence"},
+      {"--phase U", number(a.phase, 0, 1), "position in the motion, 0 to 1, instead of a frame"},
+      {"--parameter NAME=VALUE", parsedList(a.parameters, parseParameter, "NAME=NUMBER"),
+       "parameter of the class, e.g. speed_mps=2.1; separate several by commas"},
+      {"--align HOW",
+       choice(a.align,
+              {{"none", AlignMethod::None},
+               {"baked", AlignMethod::Baked},
+               {"flow-gpu", AlignMethod::FlowGpu},
+               {"flow-dis", AlignMethod::FlowDis},
+               {"flow-opencv", AlignMethod::FlowOpencv},
+               {"flow-opencv-dis", AlignMethod::FlowOpencvDis}},
+              Wording::Or),
+       "alignment of a class's motions: none, baked (default), flow-gpu, flow-dis, flow-opencv, flow-opencv-dis"},
+      {"--sweep NAME=A:B", parsed(a.sweep, parseSweep, "NAME=FROM:TO"),
+       "movie in which the parameter goes from A to B (default 8 s)"},
+      {"--play STATE@S,...", parsedList(a.cues, parseCue, "STATE@SECONDS"),
+       "movie that goes to STATE of the motion graph at S seconds; STATE without @S: at the start"},
+      {"--travel", flag(a.travel), "with --sweep, --play: the character moves over the ground"},
+      {"--follow", flag(a.follow), "the camera follows the (first) character"},
+      {"--fps N", number(a.fps, 1, 240), "frames per second of --sweep and --play (default 25)"},
+      {"--scene SCENE", text(a.scene), "scene.json: characters with a background, camera track and occluders"},
+  };
+}
+
+Options viewOptions(ViewArguments& view) {
+  return {
+      {"--azimuth DEG", number(view.azimuth_deg, -3600, 3600),
+       "0 is in front of the performer, positive towards +X (default 25)"},
+      {"--elevation DEG", number(view.elevation_deg, -90, 90), "positive is from above (default 8)"},
+      {"--distance M", number(view.distance_m, 0.01, 1e4),
+       "metres from the centre of the bounds (default: the whole character fits)"},
+      {"--fov DEG", number(view.vertical_fov_deg, 1, 150), "vertical field of view (default 30)"},
+      {"--camera NAME", text(view.camera), "a capture camera instead of an orbit position"},
+      {"--cameras FOLDER", text(view.cameras_folder),
+       "folder of cameras.txt and images.txt with the camera of --camera"},
+      {"--size WxH", size(view.size, kMaxSide), "pixels (default 720x960, or the camera's)"},
+  };
+}
+
+Options lookOptions(RenderArguments& a) {
+  using render::DebugView, render::StyleKind;
+  return {
+      {"--background RRGGBB", [&a](Args& args, const std::string& name) { readBackground(args, name, a); },
+       "colour, or room (the character's own), or none (default; black in movies)"},
+      {"--debug WHAT",
+       choice(a.recipe.debug,
+              {{"labels", DebugView::Labels},
+               {"layers", DebugView::Layer},
+               {"weights", DebugView::Weights},
+               {"normals", DebugView::Normals}},
+              Wording::Or),
+       "labels, layers (side by side), weights or normals"},
+      {"--no-shadow", flag(a.recipe.ground_shadow, false), "draw no ground shadow"},
+      {"--look WHAT", choice(a.look.kind, {{"sketch", StyleKind::Sketch}, {"relit", StyleKind::Relit}}, Wording::Or),
+       "sketch (grey dots) or relit (new light); default: as filmed"},
+      {"--look-strength X", number(a.look.strength, 0, 1), "strength of the look, 0 to 1 (default 1)"},
+      {"--light PICTURE", text(a.look.light_picture),
+       "relit: equirectangular picture of the light; its centre is straight ahead of the view"},
+      {"--light-turn DEG", number(a.look.light_turn_deg, -3600, 3600),
+       "relit: rotation of the light, clockwise seen from above (default 0)"},
+  };
+}
+
+Options methodOptions(RenderArguments& a) {
+  using render::Visibility;
+  return {
+      {"--method WHAT", [&a](Args& args, const std::string& name) { readMethod(args, name, a); }, methodMeaning()},
+      {"--capture CAPTURE", text(a.fvvr.capture_folder),
+       "with --method fvvr: texture a captured frame from all camera videos of the folder that CHARACTER was baked "
+       "from, without a shadow"},
+      {"--closest M", number(a.closest, 1, package::kMaxCameras),
+       "use the M cameras closest to the view (default 4; with --capture: all)"},
+      {"--visibility WHAT",
+       choice(a.method.visibility,
+              {{"none", Visibility::None},
+               {"plain", Visibility::Plain},
+               {"offset", Visibility::Offset},
+               {"fattened", Visibility::Fattened}},
+              Wording::Or),
+       "visibility test: offset (default) and fattened leave a margin around occluders, plain uses depth maps without "
+       "a margin, none textures through occluders"},
+  };
+}
+
+void checkLook(Args& args, const LookArguments& look) {
+  if (look.kind != render::StyleKind::Relit && (args.has("--light") || args.has("--light-turn")))
+    args.complain("--light and --light-turn belong to --look relit");
+  if (!look.kind && args.has("--look-strength")) args.complain("--look-strength belongs to --look");
+}
+
+void checkMethod(Args& args, const RenderArguments& a) {
+  if (!texturesFromCameras(a) && (args.has("--closest") || args.has("--visibility")))
     args.complain("--closest and --visibility belong to methods that use camera pictures: " +
                   listed(MethodGroup::Textured));
-  if (a.fvvr.wanted && a.method_name != "fvvr") args.complain("--capture belongs to --method fvvr");
-  if (!a.fvvr.wanted && (args.has("--refine") || args.has("--refine-cameras") || args.has("--matte-bias-px")))
+  if (a.fromCapture() && a.method_name != "fvvr") args.complain("--capture belongs to --method fvvr");
+  if (!a.fromCapture() && refinesExplicitly(args))
     args.complain("--refine, --refine-cameras and --matte-bias-px belong to --method fvvr --capture");
-  if (a.fvvr.wanted && (!a.turntable.empty() || !a.debug.empty()))
+  if (a.fromCapture() && (!a.turntable.empty() || args.has("--debug")))
     args.complain("--method fvvr --capture is for stills and takes no --debug");
 }
 
-void readMotion(Args& args, RenderArguments& a) {
-  if (args.has("--class")) {
-    if (args.has("--sequence")) args.complain("--class and --sequence exclude each other");
-    a.sequence = args.text("--class");
-    a.wants_class = true;
-  }
-  if (args.has("--phase")) a.phase = args.number("--phase", 0, 0, 1);
-  if (a.phase && args.has("--frame")) args.complain("--phase and --frame exclude each other");
-  for (const std::string& entry : args.list("--parameter")) {
-    const auto parameter = parseParameter(entry);
-    if (!parameter) args.complain("--parameter must be NAME=NUMBER, not \"" + entry + "\"");
-    if (parameter) a.parameters.push_back(*parameter);
-  }
-  const std::string align = args.text("--align", "baked");
-  if (const auto method = alignMethod(align))
-    a.align = *method;
-  else
-    args.complain(std::string("--align must be ") + kAlignNames + ", not \"" + align + "\"");
-  if (args.has("--sweep")) {
-    a.sweep = parseSweep(args.text("--sweep"));
-    if (!a.sweep) args.complain("--sweep must be NAME=FROM:TO, not \"" + args.text("--sweep") + "\"");
-  }
-  for (const std::string& entry : args.list("--play")) {
-    const auto cue = parseCue(entry);
-    if (!cue) args.complain("--play must be STATE@SECONDS, not \"" + entry + "\"");
-    if (cue) a.cues.push_back(*cue);
-  }
-  a.travel = args.has("--travel");
-  a.follow = args.has("--follow");
-  a.scene = args.text("--scene");
-  a.fps = args.number("--fps", 25, 1, 240);
-}
-
 void checkMotion(Args& args, const RenderArguments& a) {
-  const bool playing = a.sweep || !a.cues.empty();
-  if (int(a.sweep.has_value()) + int(!a.cues.empty()) + int(!a.scene.empty()) + int(!a.turntable.empty()) +
-          int(a.fvvr.wanted) >
-      1)
+  const bool is_scene = !a.scene.empty();
+  if (!a.motion_class.empty() && args.has("--sequence")) args.complain("--class and --sequence exclude each other");
+  if (a.phase && args.has("--frame")) args.complain("--phase and --frame exclude each other");
+  if (a.sweep.has_value() + !a.cues.empty() + is_scene + !a.turntable.empty() + a.fromCapture() > 1)
     args.complain("--sweep, --play, --scene, --turntable and --capture exclude each other");
-  if (a.movie() && !playing && a.scene.empty()) args.complain("a movie needs --sweep, --play, --scene or --turntable");
-  if (playing && !a.movie() && !a.output.empty()) args.complain("--sweep and --play make a movie: -o must end in .mp4");
-  if (!playing && args.has("--travel")) args.complain("--travel belongs to --sweep and --play");
-  if (!playing && args.has("--fps")) args.complain("--fps belongs to --sweep and --play");
-  if (!playing && a.scene.empty() && a.follow) args.complain("--follow belongs to --sweep, --play and --scene");
-  if ((playing || !a.scene.empty()) && (!a.view.camera.empty() || !a.debug.empty()))
+  if (a.movie() && !a.playing() && !is_scene) args.complain("a movie needs --sweep, --play, --scene or --turntable");
+  if (a.playing() && !a.movie() && !a.output.empty())
+    args.complain("--sweep and --play make a movie: -o must end in .mp4");
+  if (!a.playing() && a.travel) args.complain("--travel belongs to --sweep and --play");
+  if (!a.playing() && args.has("--fps")) args.complain("--fps belongs to --sweep and --play");
+  if (!a.playing() && !is_scene && a.follow) args.complain("--follow belongs to --sweep, --play and --scene");
+  if ((a.playing() || is_scene) && (!a.view.camera.empty() || args.has("--debug")))
     args.complain("--camera and --debug are for stills of one character");
-  if (playing && (args.has("--frame") || a.phase)) args.complain("--sweep and --play take neither --frame nor --phase");
-  if (!a.scene.empty() && (!a.sequence.empty() || !a.parameters.empty() || a.phase))
+  if (a.playing() && (args.has("--frame") || a.phase))
+    args.complain("--sweep and --play take neither --frame nor --phase");
+  if (is_scene && (!a.sequence.empty() || !a.parameters.empty() || a.phase))
     args.complain("the scene's file says which state and parameter; give them there");
-  if (a.rendition && (!a.scene.empty() || a.fvvr.wanted))
+  if (a.rendition && (is_scene || a.fromCapture()))
     args.complain("--rendition goes with neither --scene nor --capture");
-  if (a.fvvr.wanted && (a.wants_class || !a.parameters.empty() || a.phase))
+  if (a.fromCapture() && (!a.motion_class.empty() || !a.parameters.empty() || a.phase))
     args.complain("--method fvvr --capture renders captured frames: neither --class nor --parameter nor --phase");
 }
 
-void checkCombination(Args& args, const RenderArguments& a) {
+void checkOutput(Args& args, const RenderArguments& a) {
   if (a.output.empty() && a.turntable.empty()) args.complain("-o PICTURE or --turntable MOVIE is required");
   if (!a.output.empty() && !a.turntable.empty()) args.complain("-o and --turntable exclude each other");
   const bool orbit = a.view.azimuth_deg || a.view.elevation_deg || a.view.distance_m || a.view.vertical_fov_deg;
@@ -168,13 +201,12 @@ void checkCombination(Args& args, const RenderArguments& a) {
     args.complain("--turntable takes neither --camera nor --frame nor --phase");
   const bool movie = a.movie() || !a.turntable.empty();
   if (!movie && args.has("--seconds")) args.complain("--seconds belongs to movies");
-  if (!a.turntable.empty() && (a.debug == "layers" || a.debug == "labels"))
-    args.complain("--debug " + a.debug + " is for stills");
+  if (!a.turntable.empty() && a.drawsLayersApart()) args.complain("--debug " + args.text("--debug") + " is for stills");
   if (movie && a.view.size && (a.view.size->first % 2 || a.view.size->second % 2))
     args.complain("--size of a movie must be even");
-  if (a.room && (!a.scene.empty() || a.fvvr.wanted))
+  if (a.room && (!a.scene.empty() || a.fromCapture()))
     args.complain("--background room belongs neither to --scene nor to --method fvvr");
-  if (a.look.style && (a.fvvr.wanted || !a.debug.empty()))
+  if (a.look.kind && (a.fromCapture() || args.has("--debug")))
     args.complain("--look goes with neither --capture nor --debug");
   if (a.output.empty()) return;
   const std::string extension = std::filesystem::path(a.output).extension().string();
@@ -184,88 +216,44 @@ void checkCombination(Args& args, const RenderArguments& a) {
 
 }  // namespace
 
-const CommandHelp& renderHelp() {
-  static const CommandHelp text{
-      "render (CHARACTER | --scene SCENE.json) (-o PICTURE | -o MOVIE.mp4 | --turntable MOVIE.mp4) [options]",
-      "Draws one frame of a character, seen from an orbit position, a capture camera or a camera of a COLMAP text "
-      "model. With --turntable, --sweep, --play or --scene it writes a movie: the camera orbits the character, a "
-      "parameter changes, transitions play, or characters are composited with a background, its camera track and "
-      "occluders.",
-      {{"-o", "PICTURE", ".png (with transparency), .jpg or .webp"},
-       {"--turntable", "MOVIE", "H.264 .mp4 instead of a picture"},
-       {"--seconds", "S", "length of a movie (default: whole loops, at least 8 s)"},
-       {"--sequence", "NAME", "sequence (default: the first)"},
-       {"--frame", "N", "frame, from 0 (default 0)"},
-       kRenditionOption,
-       {"--class", "NAME", "motion class instead of a sequence"},
-       {"--phase", "U", "position in the motion, 0 to 1, instead of a frame"},
-       {"--parameter", "NAME=VALUE", "parameter of the class, e.g. speed_mps=2.1; separate several by commas"},
-       {"--align", "HOW",
-        "alignment of a class's motions: none, baked (default), flow-gpu, flow-dis, flow-opencv, flow-opencv-dis"},
-       {"--sweep", "NAME=A:B", "movie in which the parameter goes from A to B (default 8 s)"},
-       {"--play", "STATE@S,...",
-        "movie that goes to STATE of the motion graph at S seconds; STATE without @S: at the start"},
-       {"--travel", nullptr, "with --sweep, --play: the character moves over the ground"},
-       {"--follow", nullptr, "the camera follows the (first) character"},
-       {"--fps", "N", "frames per second of --sweep and --play (default 25)"},
-       {"--scene", "SCENE", "scene.json: characters with a background, camera track and occluders"},
-       {"--azimuth", "DEG", "0 is in front of the performer, positive towards +X (default 25)"},
-       {"--elevation", "DEG", "positive is from above (default 8)"},
-       {"--distance", "M", "metres from the centre of the bounds (default: the whole character fits)"},
-       {"--fov", "DEG", "vertical field of view (default 30)"},
-       {"--camera", "NAME", "a capture camera instead of an orbit position"},
-       {"--cameras", "FOLDER", "folder of cameras.txt and images.txt with the camera of --camera"},
-       {"--size", "WxH", "pixels (default 720x960, or the camera's)"},
-       {"--background", "RRGGBB", "colour, or room (the character's own), or none (default; black in movies)"},
-       {"--debug", "WHAT", "labels, layers (side by side), weights or normals"},
-       {"--no-shadow", nullptr, "draw no ground shadow"},
-       kLookOption,
-       kLookStrengthOption,
-       kLightOption,
-       kLightTurnOption,
-       {"--method", "WHAT", methodMeaning().c_str()},
-       {"--capture", "CAPTURE",
-        "with --method fvvr: texture a captured frame from all camera videos of the folder that CHARACTER was baked "
-        "from, without a shadow"},
-       {"--closest", "M", "use the M cameras closest to the view (default 4; with --capture: all)"},
-       {"--visibility", "WHAT",
-        "visibility test: offset (default) and fattened leave a margin around occluders, plain uses depth maps without "
-        "a margin, none textures through occluders"},
-       kRefineOption,
-       kRefineCamerasOption,
-       kMatteBiasOption},
-      "--scene"};
-  return text;
-}
-
 bool RenderArguments::movie() const { return std::filesystem::path(output).extension() == ".mp4"; }
 
-RenderArguments readRenderArguments(Args& args) {
-  RenderArguments a;
-  a.character = args.positional();
-  a.output = args.text("-o");
-  a.turntable = args.text("--turntable");
-  a.sequence = args.text("--sequence");
-  a.rendition = readRendition(args);
-  a.frame = args.integer("--frame", 0, 0, 100'000'000);
-  a.view.size = args.size("--size", kMaxSide);
-  a.view.camera = args.text("--camera");
-  a.view.cameras_folder = args.text("--cameras");
-  a.view.azimuth_deg = optionalNumber(args, "--azimuth", -3600, 3600);
-  a.view.elevation_deg = optionalNumber(args, "--elevation", -90, 90);
-  a.view.distance_m = optionalNumber(args, "--distance", 0.01, 1e4);
-  a.view.vertical_fov_deg = optionalNumber(args, "--fov", 1, 150);
-  a.seconds = args.number("--seconds", 0, 0.1, 3600);
-  a.recipe.background = background(args);
-  a.room = args.text("--background") == "room";
-  a.recipe.ground_shadow = !args.has("--no-shadow");
-  a.debug = debugView(args, a.recipe);
-  a.look = readLookArguments(args);
-  readMethod(args, a);
-  readMotion(args, a);
+RenderCommandLine readRenderCommand(int argc, char** argv) {
+  RenderCommandLine line;
+  RenderArguments& a = line.arguments;
+  Args args(
+      {"render (CHARACTER | --scene SCENE.json) (-o PICTURE | -o MOVIE.mp4 | --turntable MOVIE.mp4) [options]",
+       "Draws one frame of a character, seen from an orbit position, a capture camera or a camera of a COLMAP "
+       "text model. With --turntable, --sweep, --play or --scene it writes a movie: the camera orbits the "
+       "character, a parameter changes, transitions play, or characters are composited with a background, its "
+       "camera track and occluders.",
+       {&a.character},
+       join({motionOptions(a), viewOptions(a.view), lookOptions(a), methodOptions(a), refineOptions(a.fvvr.refine)}),
+       "--scene"},
+      argc, argv);
+  if (!a.motion_class.empty()) a.sequence = a.motion_class;
+  if (a.closest) a.method.closest = *a.closest;
+  a.chooses_cameras = a.closest || args.has("--visibility");
+  checkLook(args, a.look);
+  checkMethod(args, a);
   checkMotion(args, a);
-  checkCombination(args, a);
-  return a;
+  checkOutput(args, a);
+  line.exit_code = args.helpOrProblem();
+  return line;
+}
+
+Status setLook(const LookArguments& look, gpu::Device& device, render::Recipe& recipe) {
+  if (!look.kind) return {};
+  render::StyleOptions style{.kind = *look.kind,
+                             .strength = look.strength,
+                             .light_turn_rad = static_cast<float>(glm::radians(look.light_turn_deg))};
+  if (!look.light_picture.empty()) {
+    FOURDVT_ASSIGN(const Image picture, platform::readImage(look.light_picture));
+    auto light = render::lightFromPicture(picture.pixels, picture.width, picture.height, picture.channels);
+    if (!light) return Error{light.error().id, look.light_picture + ": " + light.error().message};
+    style.light = light.value();
+  }
+  return render::setStyle(device, recipe, style);
 }
 
 Status checkMethod(const RenderArguments& a, const package::Character& character) {
@@ -274,14 +262,15 @@ Status checkMethod(const RenderArguments& a, const package::Character& character
   };
   if (character.appearance == package::AppearanceKind::Layers) {
     const bool fits = a.method_name.empty() || a.method_name == "layered" || a.method_name == "montage4d";
-    if (!a.fvvr.wanted && (!fits || a.chooses_cameras))
+    if (!a.fromCapture() && (!fits || a.chooses_cameras))
       return invalid(
           "is a layered character; --method montage4d goes with it, or fvvr with --capture CAPTURE, which has the "
           "videos");
     return {};
   }
   if (a.method_name == "layered") return invalid("is a character from cameras and has no layers; leave --method out");
-  if (!a.debug.empty()) return invalid("is a character from cameras; --debug belongs to layered ones");
+  if (a.recipe.debug != render::DebugView::None)
+    return invalid("is a character from cameras; --debug belongs to layered ones");
   return {};
 }
 

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "package/character.h"
-#include "render/cameras/fvvr.h"
+#include "refine/refine.h"
+#include "render/method.h"
 #include "render/recipe.h"
+#include "render/styles/styles.h"
 #include "tools/args.h"
-#include "tools/look_arguments.h"
 #include "tools/motion_arguments.h"
-#include "tools/refine_arguments.h"
 
 namespace fourdvt::tools {
 
@@ -24,17 +24,22 @@ struct ViewArguments {
 
 // The free-viewpoint baseline from a capture's videos.
 struct FvvrArguments {
-  bool wanted = false;
-  std::string capture_folder;
+  std::string capture_folder;  // empty: the character's own pictures or layers
   refine::RefineOptions refine;
-  render::FvvrOptions options;
-  render::DepthMapOptions depth_maps;
+};
+
+// The look that figures are drawn in (render/styles/styles.h).
+struct LookArguments {
+  std::optional<render::StyleKind> kind;  // none: as filmed
+  float strength = 1;
+  std::string light_picture;  // equirectangular; empty: the light of StyleOptions
+  double light_turn_deg = 0;
 };
 
 struct RenderArguments {
   std::string character, output, turntable;
-  std::string sequence;  // or class; empty: the first
-  bool wants_class = false;
+  std::string sequence;          // or class; empty: the first
+  std::string motion_class;      // if a class is given
   std::optional<int> rendition;  // as openCharacter takes it
   int frame = 0;
   std::optional<double> phase;  // position in one pass, 0…1; instead of the frame
@@ -47,21 +52,32 @@ struct RenderArguments {
   double fps = 25;    // of movies by --sweep and --play
   ViewArguments view;
   double seconds = 0;  // length of a movie; 0: what its kind takes
-  std::string debug;   // "", labels, layers, weights, normals
   render::RecipeOptions recipe;
   std::string method_name;  // empty: what the character is decides
+  std::optional<int> closest;
   render::MethodOptions method;
-  bool chooses_cameras = false;  // some of `method` was asked for
+  bool chooses_cameras = false;  // some of `method` is given
   LookArguments look;
   bool room = false;  // the character's room as background
   FvvrArguments fvvr;
-  bool movie() const;  // whether the output is a movie
+  bool fromCapture() const { return !fvvr.capture_folder.empty(); }
+  bool playing() const { return sweep || !cues.empty(); }
+  bool movie() const;  // the output is one
+  bool drawsLayersApart() const {
+    return recipe.debug == render::DebugView::Layer || recipe.debug == render::DebugView::Labels;
+  }
 };
 
-const CommandHelp& renderHelp();
-RenderArguments readRenderArguments(Args& args);
-// Whether the character can be drawn so. Errors: InvalidArgument.
+struct RenderCommandLine {
+  RenderArguments arguments;
+  std::optional<int> exit_code;  // help or a problem was printed; none: the arguments are valid
+};
+
+RenderCommandLine readRenderCommand(int argc, char** argv);
+// Checks that the character can be drawn so. Errors: InvalidArgument.
 Status checkMethod(const RenderArguments& arguments, const package::Character& character);
+// Errors: those of reading the picture, with its path; GpuFailure.
+Status setLook(const LookArguments& look, gpu::Device& device, render::Recipe& recipe);
 // The camera asked for. Errors: InvalidArgument, and those of reading the cameras.
 Result<PinholeCamera> chooseCamera(const RenderArguments& arguments, const package::Character& character);
 // The orbit asked for, for a picture of this size.

@@ -7,6 +7,7 @@
 #include "capture/capture.h"
 #include "platform/files.h"
 #include "platform/video_writer.h"
+#include "render/cameras/fvvr.h"
 #include "tools/commands.h"
 #include "tools/log.h"
 #include "tools/render_arguments.h"
@@ -61,10 +62,12 @@ Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, c
   std::vector<PinholeCamera> cameras;
   for (const auto& camera : capture.value().cameras) cameras.push_back(camera.pinhole);
   FOURDVT_ASSIGN(auto fvvr, render::Fvvr::create(*session.gpu.device, cameras, capture.value().topology,
-                                                 arguments.fvvr.depth_maps));
+                                                 {.visibility = arguments.method.visibility}));
+  const render::FvvrOptions options{.closest = arguments.closest.value_or(0),
+                                    .background = arguments.recipe.background};
   const render::View seen = render::viewFromCamera(view);
-  FOURDVT_TRY(fvvr->setFrame(frame.positions, frame.pictures, fvvr->camerasOf(seen, arguments.fvvr.options)));
-  FOURDVT_ASSIGN(auto picture, fvvr->renderStill(seen, arguments.fvvr.options));
+  FOURDVT_TRY(fvvr->setFrame(frame.positions, frame.pictures, fvvr->camerasOf(seen, options)));
+  FOURDVT_ASSIGN(auto picture, fvvr->renderStill(seen, options));
   return platform::writeImage(arguments.output, picture, 95);
 }
 
@@ -89,7 +92,7 @@ Status renderStill(CharacterSession& session, const RenderArguments& arguments, 
   const render::LengthScales scales = lengthScales(session);
   render::RecipeOptions recipe = arguments.recipe;
   std::vector<Image> pictures;
-  const int count = arguments.debug == "layers" || arguments.debug == "labels" ? session.character().layer_count : 1;
+  const int count = arguments.drawsLayersApart() ? session.character().layer_count : 1;
   for (int layer = 0; layer < count; ++layer) {
     recipe.debug_layer = layer;
     FOURDVT_ASSIGN(auto picture, session.player->renderStill(render::viewFromCamera(camera, scales), recipe,
@@ -130,7 +133,7 @@ Status prepareMotion(CharacterSession& session, const RenderArguments& arguments
   FOURDVT_ASSIGN(auto align, prepareAlign(arguments.align, *session.gpu.device, session.player->recipe()));
   player.setAlign(align);
   player.setMethod(arguments.method);
-  if (!arguments.method_name.empty() && arguments.method_name != "layered" && !arguments.fvvr.wanted)
+  if (!arguments.method_name.empty() && arguments.method_name != "layered" && !arguments.fromCapture())
     FOURDVT_TRY(useMethod(session, arguments.method_name));
   return setLook(arguments.look, *session.gpu.device, session.player->recipe());
 }
@@ -138,10 +141,9 @@ Status prepareMotion(CharacterSession& session, const RenderArguments& arguments
 }  // namespace
 
 int renderCommand(int argc, char** argv) {
-  Args args(renderHelp(), argc, argv);
-  const RenderArguments arguments = readRenderArguments(args);
-  if (const auto code = helpOrProblem(renderHelp(), args)) return *code;
-  if (!arguments.scene.empty() || arguments.sweep || !arguments.cues.empty()) {
+  const auto [arguments, exit_code] = readRenderCommand(argc, argv);
+  if (exit_code) return *exit_code;
+  if (!arguments.scene.empty() || arguments.playing()) {
     const Status status = arguments.scene.empty() ? renderMotion(arguments) : renderScene(arguments);
     return status.ok() ? kOk : fail(status.error());
   }
@@ -153,14 +155,14 @@ int renderCommand(int argc, char** argv) {
   auto found = findState(character, name, arguments.character);
   if (!found.ok()) return fail(found.error());
   const package::Sequence& sequence = *found.value();
-  if (arguments.wants_class && !sequence.isClass())
+  if (!arguments.motion_class.empty() && !sequence.isClass())
     return fail(
         {ErrorId::InvalidArgument, arguments.character + ": " + name + " is a sequence, not a class; use --sequence"});
   if (static_cast<uint32_t>(arguments.frame) >= sequence.frame_count)
     return fail({ErrorId::InvalidArgument,
                  arguments.character + ": " + name + " has frames 0 to " + std::to_string(sequence.frame_count - 1)});
   if (const Status ready = prepareMotion(session.value(), arguments); !ready.ok()) return fail(ready.error());
-  const Status status = arguments.fvvr.wanted         ? renderFvvr(session.value(), arguments, name)
+  const Status status = arguments.fromCapture()       ? renderFvvr(session.value(), arguments, name)
                         : arguments.turntable.empty() ? renderStill(session.value(), arguments, sequence)
                                                       : renderTurntable(session.value(), arguments, sequence);
   if (!status.ok()) return fail(status.error());

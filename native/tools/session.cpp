@@ -86,11 +86,6 @@ Result<uint32_t> findRendition(const package::Character& character, const std::s
                path + ": has no rendition " + std::to_string(number) + "; --rendition takes " + known};
 }
 
-std::optional<int> readRendition(Args& args) {
-  if (!args.has(kRenditionOption.name)) return std::nullopt;
-  return args.integer(kRenditionOption.name, 0, 0, package::kMaxPictureSide);
-}
-
 std::string manifestPath(const std::string& character) {
   std::error_code ignored;
   if (!std::filesystem::is_directory(character, ignored)) return character;

@@ -14,13 +14,6 @@
 
 namespace fourdvt::tools {
 
-inline constexpr Option kRenditionOption{
-    "--rendition", "N",
-    "rendition: 0 for the lowest, counted as `fourdvt inspect` lists them, or the texels "
-    "of layer 1 (default: the highest)"};
-// Value of --rendition; none: not given.
-std::optional<int> readRendition(Args& args);
-
 struct GpuSession {
   std::unique_ptr<platform::EglContext> context;
   std::unique_ptr<gpu::Device> device;

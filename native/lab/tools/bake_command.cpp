@@ -6,23 +6,20 @@
 namespace fourdvt::lab {
 namespace {
 
-void readLabels(tools::Args& args, bake::BakeOptions& options) {
-  if (!args.has("--labels")) return;
-  const std::string name = args.text("--labels");
-  if (const bake::Labelling* rule = findLabelling(name)) return useLabelling(*rule, options);
-  std::string names;
-  for (const bake::Labelling* rule : allLabellings()) names += (names.empty() ? "" : ", ") + std::string(rule->name);
-  args.complain("--labels must be one of " + names + ", not \"" + name + "\"");
+tools::Options labelsOption(bake::BakeOptions& options) {
+  const auto read = [&options](tools::Args& args, const std::string& name) {
+    if (!args.has(name)) return;
+    if (const bake::Labelling* rule = findLabelling(args.text(name))) return useLabelling(*rule, options);
+    std::string names;
+    for (const bake::Labelling* rule : allLabellings()) names += (names.empty() ? "" : ", ") + std::string(rule->name);
+    args.refuse(name, "one of " + names);
+  };
+  return {{"--labels RULE", read,
+           "labelling: joint (default), or one of the papers': naive, spatial, temporal-paper, per-texel"}};
 }
 
 }  // namespace
 
-int bakeCommand(int argc, char** argv) {
-  const tools::BakeExtension labels{
-      {"--labels", "RULE",
-       "labelling: joint (default), or one of the papers': naive, spatial, temporal-paper, per-texel"},
-      readLabels};
-  return tools::bakeCommand(argc, argv, &labels);
-}
+int bakeCommand(int argc, char** argv) { return tools::bakeCommand(argc, argv, labelsOption); }
 
 }  // namespace fourdvt::lab

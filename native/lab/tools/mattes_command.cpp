@@ -6,26 +6,14 @@
 #include "lab/tools/progress.h"
 #include "platform/files.h"
 #include "tools/args.h"
+#include "tools/common_options.h"
 #include "tools/session.h"
 
 namespace fourdvt::lab {
 namespace {
 
-const tools::CommandHelp& help() {
-  static const tools::CommandHelp text{
-      "mattes CAPTURE [--against FOLDER] [-o REPORT.json]",
-      "Scores the mattes that fourdvt reads or makes from plates against the true ones of the virtual studio: by "
-      "intersection over union of all pixels and of those beyond 2 pixels of the true edge, and by the edges' "
-      "distance.",
-      {{"--against", "FOLDER",
-        "true mattes, in the capture: FOLDER/SEQUENCE/maskNN.mkv or maskNN/%06d.png (default mattes_true)"},
-       {"--sequences", "A,B", "only these sequences (default: all)"},
-       {"-o", "REPORT.json", "file to write the same rows to"}}};
-  return text;
-}
-
 struct Arguments {
-  std::string capture, against, report;
+  std::string capture, against = "mattes_true", report;
   std::vector<std::string> sequences;
 };
 
@@ -45,14 +33,20 @@ Status score(const Arguments& arguments) {
 }  // namespace
 
 int mattesCommand(int argc, char** argv) {
-  tools::Args args(help(), argc, argv);
-  Arguments arguments;
-  arguments.capture = args.positional();
-  arguments.against = args.has("--against") ? args.text("--against") : "mattes_true";
-  arguments.report = args.text("-o");
-  arguments.sequences = args.list("--sequences");
-  if (const auto code = tools::helpOrProblem(help(), args)) return *code;
-  const Status scored = score(arguments);
+  Arguments a;
+  const tools::Args args(
+      {"mattes CAPTURE [--against FOLDER] [-o REPORT.json]",
+       "Scores the mattes that fourdvt reads or makes from plates against the true ones of the virtual studio: by "
+       "intersection over union of all pixels and of those beyond 2 pixels of the true edge, and by the edges' "
+       "distance.",
+       {&a.capture},
+       {{"--against FOLDER", tools::text(a.against),
+         "true mattes, in the capture: FOLDER/SEQUENCE/maskNN.mkv or maskNN/%06d.png (default mattes_true)"},
+        tools::sequencesOption(a.sequences),
+        {"-o REPORT.json", tools::text(a.report), "file to write the same rows to"}}},
+      argc, argv);
+  if (const auto code = args.helpOrProblem()) return *code;
+  const Status scored = score(a);
   return scored.ok() ? tools::kOk : tools::fail(scored.error());
 }
 

@@ -9,33 +9,11 @@
 #include "package/character.h"
 #include "render/cameras/camera_method.h"
 #include "tools/args.h"
+#include "tools/common_options.h"
 #include "tools/session.h"
 
 namespace fourdvt::lab {
 namespace {
-
-const tools::CommandHelp& help() {
-  static const tools::CommandHelp text{
-      "methods CAPTURE [-o REPORT] [--methods A,B] [--quick]",
-      "Compares the methods of characters from cameras (fourdvt render --method), drawn from the raw videos.\n"
-      "With -o: on the capture's surfaces, coarser ones, hulls and a plane, by number of cameras and with calibration "
-      "errors; writes REPORT/projective.csv, projective.json (the same rows) and report.html. After Ctrl-C, the same "
-      "command continues. Without -o: prints one table for the capture's surfaces.",
-      {{"-o", "REPORT", "folder to write"},
-       {"--sequences", "A,B", "only these sequences (default: all)"},
-       {"--methods", "A,B", "only these methods (default: all)"},
-       {"--frames", "N", "with -o: test frames of each sequence, spread over it (default 1)"},
-       {"--axis-frames", "N",
-        "with -o: the same of conditions that no choice is made on, then without flicker and times (default: as "
-        "--frames)"},
-       {"--steps", "A,B", "with -o: only these steps of the report (default: all)"},
-       {"--quick", nullptr, "a first look: few views and conditions"},
-       {"--closest", "M", "without -o: number of cameras that a view uses, 0: all (default 4)"},
-       {"--sweep-planes", "N",
-        "without -o, method sweep: depth hypotheses for each pixel, 4 to 32 in steps of 4 (default 12)"},
-       {"--sweep-band-mm", "X", "without -o, method sweep: depth range behind the surface (default 32)"}}};
-  return text;
-}
 
 struct Arguments {
   study::StudyOptions study;
@@ -50,24 +28,31 @@ std::string optionsAsTyped(const study::StudyOptions& options) {
   return out + (options.axis_frames > 0 ? " --axis-frames " + std::to_string(options.axis_frames) : "");
 }
 
-Arguments readArguments(tools::Args& args) {
-  Arguments a;
+tools::Options rows(Arguments& a) {
+  using namespace tools;
   study::StudyOptions& study = a.study;
-  study.capture_folder = args.positional();
-  study.report_folder = args.text("-o");
-  study.sequences = args.list("--sequences");
-  study.quick = a.table.quick = args.has("--quick");
-  study.methods = a.table.methods = args.list("--methods");
-  study.test_frames = static_cast<uint32_t>(args.integer("--frames", 1, 1, 10'000));
-  study.axis_frames = static_cast<uint32_t>(args.integer("--axis-frames", 0, 1, 10'000));
-  study.steps = args.list("--steps");
-  study.command = "methods";
-  study.stem = "projective";
-  study.further = optionsAsTyped(study);
-  if (args.has("--closest")) a.table.method.closest = args.integer("--closest", 0, 0, package::kMaxCameras);
-  render::SweepOptions& sweep = a.table.method.sweep;
-  sweep.planes = args.integer("--sweep-planes", sweep.planes, 4, 32);
-  sweep.band_m = static_cast<float>(args.number("--sweep-band-mm", 1000 * sweep.band_m, 0.1, 1000) / 1000);
+  render::MethodOptions& method = a.table.method;
+  return {
+      {"-o REPORT", text(study.report_folder), "folder to write"},
+      sequencesOption(study.sequences),
+      {"--methods A,B", list(study.methods), "only these methods (default: all)"},
+      {"--frames N", number(study.test_frames, 1, 10'000),
+       "with -o: test frames of each sequence, spread over it (default 1)"},
+      {"--axis-frames N", number(study.axis_frames, 1, 10'000),
+       "with -o: the same of conditions that no choice is made on, then without flicker and times (default: as "
+       "--frames)"},
+      {"--steps A,B", list(study.steps), "with -o: only these steps of the report (default: all)"},
+      {"--quick", flag(study.quick), "a first look: few views and conditions"},
+      {"--closest M", number(method.closest, 0, package::kMaxCameras),
+       "without -o: number of cameras that a view uses, 0: all (default 4)"},
+      {"--sweep-planes N", number(method.sweep.planes, 4, 32),
+       "without -o, method sweep: depth hypotheses for each pixel, 4 to 32 in steps of 4 (default 12)"},
+      {"--sweep-band-mm X", number(method.sweep.band_m, 0.1, 1000, 1e-3),
+       "without -o, method sweep: depth range behind the surface (default 32)"},
+  };
+}
+
+void check(tools::Args& args, const study::StudyOptions& study) {
   if (study.report_folder.empty()) {
     for (const char* name : {"--frames", "--axis-frames", "--steps"})
       if (args.has(name)) args.complain(std::string(name) + " needs -o REPORT");
@@ -76,7 +61,6 @@ Arguments readArguments(tools::Args& args) {
       if (args.has(name))
         args.complain(std::string(name) + " does not go with -o: the report has conditions of its own");
   }
-  return a;
 }
 
 Status printTable(Arguments& arguments) {
@@ -96,9 +80,25 @@ Status printTable(Arguments& arguments) {
 }  // namespace
 
 int methodsCommand(int argc, char** argv) {
-  tools::Args args(help(), argc, argv);
-  Arguments arguments = readArguments(args);
-  if (const auto code = tools::helpOrProblem(help(), args)) return *code;
+  Arguments arguments;
+  study::StudyOptions& study = arguments.study;
+  study.command = "methods";
+  study.stem = "projective";
+  tools::Args args(
+      {"methods CAPTURE [-o REPORT] [--methods A,B] [--quick]",
+       "Compares the methods of characters from cameras (fourdvt render --method), drawn from the raw "
+       "videos.\nWith -o: on the capture's surfaces, coarser ones, hulls and a plane, by number of cameras "
+       "and with calibration errors; writes REPORT/projective.csv, projective.json (the same rows) and "
+       "report.html. After Ctrl-C, the same command continues. Without -o: prints one table for the "
+       "capture's surfaces.",
+       {&study.capture_folder},
+       rows(arguments)},
+      argc, argv);
+  check(args, study);
+  if (const auto code = args.helpOrProblem()) return *code;
+  arguments.table.quick = study.quick;
+  arguments.table.methods = study.methods;
+  study.further = optionsAsTyped(study);
   if (!arguments.study.report_folder.empty())
     return runStudyCommand(arguments.study, capture::MeshNeed::AnySurface, study::runProjectiveStudy);
   const Status printed = printTable(arguments);

@@ -7,32 +7,12 @@
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "tools/args.h"
+#include "tools/common_options.h"
 #include "tools/log.h"
 #include "tools/session.h"
 
 namespace fourdvt::lab {
 namespace {
-
-const tools::CommandHelp& help() {
-  static const tools::CommandHelp text{
-      "score CHARACTER --capture CAPTURE [options]",
-      "Scores a baked character against its capture: PSNR (RGB) and SSIM (luma, 11x11 Gaussian) over the union of both "
-      "silhouettes, on black, at held-out and input cameras; by sequence, by camera, and the mean. \"common dB\" is "
-      "the PSNR over the intersection of both silhouettes, which excludes errors of the outline. Flicker is the change "
-      "on the surface from one picture to the next: of the error at an input camera, and of the colours on a slow "
-      "orbit.",
-      {{"--capture", "CAPTURE", "the capture that CHARACTER was baked from (required)"},
-       {"-o", "FOLDER", "also write evaluate.csv, evaluate.txt and worst.png"},
-       {"--sequences", "A,B", "only these sequences (default: all)"},
-       tools::kRenditionOption,
-       {"--method", "NAME", "drawing method; for characters from layers: montage4d (default: the plain blend)"},
-       {"--closest", "M", "for characters from cameras: number of cameras that a view uses, 0: all (default 4)"},
-       {"--input-every", "N", "score input cameras at every Nth frame, 0: never (default 4)"},
-       {"--flicker", "N",
-        "measure flicker at N input cameras, in levels of 255, 0: none (default 1); needs constant topology"},
-       {"--yardstick", nullptr, "also score plain projective texturing of the given mesh, without layers or codec"}}};
-  return text;
-}
 
 struct Arguments {
   std::string character, capture, output, method;
@@ -40,19 +20,25 @@ struct Arguments {
   measure::HeldOutOptions held_out;
 };
 
-Arguments readArguments(tools::Args& args) {
-  Arguments a;
-  a.character = args.positional();
-  a.capture = args.required("--capture");
-  a.output = args.text("-o");
-  a.method = args.text("--method");
-  a.rendition = tools::readRendition(args);
-  if (args.has("--closest")) a.closest = args.integer("--closest", 0, 0, package::kMaxCameras);
-  a.held_out.sequences = args.list("--sequences");
-  a.held_out.input_every = static_cast<uint32_t>(args.integer("--input-every", 4, 0, 1'000'000));
-  a.held_out.yardstick = args.has("--yardstick");
-  a.held_out.flicker_cameras = static_cast<uint32_t>(args.integer("--flicker", 1, 0, package::kMaxCameras));
-  return a;
+tools::Options rows(Arguments& a) {
+  using namespace tools;
+  a.held_out.flicker_cameras = 1;
+  return {
+      {"--capture CAPTURE", required(a.capture), "the capture that CHARACTER was baked from (required)"},
+      {"-o FOLDER", text(a.output), "also write evaluate.csv, evaluate.txt and worst.png"},
+      sequencesOption(a.held_out.sequences),
+      renditionOption(a.rendition),
+      {"--method NAME", text(a.method),
+       "drawing method; for characters from layers: montage4d (default: the plain blend)"},
+      {"--closest M", number(a.closest, 0, package::kMaxCameras),
+       "for characters from cameras: number of cameras that a view uses, 0: all (default 4)"},
+      {"--input-every N", number(a.held_out.input_every, 0, 1'000'000),
+       "score input cameras at every Nth frame, 0: never (default 4)"},
+      {"--flicker N", number(a.held_out.flicker_cameras, 0, package::kMaxCameras),
+       "measure flicker at N input cameras, in levels of 255, 0: none (default 1); needs constant topology"},
+      {"--yardstick", flag(a.held_out.yardstick),
+       "also score plain projective texturing of the given mesh, without layers or codec"},
+  };
 }
 
 Status writeReport(const std::string& folder, const measure::HeldOutReport& report) {
@@ -83,9 +69,20 @@ Status score(const Arguments& arguments) {
 }  // namespace
 
 int scoreCommand(int argc, char** argv) {
-  tools::Args args(help(), argc, argv);
-  const Arguments arguments = readArguments(args);
-  if (const auto code = tools::helpOrProblem(help(), args)) return *code;
+  Arguments arguments;
+  const tools::Args args(
+      {"score CHARACTER --capture CAPTURE [options]",
+       "Scores a baked character against its capture: PSNR (RGB) and SSIM (luma, 11x11 Gaussian) over the union of "
+       "both "
+       "silhouettes, on black, at held-out and input cameras; by sequence, by camera, and the mean. \"common dB\" is "
+       "the PSNR over the intersection of both silhouettes, which excludes errors of the outline. Flicker is the "
+       "change "
+       "on the surface from one picture to the next: of the error at an input camera, and of the colours on a slow "
+       "orbit.",
+       {&arguments.character},
+       rows(arguments)},
+      argc, argv);
+  if (const auto code = args.helpOrProblem()) return *code;
   const Status scored = score(arguments);
   return scored.ok() ? tools::kOk : tools::fail(scored.error());
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
-#include <tuple>
 
 #include "lab/stage/stage.h"
 #include "lab/tools/commands.h"
@@ -10,22 +9,6 @@
 
 namespace fourdvt::lab {
 namespace {
-
-const tools::CommandHelp& help() {
-  static const tools::CommandHelp text{
-      "stage CAPTURE -o FOLDER [options]",
-      "Turns a capture into the stage of a live system, for `fourdvt live FOLDER/RIG.json`: scaled cameras and plates, "
-      "and per camera a video that is played in a loop.",
-      {{"-o", "FOLDER", "folder to write (required)"},
-       {"--size", "WxH", "pixels of a camera's picture, even (default 320x240)"},
-       {"--sequence", "NAME", "sequence to show (default: the capture's first)"},
-       {"--cameras", "A,B", "only these cameras (default: all)"},
-       {"--pictures", "N",
-        "pictures in a video, the sequence over and over (default: the sequence once; with --counter 1000)"},
-       {"--counter", nullptr,
-        "paint each picture's number on the performer; counter.json says where, which tests read"}}};
-  return text;
-}
 
 Status write(const std::string& folder, const stage::StageOptions& options) {
   const std::vector<std::string> only =
@@ -43,17 +26,25 @@ Status write(const std::string& folder, const stage::StageOptions& options) {
 }  // namespace
 
 int stageCommand(int argc, char** argv) {
-  tools::Args args(help(), argc, argv);
-  const std::string capture = args.positional();
-  stage::StageOptions options;
-  options.folder = args.required("-o");
-  if (const auto size = args.size("--size", 4094)) std::tie(options.width, options.height) = *size;
-  options.sequence = args.text("--sequence");
-  options.cameras = args.list("--cameras");
-  options.counter = args.has("--counter");
-  options.pictures = args.integer("--pictures", 0, 1, 1000000);
-  if (const auto code = tools::helpOrProblem(help(), args)) return *code;
-  const Status written = write(capture, options);
+  std::string capture;
+  stage::StageOptions o;
+  const tools::Args args(
+      {"stage CAPTURE -o FOLDER [options]",
+       "Turns a capture into the stage of a live system, for `fourdvt live FOLDER/RIG.json`: scaled cameras and "
+       "plates, "
+       "and per camera a video that is played in a loop.",
+       {&capture},
+       {{"-o FOLDER", tools::required(o.folder), "folder to write (required)"},
+        {"--size WxH", tools::size(o.width, o.height, 4094), "pixels of a camera's picture, even (default 320x240)"},
+        {"--sequence NAME", tools::text(o.sequence), "sequence to show (default: the capture's first)"},
+        {"--cameras A,B", tools::list(o.cameras), "only these cameras (default: all)"},
+        {"--pictures N", tools::number(o.pictures, 1, 1000000),
+         "pictures in a video, the sequence over and over (default: the sequence once; with --counter 1000)"},
+        {"--counter", tools::flag(o.counter),
+         "paint each picture's number on the performer; counter.json says where, which tests read"}}},
+      argc, argv);
+  if (const auto code = args.helpOrProblem()) return *code;
+  const Status written = write(capture, o);
   return written.ok() ? tools::kOk : tools::fail(written.error());
 }
 

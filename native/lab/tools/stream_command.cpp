@@ -12,18 +12,6 @@
 namespace fourdvt::lab {
 namespace {
 
-const tools::CommandHelp& help() {
-  static const tools::CommandHelp text{
-      "stream RECORDED --stage FOLDER",
-      "Says as JSON which pictures the frames of a recorded live stream show, by the numbers that `fourdvt-lab stage "
-      "--counter` painted on the performer. RECORDED has manifest.json, the stream's first message, and frames.bin, "
-      "its "
-      "frames, each after its length in bytes (uint32, little-endian).",
-      {{"--stage", "FOLDER", "the stage that was played (required)"},
-       {"--surfaces", "FOLDER", "write the first surface of each frame of the stage's sequence, 000000.obj …"}}};
-  return text;
-}
-
 std::string objOf(const TriangleMesh& mesh) {
   std::string out;
   char line[120];
@@ -59,11 +47,18 @@ Status read(const std::string& recorded, const std::string& stage_folder, const 
 }  // namespace
 
 int streamCommand(int argc, char** argv) {
-  tools::Args args(help(), argc, argv);
-  const std::string recorded = args.positional();
-  const std::string stage_folder = args.required("--stage");
-  const std::string surfaces_folder = args.text("--surfaces");
-  if (const auto code = tools::helpOrProblem(help(), args)) return *code;
+  std::string recorded, stage_folder, surfaces_folder;
+  const tools::Args args(
+      {"stream RECORDED --stage FOLDER",
+       "Says as JSON which pictures the frames of a recorded live stream show, by the numbers that `fourdvt-lab stage "
+       "--counter` painted on the performer. RECORDED has manifest.json, the stream's first message, and frames.bin, "
+       "its frames, each after its length in bytes (uint32, little-endian).",
+       {&recorded},
+       {{"--stage FOLDER", tools::required(stage_folder), "the stage that was played (required)"},
+        {"--surfaces FOLDER", tools::text(surfaces_folder),
+         "write the first surface of each frame of the stage's sequence, 000000.obj …"}}},
+      argc, argv);
+  if (const auto code = args.helpOrProblem()) return *code;
   const Status done = read(recorded, stage_folder, surfaces_folder);
   return done.ok() ? tools::kOk : tools::fail(done.error());
 }

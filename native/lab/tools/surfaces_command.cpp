@@ -7,22 +7,11 @@
 #include "lab/tools/progress.h"
 #include "package/character.h"
 #include "tools/args.h"
+#include "tools/common_options.h"
 #include "tools/session.h"
 
 namespace fourdvt::lab {
 namespace {
-
-const tools::CommandHelp& help() {
-  static const tools::CommandHelp text{
-      "surfaces CAPTURE [--reference CAPTURE2]",
-      "Scores the capture's surfaces, of any topology: by plain projective texturing from its videos at the held-out "
-      "cameras, and by distance to the surfaces of a reference capture.",
-      {{"--sequences", "A,B", "only these sequences (default: all)"},
-       {"--reference", "CAPTURE2", "the same motions with the true surfaces"},
-       {"--closest", "M",
-        "texture on the GPU from the M cameras nearest to the view, 0: all (default: on the CPU from all)"}}};
-  return text;
-}
 
 struct Arguments {
   std::string capture, reference;
@@ -55,14 +44,19 @@ Status score(const Arguments& arguments) {
 }  // namespace
 
 int surfacesCommand(int argc, char** argv) {
-  tools::Args args(help(), argc, argv);
-  Arguments arguments;
-  arguments.capture = args.positional();
-  arguments.sequences = args.list("--sequences");
-  arguments.reference = args.text("--reference");
-  if (args.has("--closest")) arguments.closest = args.integer("--closest", 0, 0, package::kMaxCameras);
-  if (const auto code = tools::helpOrProblem(help(), args)) return *code;
-  const Status scored = score(arguments);
+  Arguments a;
+  const tools::Args args(
+      {"surfaces CAPTURE [--reference CAPTURE2]",
+       "Scores the capture's surfaces, of any topology: by plain projective texturing from its videos at the held-out "
+       "cameras, and by distance to the surfaces of a reference capture.",
+       {&a.capture},
+       {tools::sequencesOption(a.sequences),
+        {"--reference CAPTURE2", tools::text(a.reference), "the same motions with the true surfaces"},
+        {"--closest M", tools::number(a.closest, 0, package::kMaxCameras),
+         "texture on the GPU from the M cameras nearest to the view, 0: all (default: on the CPU from all)"}}},
+      argc, argv);
+  if (const auto code = args.helpOrProblem()) return *code;
+  const Status scored = score(a);
   return scored.ok() ? tools::kOk : tools::fail(scored.error());
 }
 
