@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "bake/report/method_report.h"
 #include "bake/run/stage_table.h"
 #include "report/text.h"
 #include "report/values.h"
@@ -406,7 +405,7 @@ void addSettings(const ReportInput& in, Document& page, Json& json) {
   const BakeOptions& o = in.options;
   const bool layers = !fromCameras(in);
   const auto lower = report::rowsOf(o.lower_renditions, [](const LowerRendition& r) {
-    return Values{{"size", r.size}, {"crf", r.crf}, {"codec", infoOf(r.codec).name}, {"preset", r.preset}};
+    return Values{{"size", r.size}, {"crf", r.crf}, {"codec", encode::infoOf(r.codec).name}, {"preset", r.preset}};
   });
   Values values{{"generator", in.generator},
                 {"capture/name", in.capture_name},

@@ -70,17 +70,17 @@ Status writeFile(const std::string& path, const std::vector<uint8_t>& header, co
 }
 
 // Writes the video of all GOPs of one rendition.
-Result<Mp4Samples> packVideo(const StreamPlan& plan, size_t rendition, const WorkFolder& work,
-                             const std::string& path) {
-  const EncodeSettings& settings = plan.renditions[rendition].encode;
-  FOURDVT_TRY(writeMp4(path, settings, static_cast<uint32_t>(plan.gop_first_frames.size()),
-                       [&](uint32_t g) -> Result<EncodedGop> {
-                         FOURDVT_ASSIGN(auto artefact, work.load<GopArtefact>(gopFile(plan.name, g)));
-                         if (rendition >= artefact.videos.size())
-                           return Error{ErrorId::Internal, path + ": a GOP lacks this rendition; bake again"};
-                         return std::move(artefact.videos[rendition]);
-                       }));
-  FOURDVT_ASSIGN(auto packed, readMp4Samples(path, settings.fps, plan.gop_first_frames, plan.frameCount()));
+Result<encode::Mp4Samples> packVideo(const StreamPlan& plan, size_t rendition, const WorkFolder& work,
+                                     const std::string& path) {
+  const encode::EncodeSettings& settings = plan.renditions[rendition].encode;
+  FOURDVT_TRY(encode::writeMp4(path, settings, static_cast<uint32_t>(plan.gop_first_frames.size()),
+                               [&](uint32_t g) -> Result<encode::EncodedGop> {
+                                 FOURDVT_ASSIGN(auto artefact, work.load<GopArtefact>(gopFile(plan.name, g)));
+                                 if (rendition >= artefact.videos.size())
+                                   return Error{ErrorId::Internal, path + ": a GOP lacks this rendition; bake again"};
+                                 return std::move(artefact.videos[rendition]);
+                               }));
+  FOURDVT_ASSIGN(auto packed, encode::readMp4Samples(path, settings.fps, plan.gop_first_frames, plan.frameCount()));
   package::SampleTable& table = packed.table;
   for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
     const package::ByteSpan span = table.videoOf(g);

@@ -9,8 +9,8 @@
 
 #include "bake/run/bake_run.h"
 #include "bake/run/job.h"
-#include "bake/video/mp4.h"
 #include "base/result.h"
+#include "encode/mp4.h"
 #include "package/character.h"
 
 namespace fourdvt::bake {

@@ -48,10 +48,10 @@ void fields(Archive& a, package::EncodedBaseMesh& m) {
   a(m.bytes, m.source_vertex, m.source_face, m.decoded, m.position_attribute, m.uv_attribute, m.colour_attribute,
     m.point_count, m.point_bounds);
 }
-void fields(Archive& a, bake::TileLayout& l) { a(l.width, l.height, l.layers, l.barcode); }
-void fields(Archive& a, bake::EncodeSettings& s) { a(s.width, s.height, s.fps, s.crf, s.codec, s.preset, s.extra); }
+void fields(Archive& a, encode::TileLayout& l) { a(l.width, l.height, l.layers, l.barcode); }
+void fields(Archive& a, encode::EncodeSettings& s) { a(s.width, s.height, s.fps, s.crf, s.codec, s.preset, s.extra); }
 void fields(Archive& a, bake::RenditionPlan& r) { a(r.suffix, r.layout, r.tiles, r.encode, r.shrunk, r.eighths); }
-void fields(Archive& a, bake::CameraLayout& l) {
+void fields(Archive& a, encode::CameraLayout& l) {
   a(l.width, l.height, l.gops, l.picture_width, l.picture_height, l.barcode);
 }
 void fields(Archive& a, package::Member& m) { a(m.name, m.parameter, m.duration_s, m.travel); }

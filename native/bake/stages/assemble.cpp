@@ -2,7 +2,6 @@
 #include "bake/stages/assemble.h"
 
 #include "bake/run/character_files.h"
-#include "bake/run/publish.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/sound_stage.h"
 #include "bake/stages/start_stage.h"

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "bake/run/character_files.h"
-#include "bake/run/publish.h"
 #include "bake/stages/assemble.h"
 #include "bake/stages/camera_colours.h"
 #include "bake/stages/sound_stage.h"

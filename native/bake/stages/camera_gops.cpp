@@ -126,9 +126,9 @@ Status CameraGops::encode(OpenGop& open, const StreamPlan& plan, uint32_t index,
   if (!open.encoder) {
     FOURDVT_ASSIGN(open.encoder, LadderEncoder::create(plan, open.number, lane()));
     if (index == 0) {
-      FOURDVT_ASSIGN(
-          open.artefact.picture_jpeg,
-          platform::encodeImage(rgbFromTile(picture.view(), {0, 0, picture.width, picture.height}), ".jpg", 80));
+      FOURDVT_ASSIGN(open.artefact.picture_jpeg,
+                     platform::encodeImage(encode::rgbFromTile(picture.view(), {0, 0, picture.width, picture.height}),
+                                           ".jpg", 80));
     }
   }
   std::vector<const Image*> parts;

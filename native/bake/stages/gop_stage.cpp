@@ -210,9 +210,9 @@ Status GopStage::encode(OpenGop& open, const StreamPlan& plan, const std::vector
   if (!open.encoder) {
     FOURDVT_ASSIGN(open.encoder, LadderEncoder::create(plan, open.number, lane()));
     if (plan.isClass()) {
-      FOURDVT_ASSIGN(
-          open.artefact.picture_jpeg,
-          platform::encodeImage(rgbFromTile(picture_.view(), {0, 0, picture_.width, picture_.height}), ".jpg", 80));
+      FOURDVT_ASSIGN(open.artefact.picture_jpeg,
+                     platform::encodeImage(
+                         encode::rgbFromTile(picture_.view(), {0, 0, picture_.width, picture_.height}), ".jpg", 80));
     }
   }
   return open.encoder->push(picture_.view(), layers, index);
@@ -220,8 +220,9 @@ Status GopStage::encode(OpenGop& open, const StreamPlan& plan, const std::vector
 
 Status GopStage::saveStill() {
   StageClock::Span span(run_.clock, Stage::Assemble);
-  FOURDVT_ASSIGN(auto texture, platform::encodeImage(rgbFromTile(picture_.view(), job_.layout.layers[0]), ".jpg", 90));
-  const Image tiles = rgbFromTile(picture_.view(), {0, 0, picture_.width, picture_.height});
+  FOURDVT_ASSIGN(auto texture,
+                 platform::encodeImage(encode::rgbFromTile(picture_.view(), job_.layout.layers[0]), ".jpg", 90));
+  const Image tiles = encode::rgbFromTile(picture_.view(), {0, 0, picture_.width, picture_.height});
   FOURDVT_ASSIGN(auto tile_jpeg, platform::encodeImage(tiles, ".jpg", 80));
   return run_.work.save(kStillFile,
                         StillArtefact{picture_, looks_[0].labels, std::move(texture), std::move(tile_jpeg)});

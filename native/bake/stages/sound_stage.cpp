@@ -7,7 +7,6 @@
 
 #include "bake/motion/class_plan.h"
 #include "bake/motion/root_track.h"
-#include "bake/run/publish.h"
 #include "bake/run/stream_reader.h"
 #include "bake/sound/segment_encoder.h"
 #include "bake/stages/stream_plan.h"

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "bake/cameras/camera_layout.h"
-#include "bake/cameras/tile_fill.h"
+#include "encode/camera_layout.h"
+#include "encode/tile.h"
 
 namespace fourdvt::bake {
 namespace {
