@@ -11,21 +11,10 @@
 #include "bake/run/bake_run.h"
 #include "bake/run/character_files.h"
 #include "bake/run/job_file.h"
+#include "bake/run/job_keys.h"
 #include "bake/run/renditions.h"
-#include "bake/stages/align_stage.h"
-#include "bake/stages/assemble.h"
-#include "bake/stages/camera_assembly.h"
-#include "bake/stages/camera_colours.h"
-#include "bake/stages/camera_gops.h"
-#include "bake/stages/camera_plan.h"
-#include "bake/stages/gop_stage.h"
-#include "bake/stages/graph_stage.h"
-#include "bake/stages/method_stage.h"
-#include "bake/stages/refine_stage.h"
-#include "bake/stages/room_stage.h"
-#include "bake/stages/stream_plan.h"
+#include "bake/stages/stages.h"
 #include "bake/stages/survey.h"
-#include "bake/stages/validate.h"
 #include "base/hash.h"
 #include "capture/input_files.h"
 #include "jobs/videos.h"
@@ -87,24 +76,24 @@ void addFigures(const BakeRun& run, ReportInput& report) {
 
 Status bakeLayers(BakeRun& run, ReportInput& report) {
   FOURDVT_ASSIGN(const Survey survey, Survey::make(run));
-  GopStage gops(run, survey);
-  FOURDVT_TRY(gops.run());
-  FOURDVT_TRY(alignClasses(run));
-  FOURDVT_ASSIGN(const auto graph, makeGraph(run));
-  report.resumed = gops.framesBaked() < run.job.streamFrames();
+  FOURDVT_ASSIGN(const uint32_t baked, bakeGops(run, survey));
+  report.resumed = baked < run.job.streamFrames();
   report.figures.labels_by_sequence = survey.statistics();
-  FOURDVT_ASSIGN(const auto room, makeRoom(run, survey.colourMaps()));
-  return assemble(run, graph, room, report);
+  FOURDVT_TRY(alignClasses(run));
+  Assembly parts;
+  FOURDVT_ASSIGN(parts.graph, makeGraph(run));
+  FOURDVT_ASSIGN(parts.room, makeRoom(run, survey.colourMaps()));
+  return assemble(run, parts, report);
 }
 
 Status bakeCameras(BakeRun& run, ReportInput& report) {
-  FOURDVT_ASSIGN(const auto maps, calibrateColours(run));
-  FOURDVT_ASSIGN(report.figures.method, chooseBakedMethod(run, maps));
-  CameraGops gops(run, maps);
-  FOURDVT_TRY(gops.run());
-  report.resumed = gops.framesBaked() < run.job.streamFrames();
-  FOURDVT_ASSIGN(const auto room, makeRoom(run, maps));
-  return assembleCameras(run, maps, room, report);
+  Assembly parts;
+  FOURDVT_ASSIGN(parts.maps, calibrateColours(run));
+  FOURDVT_ASSIGN(report.figures.method, chooseBakedMethod(run, parts.maps));
+  FOURDVT_ASSIGN(const uint32_t baked, bakeGops(run, parts.maps));
+  report.resumed = baked < run.job.streamFrames();
+  FOURDVT_ASSIGN(parts.room, makeRoom(run, parts.maps));
+  return assemble(run, parts, report);
 }
 
 // Completes the key of the job folder, and with it those of its survey files: both name the build, or neither does.
@@ -178,14 +167,9 @@ Error cleanedUp(Error error, const Job& job) {
   return error;
 }
 
-std::string withoutTrailingSlash(std::string path) {
+BakeOptions withoutTrailingSlash(BakeOptions options) {
+  std::string& path = options.character_folder;
   while (path.size() > 1 && path.back() == '/') path.pop_back();
-  return path;
-}
-
-BakeOptions resolved(const BakeOptions& given) {
-  BakeOptions options = given;
-  options.character_folder = withoutTrailingSlash(given.character_folder);
   return options;
 }
 
@@ -246,7 +230,7 @@ Status dropStaleRecords(BakeRun& run, const std::vector<BakePiece>& pieces, cons
 
 Result<jobs::Plan> planBake(const BakeOptions& given, std::vector<std::string> arguments,
                             const BakeEnvironment& environment) {
-  BakeOptions options = resolved(given);
+  BakeOptions options = withoutTrailingSlash(given);
   options.resume = true;
   std::error_code failed;  // pieces run in other folders
   if (const auto path = std::filesystem::absolute(options.character_folder, failed); !failed)
@@ -298,7 +282,7 @@ Result<BakeReport> finishBake(const std::string& job_folder, const BakeEnvironme
 }
 
 Result<BakeReport> bake(const BakeOptions& given, const BakeEnvironment& environment) {
-  BakeOptions options = resolved(given);
+  BakeOptions options = withoutTrailingSlash(given);
   dropOtherBuilds(options, environment);
   const auto started = std::chrono::steady_clock::now();
   auto job = validate(options, environment);

@@ -7,16 +7,10 @@
 #include <optional>
 #include <set>
 
+#include "bake/run/job_keys.h"
 #include "bake/run/renditions.h"
-#include "bake/stages/align_stage.h"
-#include "bake/stages/camera_colours.h"
-#include "bake/stages/camera_gops.h"
-#include "bake/stages/gop_stage.h"
-#include "bake/stages/graph_stage.h"
-#include "bake/stages/method_stage.h"
-#include "bake/stages/room_stage.h"
+#include "bake/stages/stages.h"
 #include "bake/stages/survey.h"
-#include "bake/stages/validate.h"
 #include "base/hash.h"
 
 namespace fourdvt::bake {
@@ -24,33 +18,9 @@ namespace {
 
 constexpr size_t kEvenWindows = 8;  // of labels, in one piece: a minute of work, where a window takes seconds
 
-const char* nameOf(PieceKind kind) {
-  switch (kind) {
-    case PieceKind::Survey:
-      return "survey";
-    case PieceKind::Colours:
-      return "colours";
-    case PieceKind::Labels:
-      return "labels";
-    case PieceKind::Label:
-      return "label";
-    case PieceKind::Gop:
-      return "gop";
-    case PieceKind::Align:
-      return "align";
-    case PieceKind::Chunks:
-      return "chunks";
-    case PieceKind::Graph:
-      return "graph";
-    case PieceKind::Room:
-      return "room";
-    case PieceKind::Method:
-      return "method";
-    case PieceKind::Finish:
-      break;
-  }
-  return jobs::kFinish;
-}
+// [PieceKind]
+constexpr const char* kPieceKinds[] = {"survey", "colours", "labels", "label",  "gop",        "align",
+                                       "chunks", "graph",   "room",   "method", jobs::kFinish};
 
 // Estimates, from pieces that were measured on the sample and on 31 cameras of 4K (site/measured/cluster.md); only
 // schedulers read the seconds.
@@ -308,7 +278,7 @@ class Cutter {
   BakePiece& add(PieceKind kind, const std::string& name, std::vector<std::string> needs) {
     BakePiece& piece = out_.emplace_back();
     piece.kind = kind;
-    piece.piece.kind = nameOf(kind);
+    piece.piece.kind = kPieceKinds[size_t(kind)];
     piece.piece.id = piece.piece.kind + (name.empty() ? "" : "-" + name);
     piece.piece.needs = std::move(needs);
     piece.piece.inputs = job_.common_input_digest;
@@ -368,7 +338,7 @@ Status runLayers(BakeRun& run, const BakePiece& piece) {
     case PieceKind::Label:
       return survey.labelSequence(run, job.capture.sequences[piece.number]);
     case PieceKind::Gop:
-      return GopStage(run, survey).runOne(job.streams[piece.number], piece.index);
+      return bakeGop(run, survey, job.streams[piece.number], piece.index);
     case PieceKind::Room:
       return statusOf(makeRoom(run, survey.colourMaps()));
     default:
@@ -384,7 +354,7 @@ Status runCameras(BakeRun& run, const BakePiece& piece) {
     case PieceKind::Method:
       return tryMethodsOn(run, maps, piece.index);
     case PieceKind::Gop:
-      return CameraGops(run, maps).runOne(run.job.streams[piece.number], piece.index);
+      return bakeGop(run, maps, run.job.streams[piece.number], piece.index);
     case PieceKind::Room:
       return statusOf(makeRoom(run, maps));
     default:

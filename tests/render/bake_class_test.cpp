@@ -11,7 +11,7 @@
 #include "bake/bake.h"
 #include "bake/motion/class_plan.h"
 #include "bake/run/options.h"
-#include "bake/stages/graph_stage.h"
+#include "bake/stages/stages.h"
 #include "bake_environment.h"
 #include "gl_fixture.h"
 #include "package/barcode.h"

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <future>
 #include <string>
 
 #include "bake/run/job.h"
@@ -63,6 +64,7 @@ struct BakeRun {
       : job(std::move(validated)), environment(given), progress(environment) {}
 
   gpu::Device& device() const { return *environment.device; }
+  std::launch lane() const { return job.options.jobs > 1 ? std::launch::async : std::launch::deferred; }
   bool stopped() const { return environment.stop && *environment.stop; }
   // Called between frames: error Interrupted once a stop was asked for. `kept` names what stays on disk ("finished
   // GOPs").

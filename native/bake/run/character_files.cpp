@@ -138,6 +138,11 @@ std::vector<std::pair<std::string, std::string>> encoderVersions() {
 
 namespace fourdvt::bake {
 
+bool isFileName(const std::string& name) {
+  constexpr const char* kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
+  return !name.empty() && name[0] != '.' && name.find_first_not_of(kAllowed) == std::string::npos;
+}
+
 package::Character describeCharacter(const Job& job) {
   package::Character character;
   character.name = job.capture.name;
@@ -195,12 +200,6 @@ namespace {
 constexpr int kPlacedAtOnce = 5;  // tries more, where processes finish the same job at once
 
 namespace fs = std::filesystem;
-
-// No bake has made a file of another name; a manifest may come from elsewhere.
-bool isFileName(const std::string& name) {
-  constexpr const char* kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
-  return !name.empty() && name[0] != '.' && name.find_first_not_of(kAllowed) == std::string::npos;
-}
 
 // Collects the names of files that a manifest gives, directly or by the names of sequences and cameras.
 class Names {

@@ -36,6 +36,8 @@ constexpr const char* kRefinedCameras = "cameras_refined";  // folder, in the re
 constexpr const char* kMeshFile = "mesh.bin";               // before its hash
 constexpr const char* kPosterFile = "poster.webp";
 
+// Returns true for names that a bake gives to files; a manifest may come from elsewhere.
+bool isFileName(const std::string& name);
 // Everything but sequences and graph, the mesh's file without its hash; from cameras, also but the counts of vertices
 // and faces.
 package::Character describeCharacter(const Job& job);

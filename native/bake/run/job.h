@@ -79,6 +79,7 @@ struct Job {
   uint64_t common_input_digest = 0, sound_digest = 0;
   std::string writer;  // end of the names of folders of results, where several processes may finish the same job
   bool fromCameras() const { return options.appearance == package::AppearanceKind::Cameras; }
+  bool oneTopology() const { return capture.meshes == capture::CaptureMeshes::ConstantTopology; }  // of all meshes
   uint32_t streamFrames() const;  // number of frames of all streams
   // Beside the character folder and on its file system: finished GOPs, and the result until it is published.
   std::string workFolder() const { return options.character_folder + ".work"; }

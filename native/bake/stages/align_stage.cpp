@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/align_stage.h"
 
 #include "bake/align/surface_alignment.h"
 #include "bake/run/character_files.h"
 #include "bake/run/stream_reader.h"
+#include "bake/stages/stages.h"
 #include "package/chunk_mesh.h"
 #include "platform/ffmpeg_video.h"
 #include "store/record_file.h"

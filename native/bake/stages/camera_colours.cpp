@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/camera_colours.h"
-
 #include <algorithm>
 
-#include "bake/stages/validate.h"
+#include "bake/run/job_keys.h"
+#include "bake/stages/stages.h"
+#include "bake/stages/survey.h"
 #include "bake/texels/frame_baker.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 
 namespace fourdvt::bake {
 namespace {
-
-// Compares colours in every kEvery-th of the first kFrames frames of a sequence.
-constexpr uint32_t kEvery = 4, kFrames = 32;
 
 MeshTopology topologyOf(const Job& job, const capture::CaptureFrame& frame) {
   MeshTopology t;
@@ -43,8 +40,8 @@ Result<std::vector<ColourMap>> measure(BakeRun& run, StageProgress& progress) {
   double before = 0;
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
     FOURDVT_ASSIGN(const auto reader, capture::FrameReader::open(job.capture, sequence, run.environment.open_video));
-    const uint32_t end = std::min(sequence.frame_count, kFrames);
-    for (uint32_t f = 0; f < end; f += kEvery) {
+    const uint32_t end = std::min(sequence.frame_count, kColourFrames);
+    for (uint32_t f = 0; f < end; f += kColourEvery) {
       if (run.stopped()) return Error{ErrorId::Interrupted, "stopped; nothing was written"};
       reader->skipTo(f);
       FOURDVT_ASSIGN(const auto frame, reader->next());
@@ -62,8 +59,8 @@ Result<std::vector<ColourMap>> calibrateColours(BakeRun& run) {
   const Job& job = run.job;
   std::vector<ColourMap> maps;
   if (!job.options.colour_calibration || job.cameras.size() < 2) return maps;
-  StageProgress progress(run.progress,
-                         infoOf(Stage::Visibility).work_s * job.capture.sequences.size() * kFrames / kEvery);
+  StageProgress progress(
+      run.progress, infoOf(Stage::Visibility).work_s * job.capture.sequences.size() * kColourFrames / kColourEvery);
   StageClock::Span span(run.clock, Stage::Colours);
   std::string key = "camera colours";
   for (const capture::CaptureSequence& sequence : job.capture.sequences) key += captureKey(job, sequence);

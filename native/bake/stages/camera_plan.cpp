@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/camera_plan.h"
-
 #include <algorithm>
 #include <functional>
 
+#include "bake/cameras/surfaces.h"
 #include "bake/run/renditions.h"
-#include "bake/stages/mesh_limit.h"
-#include "bake/stages/validate.h"
+#include "bake/stages/stages.h"
 #include "base/length_scale.h"
-#include "encode/surfaces.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -35,10 +32,7 @@ void add(Surfaces& all, const TriangleMesh& surface) {
 }
 
 // The most faces of a streamed surface; 0: all.
-uint64_t mostFaces(const Job& job) {
-  const bool constant = job.capture.meshes == capture::CaptureMeshes::ConstantTopology;
-  return constant ? 0 : uint64_t(job.options.cameras.faces);
-}
+uint64_t mostFaces(const Job& job) { return job.oneTopology() ? 0 : uint64_t(job.options.cameras.faces); }
 
 // A surface that is simplified has as many vertices as faces at most, unless its faces share none.
 Status checkLimit(const Job& job, const std::string& file, const TriangleMesh& surface) {
@@ -131,8 +125,7 @@ Result<double> planStreamsOf(Job& job, const std::function<void(size_t sequence)
 }  // namespace
 
 TriangleMesh streamedSurface(const Job& job, const capture::CaptureFrame& frame) {
-  if (job.capture.meshes == capture::CaptureMeshes::ConstantTopology)
-    return {frame.positions, job.capture.topology.face_vertices};
+  if (job.oneTopology()) return {frame.positions, job.capture.topology.face_vertices};
   return encode::simplified({frame.positions, frame.faces}, static_cast<size_t>(job.options.cameras.faces));
 }
 

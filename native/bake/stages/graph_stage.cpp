@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/graph_stage.h"
-
 #include <algorithm>
 #include <numeric>
 
 #include "bake/motion/transitions.h"
 #include "bake/run/stream_reader.h"
+#include "bake/stages/stages.h"
 
 namespace fourdvt::bake {
 namespace {

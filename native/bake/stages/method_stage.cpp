@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/method_stage.h"
-
 #include <algorithm>
 
 #include "bake/method/method_choice.h"
 #include "bake/method/method_trial.h"
-#include "bake/stages/camera_plan.h"
-#include "bake/stages/validate.h"
+#include "bake/run/job_keys.h"
+#include "bake/stages/stages.h"
 #include "base/bytes.h"
 #include "platform/files.h"
 #include "platform/folders.h"
@@ -113,8 +111,7 @@ std::string notMeasured(const Job& job) {
 Result<size_t> streamedFaces(const Job& job) {
   FOURDVT_ASSIGN(const auto first, capture::readSurfaceFrame(job.capture, job.capture.sequences[0], 0));
   const auto most = size_t(job.options.cameras.faces);
-  const bool constant = job.capture.meshes == capture::CaptureMeshes::ConstantTopology;
-  return constant || most == 0 ? first.faces.size() : std::min(first.faces.size(), most);
+  return job.oneTopology() || most == 0 ? first.faces.size() : std::min(first.faces.size(), most);
 }
 
 Result<TrialSums> tryPlaces(BakeRun& run, const std::vector<ColourMap>& maps, size_t faces, ChosenMethod& out) {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/refine_stage.h"
-
 #include <cstdio>
 
-#include "bake/stages/validate.h"
+#include "bake/run/job_keys.h"
+#include "bake/stages/stages.h"
 #include "base/hash.h"
 #include "platform/folders.h"
 #include "refine/kept_refinement.h"

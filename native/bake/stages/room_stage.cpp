@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/room_stage.h"
-
 #include <cmath>
 #include <cstdio>
 
 #include "bake/room/room.h"
+#include "bake/stages/stages.h"
 #include "base/hash.h"
 #include "capture/plates.h"
 #include "platform/files.h"

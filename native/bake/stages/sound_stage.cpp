@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/sound_stage.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,7 +7,7 @@
 #include "bake/motion/root_track.h"
 #include "bake/run/stream_reader.h"
 #include "bake/sound/segment_encoder.h"
-#include "bake/stages/stream_plan.h"
+#include "bake/stages/stages.h"
 #include "base/hash.h"
 #include "platform/audio_input.h"
 

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/stream_plan.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "bake/run/renditions.h"
 #include "bake/run/stream_reader.h"
+#include "bake/stages/stages.h"
 
 namespace fourdvt::bake {
 namespace {

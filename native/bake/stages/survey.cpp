@@ -6,7 +6,8 @@
 #include <filesystem>
 #include <future>
 
-#include "bake/stages/validate.h"
+#include "bake/run/job_keys.h"
+#include "bake/stages/stages.h"
 #include "package/character.h"
 #include "platform/folders.h"
 #include "store/record_file.h"
@@ -233,15 +234,14 @@ Status Survey::measureWindow(BakeRun& run, const capture::CaptureSequence& seque
     if (calibrator && bake::showsColours(f)) out.pictures = std::move(frame.pictures);
     return out;
   };
-  const std::launch lane = job_->options.jobs > 1 ? std::launch::async : std::launch::deferred;
   std::future<Result<SurveyFrame>> next;  // its destructor joins on every return
   const uint32_t begin = needed(first);
-  if (begin < window.end) next = std::async(lane, read, begin);
+  if (begin < window.end) next = std::async(run.lane(), read, begin);
   for (uint32_t f = begin, after = 0; f < window.end; f = after) {
     after = needed(f + 1);
     FOURDVT_ASSIGN(auto frame, next.get());
     FOURDVT_TRY(run.checkStop(kKept, folder_));
-    if (after < window.end) next = std::async(lane, read, after);
+    if (after < window.end) next = std::async(run.lane(), read, after);
     if (f >= known) {
       StageClock::Span clock(run.clock, Stage::Visibility);
       measuring.baker->setFrame(frame.positions, frame.crops);

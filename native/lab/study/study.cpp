@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "bake/stages/refine_stage.h"
+#include "bake/stages/stages.h"
 #include "lab/study/motion/motion.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/run_steps.h"

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "bake/run/job.h"
-#include "bake/stages/validate.h"
+#include "bake/stages/stages.h"
 
 using namespace fourdvt;
 using namespace fourdvt::bake;

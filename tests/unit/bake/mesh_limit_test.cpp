@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Meshes that players cannot hold in a texture are refused before the bake begins its work.
-#include "bake/stages/mesh_limit.h"
+#include "bake/stages/stages.h"
 
 #include <gtest/gtest.h>
 
-#include "bake/stages/validate.h"
 #include "capture_fixture.h"
 #include "render/character_model.h"
 

@@ -5,8 +5,7 @@
 #include <algorithm>
 
 #include "bake/run/stream_reader.h"
-#include "bake/stages/refine_stage.h"
-#include "bake/stages/validate.h"
+#include "bake/stages/stages.h"
 #include "lab/study/run/rows.h"
 #include "lab/study/run/run_steps.h"
 #include "lab/study/run/scene.h"

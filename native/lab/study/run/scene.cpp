@@ -6,8 +6,7 @@
 #include <filesystem>
 #include <future>
 
-#include "bake/stages/refine_stage.h"
-#include "bake/stages/validate.h"
+#include "bake/stages/stages.h"
 #include "lab/study/run/run_steps.h"
 #include "platform/files.h"
 #include "platform/folders.h"

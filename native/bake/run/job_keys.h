@@ -1,28 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks everything that can fail early: options, capture, output folder, disk space.
+// Keys of what is kept between bakes: hashes of the files and settings that it depends on; and whether files are still
+// those that a plan was made for.
 #pragma once
 
 #include "bake/run/job.h"
-#include "bake/run/options.h"
 
 namespace fourdvt::bake {
-
-// Opens the capture, encodes the base mesh and finds the bounds of all frames. Reads every mesh once, one at a time.
-// `options.character_folder` has no trailing slash. Errors: InvalidArgument, WriteFailed, those of capture,
-// Interrupted.
-Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environment);
-
-// Encodes the base mesh and finds the bounds of all frames, from the meshes as the job's capture reads them now; from
-// cameras, planCameraSurfaces.
-// Errors: those of capture, Interrupted, InvalidArgument.
-Status planSurface(Job& job, const BakeEnvironment& environment);
-
-constexpr double kVideoBytesPerTexel = 0.05;  // generous: crf 23 needs a fifth of it
-// Errors: WriteFailed if the disk has no room for a character of this size and for the work folder.
-Status checkSpace(const Job& job, double character_bytes);
-// Sets job.length_scale from the frames' longest sides, unless an earlier call has, and with it the lengths that the
-// options leave open. Errors: InvalidArgument if the bounds are too many position steps wide.
-Status settleLengths(Job& job, std::vector<double> longest_sides_m);
 
 // The files of a sequence, its meshes, the cameras, the plates (path, size, time), wherever capture.json places them;
 // the meshes' topology, and capture.json.

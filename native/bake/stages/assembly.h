@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// What assemble does for one appearance alone, and what both share. Internal to bake/stages/.
+#pragma once
+
+#include "bake/run/character_files.h"
+#include "bake/stages/stages.h"
+
+namespace fourdvt::bake {
+
+constexpr int kPosterWidth = 720, kPosterHeight = 960;
+// Writes the picture that the page shows before the character.
+Status writePoster(const Job& job, const Image& poster);
+
+// A stream's header but for what its chunks tell.
+package::StreamIndex streamIndex(const Job& job, const StreamPlan& plan, std::vector<package::SampleTable> tables);
+// Appends a GOP's chunk.
+void addChunk(const StreamPlan& plan, uint32_t gop, uint32_t bytes, uint64_t hash, package::StreamIndex& index);
+// The report on a sequence whose files are written; bytes of its chunks are still to be added.
+ReportSequence reportSequence(const package::Sequence& sequence, const StreamPlan& plan);
+// Writes the stream's picture into the report's folder.
+Status reportPicture(const Job& job, const StreamPlan& plan, const std::vector<uint8_t>& jpeg,
+                     const std::string& caption, ReportInput& report);
+
+// Write the files of one stream, and add it to the manifest and to the report. Errors: those of assemble.
+Status packLayers(const BakeRun& run, const StreamPlan& plan, package::Character& character, ReportInput& report);
+Status packSurfaces(const BakeRun& run, const StreamPlan& plan, package::Character& character, ReportInput& report);
+
+// Writes the poster and the texture that viewers without this extension show. Returns the texture's name.
+Result<std::string> drawLayeredStills(const BakeRun& run, const package::Character& character);
+// Sets the report's pictures, and summarises the classes.
+Status describeLayers(const BakeRun& run, const package::Character& character, ReportInput& report);
+// Writes the poster, and colours the job's mesh for viewers that read glTF alone. Holds one picture of every camera
+// meanwhile.
+Status drawCameraStills(BakeRun& run, const std::vector<ColourMap>& maps, ReportInput& report);
+
+}  // namespace fourdvt::bake
