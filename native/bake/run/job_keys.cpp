@@ -10,7 +10,7 @@
 #include "capture/input_files.h"
 #include "capture/mesh_sequence.h"
 #include "platform/files.h"
-#include "refine/refinement_bytes.h"
+#include "refine/kept_refinement.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -57,7 +57,6 @@ uint64_t hashOf(const std::vector<T>& values, uint64_t hash) {
 uint64_t hashOf(const MeshTopology& t) {
   return hashOf(t.uvs, hashOf(t.face_uvs, hashOf(t.face_vertices, kFnv1aStart)));
 }
-
 
 Error changed(const std::string& what) {
   return {ErrorId::InvalidArgument,

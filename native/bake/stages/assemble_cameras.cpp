@@ -119,7 +119,8 @@ Status drawCameraStills(BakeRun& run, const std::vector<ColourMap>& maps, Report
   report.pictures = {{kPosterFile, "The character, " + job.streams[0].name +
                                        ", frame 0, as the page shows it first, from the three nearest cameras."}};
   const TriangleMesh surface{job.mesh.decoded.positions, job.mesh.decoded.topology.face_vertices};
-  FOURDVT_ASSIGN(job.mesh, package::encodePlainMesh(surface, vertexColours(surface, job.cameras, first.pictures)));
+  FOURDVT_ASSIGN(job.mesh,
+                 package::encodePlainMesh(surface, encode::vertexColours(surface, job.cameras, first.pictures)));
   return {};
 }
 
