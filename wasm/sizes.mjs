@@ -15,7 +15,6 @@ import { functionsOf, readSegments, SECTION, sectionsOf, withoutNames } from './
 const here = dirname(fileURLToPath(import.meta.url));
 const FOLDERS = [
   [/^(fdvt_|\(anonymous namespace\)::|fourdvt::(abi|Instance|Canvas|cameraOf))/, 'wasm'],
-  [/^(.* )?fourdvt::package::(Mesh(Model|Walk|Places|Symbols)|Position|Residual|Field(Model|Part)|Label|Logistic|Binary|\(anonymous namespace\)::(LabelPart|FieldPart|FrameByFrame|Received))/, 'native/package/coding'],
   [/^(.* )?fourdvt::(package|render|gpu|motion)::/, (match) => `native/${match[2]}`],
   [/^(.* )?fourdvt::(Error|Flat|PinholeCamera|ByteReader|clipFrom|computeVertex|Mesh\b)/, 'native/base'],
   [/^(.* )?fourdvt::/, 'native/player'],

@@ -19,7 +19,7 @@
 #include "bench/blend_cost.h"
 #include "or_stop.h"
 #include "package/base_mesh.h"
-#include "package/coding/chunk_decoder.h"
+#include "package/chunk_decoder.h"
 
 using namespace fourdvt;
 using fourdvt::testing::orStop;

@@ -7,7 +7,7 @@
 #include <map>
 #include <random>
 
-#include "package/coding/decoded_frame.h"
+#include "package/decoded_frame.h"
 #include "player/player.h"
 
 namespace fourdvt::testing {

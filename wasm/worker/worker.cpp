@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "abi.h"
-#include "package/coding/decoded_frame.h"
+#include "package/decoded_frame.h"
 
 using namespace fourdvt;
 

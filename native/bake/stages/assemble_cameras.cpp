@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "bake/cameras/vertex_colours.h"
+#include "encode/surfaces.h"
 #include "bake/stages/assembly.h"
 #include "base/bytes.h"
 #include "base/hash.h"

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/run/content_names.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/assembly.h"
 #include "base/bytes.h"

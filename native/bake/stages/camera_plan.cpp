@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "bake/cameras/surfaces.h"
+#include "encode/surfaces.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/stages.h"
 #include "base/length_scale.h"

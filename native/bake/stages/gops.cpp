@@ -3,7 +3,7 @@
 #include <atomic>
 #include <future>
 
-#include "bake/cameras/surfaces.h"
+#include "encode/surfaces.h"
 #include "bake/run/renditions.h"
 #include "bake/run/stream_reader.h"
 #include "bake/stages/stages.h"

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <thread>
 
-#include "bake/cameras/camera_choice.h"
+#include "bake/method/camera_choice.h"
 #include "bake/motion/class_plan.h"
 #include "bake/run/character_files.h"
 #include "bake/run/options.h"

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "package/coding/chunk_decoder.h"
+#include "package/chunk_decoder.h"
 #include "package/surface_chunk.h"
 
 namespace fourdvt {

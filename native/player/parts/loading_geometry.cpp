@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/later.h"
-#include "package/coding/decoded_frame.h"
+#include "package/decoded_frame.h"
 #include "player/parts/loading.h"
 
 namespace fourdvt {

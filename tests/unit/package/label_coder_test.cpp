@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The coders of labels and positions, each alone: what they give back, how small, and what they refuse.
-#include "package/coding/label_coder.h"
+#include "package/label_coder.h"
 
 #include <gtest/gtest.h>
 
@@ -10,10 +10,10 @@
 
 #include "chunk_fixture.h"
 #include "package/character.h"
-#include "package/coding/chunk_decoder.h"
-#include "package/coding/label_model.h"
-#include "package/coding/position_coder.h"
-#include "package/coding/position_model.h"
+#include "package/chunk_decoder.h"
+#include "package/label_model.h"
+#include "package/position_coder.h"
+#include "package/position_model.h"
 
 using namespace fourdvt;
 using namespace fourdvt::package;

@@ -14,7 +14,7 @@
 #include "package/base_mesh.h"
 #include "package/base_mesh_draco.h"
 #include "package/chunk_counts.h"
-#include "package/coding/surface_mesh.h"
+#include "package/surface_mesh.h"
 #include "surface_fixture.h"
 
 using namespace fourdvt;

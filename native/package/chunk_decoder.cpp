@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "package/coding/chunk_decoder.h"
+#include "package/chunk_decoder.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "base/bytes.h"
 #include "package/chunk_counts.h"
-#include "package/coding/chunk_error.h"
-#include "package/coding/field_model.h"
-#include "package/coding/label_model.h"
-#include "package/coding/position_model.h"
+#include "package/chunk_error.h"
+#include "package/field_model.h"
+#include "package/label_model.h"
+#include "package/position_model.h"
 
 namespace fourdvt::package {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "package/coding/surface_mesh.h"
+#include "package/surface_mesh.h"
 
 #include "package/base_mesh_draco.h"
-#include "package/coding/residual_model.h"
+#include "package/residual_model.h"
 
 namespace fourdvt::package {
 namespace {

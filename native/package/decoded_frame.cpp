@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "package/coding/decoded_frame.h"
+#include "package/decoded_frame.h"
 
 #include <algorithm>
 #include <cstring>

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "package/coding/residual_model.h"
+#include "package/residual_model.h"
 
 namespace fourdvt::package {
 

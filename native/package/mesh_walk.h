@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "package/coding/binary_coder.h"
+#include "package/binary_coder.h"
 
 namespace fourdvt::package {
 

@@ -3,8 +3,8 @@
 
 #include "base/bytes.h"
 #include "base/hash.h"
+#include "package/chunk_decoder.h"
 #include "package/chunk_mesh.h"
-#include "package/coding/chunk_decoder.h"
 #include "package/mesh_code.h"
 #include "package/start_file.h"
 #include "package/surface_chunk.h"

@@ -6,14 +6,14 @@
 
 #include "base/bytes.h"
 #include "package/chunk_counts.h"
-#include "package/coding/chunk_error.h"
-#include "package/coding/position_model.h"
-#include "package/coding/surface_mesh.h"
+#include "package/chunk_error.h"
+#include "package/position_model.h"
+#include "package/surface_mesh.h"
 
 namespace fourdvt::package {
 namespace {
 
-// Positions of a run's frames, in order; see coding/position_model.h.
+// Positions of a run's frames, in order; see position_model.h.
 class Motion {
  public:
   Motion(ByteReader bytes, const std::vector<glm::uvec3>& faces, std::vector<glm::ivec3> first)

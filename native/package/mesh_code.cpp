@@ -2,7 +2,7 @@
 #include "package/mesh_code.h"
 
 #include "base/bytes.h"
-#include "package/coding/mesh_model.h"
+#include "package/mesh_model.h"
 
 namespace fourdvt::package {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "package/coding/coarse_residual.h"
-#include "package/coding/field_coder.h"
-#include "package/coding/field_model.h"
+#include "package/coarse_residual.h"
+#include "package/field_coder.h"
+#include "package/field_model.h"
 
 namespace fourdvt::package {
 namespace {

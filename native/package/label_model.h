@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cstring>
 
+#include "package/binary_coder.h"
 #include "package/character.h"
 #include "package/chunk_mesh.h"
-#include "package/coding/binary_coder.h"
 
 namespace fourdvt::package {
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "package/binary_coder.h"
 #include "package/chunk_mesh.h"
-#include "package/coding/binary_coder.h"
 
 namespace fourdvt::package {
 

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "package/coding/mesh_walk.h"
-#include "package/coding/residual_model.h"
+#include "package/mesh_walk.h"
+#include "package/residual_model.h"
 
 namespace fourdvt::package {
 

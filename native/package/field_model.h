@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "package/coding/residual_model.h"
+#include "package/residual_model.h"
 
 namespace fourdvt::package {
 

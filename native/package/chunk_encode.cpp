@@ -4,10 +4,10 @@
 #include "base/bytes.h"
 #include "package/character.h"
 #include "package/chunk_counts.h"
-#include "package/coding/field_coder.h"
-#include "package/coding/label_coder.h"
-#include "package/coding/position_coder.h"
-#include "package/coding/residual_model.h"
+#include "package/field_coder.h"
+#include "package/label_coder.h"
+#include "package/position_coder.h"
+#include "package/residual_model.h"
 
 namespace fourdvt::package {
 namespace {

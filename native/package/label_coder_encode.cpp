@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "package/coding/label_coder.h"
-#include "package/coding/label_model.h"
+#include "package/label_coder.h"
+#include "package/label_model.h"
 
 namespace fourdvt::package {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/bytes.h"
-#include "package/coding/coarse_residual.h"
-#include "package/coding/position_coder.h"
-#include "package/coding/position_model.h"
+#include "package/coarse_residual.h"
+#include "package/position_coder.h"
+#include "package/position_model.h"
 
 namespace fourdvt::package {
 namespace {

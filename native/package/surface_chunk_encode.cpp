@@ -2,9 +2,9 @@
 #include <algorithm>
 
 #include "base/bytes.h"
-#include "package/coding/position_coder.h"
-#include "package/coding/residual_model.h"
-#include "package/coding/surface_mesh.h"
+#include "package/position_coder.h"
+#include "package/residual_model.h"
+#include "package/surface_mesh.h"
 
 namespace fourdvt::package {
 namespace {

@@ -4,7 +4,7 @@
 // The bytes never leave the machine: little-endian values in memory order, without a header.
 #pragma once
 
-#include "package/coding/chunk_decoder.h"
+#include "package/chunk_decoder.h"
 
 namespace fourdvt::package {
 

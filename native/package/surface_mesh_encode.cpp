@@ -4,7 +4,7 @@
 #include "base/hash.h"
 #include "draco/compression/expert_encode.h"
 #include "package/base_mesh_draco.h"
-#include "package/coding/surface_mesh.h"
+#include "package/surface_mesh.h"
 
 namespace fourdvt::package {
 namespace {

@@ -3,8 +3,8 @@
 #include <unordered_map>
 
 #include "base/bytes.h"
-#include "package/coding/mesh_model.h"
 #include "package/mesh_code.h"
+#include "package/mesh_model.h"
 
 namespace fourdvt::package {
 namespace {
