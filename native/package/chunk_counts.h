@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cmath>
+#include <string>
 
+#include "base/result.h"
 #include "package/character.h"
 #include "package/stream_file.h"
 
@@ -60,6 +62,11 @@ void copyCounts(const From& from, To& to) {
 inline bool validRoot(const glm::vec3& root) {
   constexpr float kMax = 1e6f;  // metres, radians
   return std::fabs(root.x) <= kMax && std::fabs(root.y) <= kMax && std::fabs(root.z) <= kMax;
+}
+
+// The error of a chunk that does not decode, whatever kind of stream it is of.
+inline Error invalidChunk(const char* what) {
+  return {ErrorId::StreamInvalid, std::string("GOP chunk: ") + what + "; the .bin file is damaged, upload it again"};
 }
 
 }  // namespace fourdvt::package

@@ -1,16 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "package/chunk_encode.h"
+
 #include <algorithm>
+#include <cmath>
 
 #include "base/bytes.h"
 #include "package/character.h"
 #include "package/chunk_counts.h"
-#include "package/field_coder.h"
-#include "package/label_coder.h"
-#include "package/position_coder.h"
+#include "package/field_model.h"
+#include "package/label_model.h"
+#include "package/position_model.h"
 #include "package/residual_model.h"
 
 namespace fourdvt::package {
 namespace {
+
+// Share of a step up to which a residual counts as 0, and by which larger ones are drawn towards 0: half of the bytes
+// of rounding, for errors that are at most 0.3 steps larger.
+constexpr double kDeadZone = 0.8;
+
+// value: in steps of its own; predicted: in steps that are `scale` times as large, as is the result.
+template <int N>
+glm::ivec3 coarseResidual(const glm::vec<N, int>& value, double scale, const glm::ivec3& predicted) {
+  glm::ivec3 out(0);
+  for (int k = 0; k < N; ++k) {
+    const double residual = value[k] / scale - predicted[k];
+    const int magnitude = static_cast<int>(std::floor(std::abs(residual) + (1 - kDeadZone)));
+    out[k] = residual < 0 ? -magnitude : magnitude;
+  }
+  return out;
+}
 
 bool countsMatch(const ChunkFrames& in, const ChunkMesh& mesh) {
   const size_t frames = in.frame_count, members = frames * in.member_count;
@@ -31,6 +50,73 @@ bool valuesFit(const ChunkFrames& in) {
                      [](uint8_t label) { return label < kMaxCameras || label == kNoCamera; });
 }
 
+// Encodes a part of corrections of the mesh blend or of alignment: number `field` of `count` fields. fields:
+// [frame][field][vertex].
+template <int N>
+std::vector<uint8_t> encodeField(std::vector<glm::vec<N, int>> fields, const ChunkFrames& frames, uint32_t count,
+                                 uint32_t field, const ChunkMesh& mesh, double coarse_scale) {
+  BinaryEncoder encoder;
+  FieldModel model(encoder, mesh, N);
+  for (uint32_t f = 0; f < frames.frame_count; ++f) {
+    glm::vec<N, int>* values = &fields[(size_t(f) * count + field) * frames.vertex_count];
+    if (coarse_scale == 0)
+      model.frame(values);
+    else
+      model.frame(values, [&](uint32_t v, const glm::ivec3& p) { return coarseResidual(values[v], coarse_scale, p); });
+  }
+  return encoder.take();
+}
+
+// Scale from the base pose's lattice to the stream's steps, which are `step` of the positions'. Edges hardly change
+// their lengths between poses, so their lengths in frame 0 are compared with those of the base pose.
+uint32_t baseScale(const glm::ivec3* positions, const ChunkMesh& mesh, double step) {
+  double steps = 0, lattice = 0;
+  for (uint32_t v = 0; v < mesh.vertexCount(); ++v) {
+    for (uint32_t u : mesh.earlierOf(v).first(mesh.ring_count[v])) {
+      const glm::dvec3 a(positions[v] - positions[u]), b(mesh.base[v] - mesh.base[u]);
+      steps += glm::dot(a, a);
+      lattice += glm::dot(b, b);
+    }
+  }
+  const double scale = lattice > 0 ? std::sqrt(steps / lattice) / step * 65536 : 0;
+  return static_cast<uint32_t>(std::min(scale + 0.5, 4294967295.0));
+}
+
+}  // namespace
+
+std::vector<uint8_t> encodeLabels(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t member) {
+  BinaryEncoder encoder;
+  LabelModel model(encoder, mesh, frames.layer_count);
+  const size_t labels_per_member = size_t(frames.layer_count) * frames.face_count;
+  std::vector<uint8_t> labels = frames.labels;
+  for (uint32_t f = 0; f < frames.frame_count; ++f)
+    model.frame(&labels[(size_t(f) * frames.member_count + member) * labels_per_member]);
+  return encoder.take();
+}
+
+std::vector<uint8_t> encodePositions(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t member,
+                                     double coarse_scale) {
+  const size_t first = size_t(member) * frames.vertex_count, stride = size_t(frames.member_count) * frames.vertex_count;
+  std::vector<glm::ivec3> positions = frames.positions;
+  const bool coarse = coarse_scale > 0;
+  const uint32_t base_scale = baseScale(&positions[first], mesh, coarse ? coarse_scale : 1);
+  BinaryEncoder encoder;
+  PositionModel model(encoder, mesh, base_scale);
+  for (uint32_t f = 0; f < frames.frame_count; ++f) {
+    glm::ivec3* frame = &positions[f * stride + first];
+    if (!coarse)
+      model.frame(frame);
+    else
+      model.frame(frame, [&](uint32_t v, const glm::ivec3& p) { return coarseResidual(frame[v], coarse_scale, p); });
+  }
+  ByteWriter out;
+  out.u32(base_scale);
+  out.bytes(encoder.take());
+  return out.take();
+}
+
+namespace {
+
 // coarse_scale: 0: exactly the frames.
 Result<std::vector<uint8_t>> encode(const ChunkFrames& frames, const ChunkMesh& mesh, double coarse_scale) {
   if (!countsMatch(frames, mesh)) return Error{ErrorId::Internal, "GOP chunk: counts do not match its contents"};
@@ -40,8 +126,10 @@ Result<std::vector<uint8_t>> encode(const ChunkFrames& frames, const ChunkMesh& 
     parts.push_back(encodePositions(frames, mesh, m, coarse_scale));
     parts.push_back(encodeLabels(frames, mesh, m));
   }
-  for (uint32_t r = 0; r < frames.reference_count; ++r) parts.push_back(encodeOffsets(frames, mesh, r, coarse_scale));
-  for (uint32_t a = 0; a < frames.alignment_count; ++a) parts.push_back(encodeAlignment(frames, mesh, a, coarse_scale));
+  for (uint32_t r = 0; r < frames.reference_count; ++r)
+    parts.push_back(encodeField<3>(frames.offsets, frames, frames.reference_count, r, mesh, coarse_scale));
+  for (uint32_t a = 0; a < frames.alignment_count; ++a)
+    parts.push_back(encodeField<2>(frames.alignment, frames, frames.alignment_count, a, mesh, coarse_scale));
   ByteWriter out;
   for (const auto& part : parts) out.u32(static_cast<uint32_t>(part.size()));
   for (const auto& part : parts) out.bytes(part);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "package/live_manifest.h"
 
-#include "package/manifest_fields.h"
+#include "package/field_reader.h"
 
 namespace fourdvt::package {
 namespace {

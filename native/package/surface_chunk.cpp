@@ -6,7 +6,6 @@
 
 #include "base/bytes.h"
 #include "package/chunk_counts.h"
-#include "package/chunk_error.h"
 #include "package/position_model.h"
 #include "package/surface_mesh.h"
 

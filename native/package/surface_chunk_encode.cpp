@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "base/bytes.h"
-#include "package/position_coder.h"
+#include "package/chunk_encode.h"
 #include "package/residual_model.h"
 #include "package/surface_mesh.h"
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The coders of labels and positions, each alone: what they give back, how small, and what they refuse.
-#include "package/label_coder.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,8 +9,8 @@
 #include "chunk_fixture.h"
 #include "package/character.h"
 #include "package/chunk_decoder.h"
+#include "package/chunk_encode.h"
 #include "package/label_model.h"
-#include "package/position_coder.h"
 #include "package/position_model.h"
 
 using namespace fourdvt;
