@@ -5,7 +5,6 @@
 #include <cassert>
 
 #include "base/surface_frame.h"
-#include "render/coarse_faces.h"
 #include "render/shared_corners.h"
 #include "render/table.h"
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/shared_corners.h"
 
+#include <algorithm>
+
 namespace fourdvt::render {
 
 std::vector<uint32_t> cornersBefore(std::span<const glm::uvec3> uvs, size_t uv_count) {
@@ -31,6 +33,53 @@ void shareCorners(std::span<const uint32_t> before, std::span<const glm::uvec3> 
       break;
     }
   }
+}
+
+namespace {
+
+// Lengths of a person. Contact shadows fade within 8 cm above the ground.
+constexpr float kShadowCell_m = 0.06f, kFineShadow_m = 0.2f;
+constexpr size_t kLeastShadowFaces = 200;
+
+uint32_t groupOf(std::vector<uint32_t>& groups, uint32_t vertex) {
+  while (groups[vertex] != vertex) vertex = groups[vertex] = groups[groups[vertex]];
+  return vertex;
+}
+
+}  // namespace
+
+std::vector<uint32_t> coarseCorners(std::span<const glm::uvec3> faces, std::span<const glm::vec3> positions,
+                                    float cell_m, float fine_below_m) {
+  std::vector<uint32_t> groups(positions.size()), corner_of(positions.size()), out;
+  for (uint32_t vertex = 0; vertex < groups.size(); ++vertex) groups[vertex] = vertex;
+  for (uint32_t corner = 0; corner < 3 * faces.size(); ++corner) {
+    const glm::uvec3& face = faces[corner / 3];
+    uint32_t a = face[int(corner % 3)], b = face[int((corner + 1) % 3)];
+    corner_of[a] = corner;
+    if (std::min(positions[a].y, positions[b].y) < fine_below_m) continue;
+    if (glm::floor(positions[a] / cell_m) != glm::floor(positions[b] / cell_m)) continue;
+    a = groupOf(groups, a);
+    b = groupOf(groups, b);
+    if (positions[a].y < positions[b].y)
+      groups[b] = a;
+    else
+      groups[a] = b;
+  }
+  for (const glm::uvec3& face : faces) {
+    const uint32_t a = groupOf(groups, face.x), b = groupOf(groups, face.y), c = groupOf(groups, face.z);
+    if (a == b || b == c || c == a) continue;
+    for (const uint32_t vertex : {a, b, c}) out.push_back(corner_of[vertex]);
+  }
+  return out;
+}
+
+std::vector<uint32_t> shadowCorners(std::span<const glm::uvec3> faces, std::span<const glm::vec3> positions,
+                                    float ground_y_m, float length_scale) {
+  std::vector<uint32_t> coarse =
+      coarseCorners(faces, positions, length_scale * kShadowCell_m, ground_y_m + length_scale * kFineShadow_m);
+  // Coarse meshes save little this way, and would lose too much.
+  if (2 * coarse.size() > 3 * faces.size() || coarse.size() < 3 * kLeastShadowFaces) coarse.clear();
+  return coarse;
 }
 
 }  // namespace fourdvt::render

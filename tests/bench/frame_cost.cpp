@@ -9,7 +9,6 @@
 
 #include "first_frame.h"
 #include "platform/egl_context.h"
-#include "render/coarse_faces.h"
 #include "render/recipe.h"
 #include "render/shared_corners.h"
 

@@ -5,7 +5,7 @@
 
 #include "edge/opencv_flow.h"
 #include "gl_fixture.h"
-#include "render/flow/pictures.h"
+#include "render/flow/gpu_flow.h"
 
 namespace fourdvt::render {
 namespace {

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "render/cameras/camera_blend.h"
-#include "render/cameras/unseen_fill.h"
 
 namespace fourdvt::render {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/flow/read_back.h"
 
-#include "render/flow/pictures.h"
+#include "render/flow/gpu_flow.h"
 
 namespace fourdvt::render {
 namespace {

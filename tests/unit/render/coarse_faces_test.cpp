@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which faces a coarser mesh has, by hand, and how many of a person.
-#include "render/coarse_faces.h"
-
 #include <gtest/gtest.h>
 
 #include <set>
 
 #include "../../render/mannequin.h"
+#include "render/shared_corners.h"
 
 namespace fourdvt::render {
 namespace {
