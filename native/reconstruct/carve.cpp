@@ -62,7 +62,7 @@ class Carver {
       const glm::dvec3 p = camera.project(point);
       if (p.z <= 0) continue;
       const float pixels = view.distance.at(p.x, p.y);
-      if (pixels == SilhouetteDistance::kOutside) continue;
+      if (pixels == silhouette::SilhouetteDistance::kOutside) continue;
       ++seen;
       nearest = std::min(nearest, pixels * float(p.z * 2 / (camera.fx + camera.fy)));
       if (nearest <= -band) return -band;

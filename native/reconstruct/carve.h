@@ -7,15 +7,14 @@
 
 #include "base/result.h"
 #include "reconstruct/level_set.h"
-#include "reconstruct/silhouette.h"
-#include "reconstruct/silhouette_distance.h"
+#include "silhouette/silhouette.h"
 
 namespace fourdvt::reconstruct {
 
 // A silhouette and the distances to its outline.
 struct CarvingView {
-  const Silhouette* silhouette = nullptr;
-  SilhouetteDistance distance;
+  const silhouette::Silhouette* silhouette = nullptr;
+  silhouette::SilhouetteDistance distance;
 };
 
 // The smallest distance over the cameras that see a point, metres (pixels times depth over focal length). A point

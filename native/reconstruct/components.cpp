@@ -109,7 +109,8 @@ size_t dropSpecks(TriangleMesh& mesh, double least_volume_m3) {
   });
 }
 
-size_t dropNeedless(TriangleMesh& mesh, std::span<const Silhouette* const> silhouettes, double least_volume_m3) {
+size_t dropNeedless(TriangleMesh& mesh, std::span<const silhouette::Silhouette* const> silhouettes,
+                    double least_volume_m3) {
   return dropOthers(mesh, [&](const std::vector<Component>& components, std::vector<bool>& keep) {
     const double least = leastVolume(components, least_volume_m3);
     std::vector<cv::Mat> explained;  // per camera, by the components that are kept
@@ -118,7 +119,7 @@ size_t dropNeedless(TriangleMesh& mesh, std::span<const Silhouette* const> silho
       if (volume < 0) keep[i] = -volume >= least;
       if (volume < least) continue;
       if (explained.empty())
-        for (const Silhouette* s : silhouettes) explained.push_back(drawn(s->camera, mesh, components[0]));
+        for (const silhouette::Silhouette* s : silhouettes) explained.push_back(drawn(s->camera, mesh, components[0]));
       std::vector<cv::Mat> own;
       for (size_t c = 0; c < silhouettes.size(); ++c) {
         own.push_back(drawn(silhouettes[c]->camera, mesh, components[i]));

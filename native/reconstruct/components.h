@@ -6,7 +6,7 @@
 
 #include "base/camera.h"
 #include "base/mesh.h"
-#include "reconstruct/silhouette.h"
+#include "silhouette/silhouette.h"
 
 namespace fourdvt::reconstruct {
 
@@ -18,7 +18,8 @@ size_t dropSpecks(TriangleMesh& mesh, double least_volume_m3);
 
 // Leaves out specks, and phantoms: components that in every camera lie behind or before larger ones, for at least nine
 // tenths of their picture, so that no silhouette needs them.
-size_t dropNeedless(TriangleMesh& mesh, std::span<const Silhouette* const> silhouettes, double least_volume_m3);
+size_t dropNeedless(TriangleMesh& mesh, std::span<const silhouette::Silhouette* const> silhouettes,
+                    double least_volume_m3);
 
 // Leaves out components of which fewer than half of the vertices fall into the pictures of at least `least_cameras`:
 // nothing carves there. Returns the number of components that were left out, which may be all.

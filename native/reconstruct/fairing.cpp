@@ -34,7 +34,7 @@ void relax(Positions& positions, const std::vector<std::pair<uint32_t, uint32_t>
 
 // How far a point lies inside the silhouette that it is nearest to leaving, pixels; negative outside.
 float clearance(std::span<const CarvingView> views, const glm::vec3& point) {
-  float least = SilhouetteDistance::kOutside;
+  float least = silhouette::SilhouetteDistance::kOutside;
   for (const CarvingView& view : views) {
     const glm::dvec3 p = view.silhouette->camera.project(glm::dvec3(point));
     if (p.z > 0) least = std::min(least, view.distance.at(p.x, p.y));

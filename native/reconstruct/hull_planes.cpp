@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "reconstruct/contour_simplify.h"
+#include "silhouette/contour.h"
 
 namespace fourdvt::reconstruct {
 namespace {
@@ -53,12 +53,12 @@ class Builder {
         return invalid("camera " + cone.camera.name + " lies where another one is");
     out_.first.push_back(uint32_t(out_.planes.size()));
     out_.centres.push_back(centre);
-    std::vector<Ring> rings = cone.outline.rings;
-    for (const Ring& ring : rings)
+    std::vector<silhouette::Ring> rings = cone.outline.rings;
+    for (const silhouette::Ring& ring : rings)
       for (const glm::dvec2& p : ring)
         if (!std::isfinite(p.x) || !std::isfinite(p.y)) return invalid("an outline has points that are not finite");
-    simplifyRings(rings, rounding_.least_turn_px);
-    for (const Ring& ring : rings) addRing(cone.camera, ring);
+    silhouette::simplifyRings(rings, rounding_.least_turn_px);
+    for (const silhouette::Ring& ring : rings) addRing(cone.camera, ring);
     return {};
   }
 
@@ -78,7 +78,7 @@ class Builder {
     return Plane::rounded(normal + glm::dvec3(x, y, z), offset + d);
   }
 
-  void addRing(const PinholeCamera& camera, const Ring& ring) {
+  void addRing(const PinholeCamera& camera, const silhouette::Ring& ring) {
     if (ring.size() < 3) return;
     const glm::dmat3 world_from_cam = glm::transpose(glm::dmat3(camera.cam_from_world));
     const auto ray = [&](const glm::dvec2& pixel) {

@@ -14,14 +14,14 @@
 #include "base/camera.h"
 #include "base/mesh.h"
 #include "base/result.h"
-#include "reconstruct/contour.h"
+#include "silhouette/contour.h"
 
 namespace fourdvt::reconstruct {
 
 // What a camera cuts away: everything in front of it that it sees inside of its outline's rings.
 struct SilhouetteCone {
   PinholeCamera camera;
-  Outline outline;
+  silhouette::Outline outline;
 };
 
 struct PolyhedralHull {

@@ -62,7 +62,7 @@ Result<TriangleMesh> coarseSurface(std::span<const CarvingView> views) {
   FOURDVT_ASSIGN(const CoarseBounds box, coarseBounds(views, kCellsAlong));
   const glm::dvec3 sides = box.high - box.low;
   double voxel_m = std::max({sides.x, sides.y, sides.z}) / kVoxelsAlong;
-  std::vector<const Silhouette*> silhouettes;
+  std::vector<const silhouette::Silhouette*> silhouettes;
   for (const CarvingView& view : views) silhouettes.push_back(view.silhouette);
   for (int tries = 0;; ++tries, voxel_m /= 2) {
     auto carved = carve(views, voxel_m);

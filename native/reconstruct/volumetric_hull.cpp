@@ -31,7 +31,7 @@ TriangleMesh solidSurface(const SparseDistance& distance, double adaptivity,
 Result<VolumetricHull> volumetricHull(std::span<const CarvingView> views, const VolumetricOptions& options) {
   VolumetricHull out;
   FOURDVT_ASSIGN(out.distance, carve(views, options.voxel_m));
-  std::vector<const Silhouette*> silhouettes;
+  std::vector<const silhouette::Silhouette*> silhouettes;
   for (const CarvingView& view : views) silhouettes.push_back(view.silhouette);
   out.mesh = solidSurface(out.distance, options.adaptivity, [&](TriangleMesh& mesh) {
     out.dropped = dropNeedless(mesh, silhouettes, kSpeckVoxels * std::pow(options.voxel_m, 3));

@@ -89,7 +89,7 @@ Setup setUp(const std::string& folder, int width, int height) {
 
 std::vector<Ring16> ringsOf(const Image& coverage, double tolerance_px) {
   std::vector<Ring16> out;
-  for (const auto& ring : reconstruct::outlineOf(coverage, {tolerance_px}).rings) {
+  for (const auto& ring : silhouette::outlineOf(coverage, {tolerance_px}).rings) {
     out.emplace_back();
     for (const glm::dvec2& p : ring)
       out.back().push_back({uint16_t(std::lround(p.x * 16)), uint16_t(std::lround(p.y * 16))});

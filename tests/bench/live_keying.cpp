@@ -14,7 +14,7 @@
 #include "live/camera/keyer.h"
 #include "or_stop.h"
 #include "platform/ffmpeg_video.h"
-#include "reconstruct/contour.h"
+#include "silhouette/contour.h"
 
 using namespace fourdvt;
 using fourdvt::testing::orStop;
@@ -105,8 +105,8 @@ void measure(const std::vector<View>& views, int width, int height) {
       const Image truth = fitted(view.mattes[i], Image(view.mattes[i].width, view.mattes[i].height, 1), width, height);
       const Image* live = nullptr;
       live_ms += leastCost_ms(5, [&] { live = orStop(keyer->key(picture)); });
-      reconstruct::Outline outline;
-      outline_ms += leastCost_ms(5, [&] { outline = reconstruct::outlineOf(*live, {1, 4}); });
+      silhouette::Outline outline;
+      outline_ms += leastCost_ms(5, [&] { outline = silhouette::outlineOf(*live, {1, 4}); });
       for (const auto& ring : outline.rings) points += double(ring.size());
       Image offline;
       offline_ms += leastCost_ms(

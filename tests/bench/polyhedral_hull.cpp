@@ -56,7 +56,7 @@ int main() {
     const auto cones = rig.cones(tolerance_px);
     size_t points = 0;
     for (const SilhouetteCone& cone : cones)
-      for (const Ring& ring : cone.outline.rings) points += ring.size();
+      for (const silhouette::Ring& ring : cone.outline.rings) points += ring.size();
     const PolyhedralHull hull = orStop(polyhedralHull(cones, bounds));
     const double outlines_ms = leastCost_ms([&] { rig.cones(tolerance_px); });
     const double hull_ms = leastCost_ms([&] { orStop(polyhedralHull(cones, bounds)); });

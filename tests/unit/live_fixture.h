@@ -15,9 +15,9 @@ namespace fourdvt::live {
 constexpr double kBall_m = 0.5;
 constexpr uint8_t kBallColour[3] = {200, 120, 60}, kRoomColour[3] = {40, 90, 160};
 
-inline std::vector<Ring16> ringsOf(const reconstruct::Outline& outline) {
+inline std::vector<Ring16> ringsOf(const silhouette::Outline& outline) {
   std::vector<Ring16> out;
-  for (const reconstruct::Ring& ring : outline.rings) {
+  for (const silhouette::Ring& ring : outline.rings) {
     out.emplace_back();
     for (const glm::dvec2& p : ring)
       out.back().push_back(
@@ -52,7 +52,7 @@ inline CameraPicture ballPicture(const PinholeCamera& camera, double tolerance_p
                                  const glm::dvec3& centre = glm::dvec3(0), package::Rect crop = {}) {
   const Image coverage = reconstruct::coverageOf(camera, reconstruct::ballShape(centre, kBall_m));
   CameraPicture out;
-  out.rings = ringsOf(reconstruct::outlineOf(coverage, {tolerance_px}));
+  out.rings = ringsOf(silhouette::outlineOf(coverage, {tolerance_px}));
   out.crop = crop.width > 0 ? crop : package::Rect{0, 0, camera.width, camera.height};
   Image rgb(out.crop.width, out.crop.height, 3);
   for (int y = 0; y < rgb.height; ++y)

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "look_at.h"
-#include "reconstruct/contour.h"
 #include "reconstruct/polyhedral_hull.h"
-#include "reconstruct/silhouette.h"
+#include "silhouette/contour.h"
+#include "silhouette/silhouette.h"
 
 namespace fourdvt::reconstruct {
 
@@ -106,15 +106,16 @@ struct Rig {
     for (const PinholeCamera& camera : cameras) coverages.push_back(coverageOf(camera, shape));
   }
 
-  std::vector<Silhouette> silhouettes() const {
-    std::vector<Silhouette> out;
+  std::vector<silhouette::Silhouette> silhouettes() const {
+    std::vector<silhouette::Silhouette> out;
     for (size_t k = 0; k < cameras.size(); ++k) out.push_back({cameras[k], coverages[k]});
     return out;
   }
 
   std::vector<SilhouetteCone> cones(double tolerance_px) const {
     std::vector<SilhouetteCone> out;
-    for (size_t k = 0; k < cameras.size(); ++k) out.push_back({cameras[k], outlineOf(coverages[k], {tolerance_px})});
+    for (size_t k = 0; k < cameras.size(); ++k)
+      out.push_back({cameras[k], silhouette::outlineOf(coverages[k], {tolerance_px})});
     return out;
   }
 };
@@ -154,9 +155,9 @@ inline std::vector<PinholeCamera> axisCameras() {
   return cameras;
 }
 
-inline bool evenOddInside(const Outline& outline, const glm::dvec2& p) {
+inline bool evenOddInside(const silhouette::Outline& outline, const glm::dvec2& p) {
   bool inside = false;
-  for (const Ring& ring : outline.rings)
+  for (const silhouette::Ring& ring : outline.rings)
     for (size_t i = 0; i < ring.size(); ++i) {
       const glm::dvec2 &a = ring[i], &b = ring[(i + 1) % ring.size()];
       if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)) inside = !inside;

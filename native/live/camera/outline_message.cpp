@@ -7,8 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "reconstruct/contour.h"
-#include "reconstruct/contour_simplify.h"
+#include "silhouette/contour.h"
 
 namespace fourdvt::live {
 namespace {
@@ -25,16 +24,16 @@ package::Rect wholeOr(const package::Rect& region, const Image& image) {
           std::min(region.y + region.height, image.height) - y};
 }
 
-size_t pointsOf(const reconstruct::Outline& outline) {
+size_t pointsOf(const silhouette::Outline& outline) {
   size_t points = 0;
   for (const auto& ring : outline.rings) points += ring.size();
   return points;
 }
 
-void keepLargest(std::vector<reconstruct::Ring>& rings) {
+void keepLargest(std::vector<silhouette::Ring>& rings) {
   if (rings.size() <= kMaxRings) return;
   std::stable_sort(rings.begin(), rings.end(), [](const auto& a, const auto& b) {
-    return std::abs(reconstruct::signedArea_px2(a)) > std::abs(reconstruct::signedArea_px2(b));
+    return std::abs(silhouette::signedArea_px2(a)) > std::abs(silhouette::signedArea_px2(b));
   });
   rings.resize(kMaxRings);
 }
@@ -75,15 +74,15 @@ package::Rect cropOf(const Image& coverage, const package::Rect& region) {
 }
 
 std::vector<Ring16> ringsOf(const Image& coverage, double tolerance_px) {
-  reconstruct::OutlineRules rules;
+  silhouette::OutlineRules rules;
   rules.tolerance_px = 0;
   rules.steps_per_px = int(kPointsPerPixel);
-  const reconstruct::Outline whole = reconstruct::outlineOf(coverage, rules);
-  reconstruct::Outline outline;
+  const silhouette::Outline whole = silhouette::outlineOf(coverage, rules);
+  silhouette::Outline outline;
   for (tolerance_px = std::max(tolerance_px, 0.25 / kPointsPerPixel);; tolerance_px *= kToleranceStep) {
     outline = whole;
     keepLargest(outline.rings);
-    reconstruct::simplifyRings(outline.rings, tolerance_px);
+    silhouette::simplifyRings(outline.rings, tolerance_px);
     if (pointsOf(outline) <= kMaxRingPoints) break;
   }
   std::vector<Ring16> out;

@@ -31,7 +31,7 @@ struct ClockAnswer {
   int64_t camera_us = 0;  // the camera's clock when it answered
 };
 
-// A ring of an outline: pixel positions, in the orientation of reconstruct/contour.h.
+// A ring of an outline: pixel positions, in the orientation of silhouette/contour.h.
 struct Point16 {
   uint16_t x = 0, y = 0;  // sixteenths of a pixel
   bool operator==(const Point16&) const = default;

@@ -5,15 +5,15 @@
 #include <chrono>
 
 #include "reconstruct/components.h"
-#include "reconstruct/contour_simplify.h"
 #include "reconstruct/hull_planes.h"
 #include "reconstruct/polyhedral_hull.h"
 #include "reconstruct/simplify.h"
+#include "silhouette/contour.h"
 
 namespace fourdvt::live {
 namespace {
 
-using reconstruct::Ring, reconstruct::SilhouetteCone;
+using silhouette::Ring, reconstruct::SilhouetteCone;
 
 constexpr double kSpeck_m3 = 3e-6;         // as of offline hulls
 constexpr double kSecondTolerance_px = 2;  // of the attempt with fewer points
@@ -48,7 +48,7 @@ class Attempts {
 
   Result<LiveHull> run() {
     if (tryOut(cones_)) return std::move(out_);
-    for (SilhouetteCone& cone : cones_) reconstruct::simplifyRings(cone.outline.rings, kSecondTolerance_px);
+    for (SilhouetteCone& cone : cones_) silhouette::simplifyRings(cone.outline.rings, kSecondTolerance_px);
     if (inTime() && tryOut(cones_)) return std::move(out_);
     for (size_t k = cones_.size(); k-- > 0 && cones_.size() > kFewestCarving;)
       if (crosses(cones_[k].outline.rings)) leaveOut(k);
@@ -94,8 +94,8 @@ class Attempts {
 
 }  // namespace
 
-reconstruct::Outline outlineFrom(const std::vector<Ring16>& rings) {
-  reconstruct::Outline out;
+silhouette::Outline outlineFrom(const std::vector<Ring16>& rings) {
+  silhouette::Outline out;
   for (const Ring16& ring : rings) {
     Ring& points = out.rings.emplace_back();
     for (const Point16& p : ring)
@@ -145,9 +145,9 @@ void HullMaker::clean(std::span<const PinholeCamera> carving, TriangleMesh& mesh
   reconstruct::dropUnseen(mesh, carving, std::max(kFewestCarving, (carving.size() + 1) / 2));
   reconstruct::dropHollows(mesh);
   reconstruct::dropSpecks(mesh, kSpeck_m3);
-  std::vector<reconstruct::Silhouette> views;  // their coverage is not looked at
+  std::vector<silhouette::Silhouette> views;  // their coverage is not looked at
   for (const PinholeCamera& camera : small_cameras_) views.push_back({camera, {}});
-  std::vector<const reconstruct::Silhouette*> pointers;
+  std::vector<const silhouette::Silhouette*> pointers;
   for (const auto& view : views) pointers.push_back(&view);
   reconstruct::dropNeedless(mesh, pointers, kSpeck_m3);
   reconstruct::simplify(mesh, rules_.most_triangles);

@@ -10,7 +10,7 @@
 #include "base/mesh.h"
 #include "base/result.h"
 #include "live/protocol/camera_messages.h"
-#include "reconstruct/contour.h"
+#include "silhouette/contour.h"
 
 namespace fourdvt::live {
 
@@ -26,7 +26,7 @@ struct LiveHull {
   int attempts = 1;
 };
 
-reconstruct::Outline outlineFrom(const std::vector<Ring16>& rings);
+silhouette::Outline outlineFrom(const std::vector<Ring16>& rings);
 
 class HullMaker {
  public:

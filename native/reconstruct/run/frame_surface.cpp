@@ -41,19 +41,19 @@ class Watch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-Silhouette silhouetteOf(const PinholeCamera& camera, const Image& rgba) {
-  Silhouette out{camera, Image(rgba.width, rgba.height, 1)};
+silhouette::Silhouette silhouetteOf(const PinholeCamera& camera, const Image& rgba) {
+  silhouette::Silhouette out{camera, Image(rgba.width, rgba.height, 1)};
   for (size_t i = 0; i < out.coverage.pixels.size(); ++i) out.coverage.pixels[i] = rgba.pixels[4 * i + 3];
   return out;
 }
 
-size_t pixelsInside(const Silhouette& silhouette) {
+size_t pixelsInside(const silhouette::Silhouette& silhouette) {
   size_t inside = 0;
   for (uint8_t v : silhouette.coverage.pixels) inside += v > 127;
   return inside;
 }
 
-double coverOf(const Silhouette& silhouette) {
+double coverOf(const silhouette::Silhouette& silhouette) {
   return double(pixelsInside(silhouette)) / double(std::max<size_t>(1, silhouette.coverage.pixels.size()));
 }
 
@@ -95,12 +95,12 @@ Result<TriangleMesh> checkedPolyhedron(const ReconstructOptions& options, std::s
                                        double footprint_m, FrameFigures& figures) {
   std::vector<SilhouetteCone> cones(views.size());
   inParallel(views.size(), [&](size_t i) {
-    const Silhouette& silhouette = *views[i].silhouette;
-    cones[i] = {silhouette.camera, outlineOf(silhouette.coverage, {options.contour_tolerance_px})};
+    const silhouette::Silhouette& silhouette = *views[i].silhouette;
+    cones[i] = {silhouette.camera, silhouette::outlineOf(silhouette.coverage, {options.contour_tolerance_px})};
   });
   FOURDVT_ASSIGN(const BoundingBox bounds, roughBounds(views, options.contour_tolerance_px * footprint_m));
   FOURDVT_ASSIGN(auto hull, polyhedralHull(cones, bounds));
-  std::vector<const Silhouette*> silhouettes;
+  std::vector<const silhouette::Silhouette*> silhouettes;
   for (const CarvingView& view : views) silhouettes.push_back(view.silhouette);
   figures.parts_left_out = uint32_t(dropNeedless(hull.mesh, silhouettes, kSpeck_m3));
   if (hull.touches_bounds)
@@ -113,7 +113,7 @@ Result<TriangleMesh> checkedPolyhedron(const ReconstructOptions& options, std::s
 
 // The pictures with the mattes that the hull was carved with; 255 all over where a camera has no silhouette: stereo may
 // look anywhere in its picture.
-std::vector<Image> withMattes(std::span<const Image> pictures, std::span<const Silhouette> carving,
+std::vector<Image> withMattes(std::span<const Image> pictures, std::span<const silhouette::Silhouette> carving,
                               const std::vector<bool>& sees) {
   std::vector<Image> out(pictures.begin(), pictures.end());
   for (size_t i = 0; i < out.size(); ++i)
@@ -124,8 +124,9 @@ std::vector<Image> withMattes(std::span<const Image> pictures, std::span<const S
 
 }  // namespace
 
-std::vector<Silhouette> silhouettesOf(std::span<const PinholeCamera> cameras, std::span<const Image> pictures) {
-  std::vector<Silhouette> out(cameras.size());
+std::vector<silhouette::Silhouette> silhouettesOf(std::span<const PinholeCamera> cameras,
+                                                  std::span<const Image> pictures) {
+  std::vector<silhouette::Silhouette> out(cameras.size());
   inParallel(cameras.size(), [&](size_t i) { out[i] = silhouetteOf(cameras[i], pictures[i]); });
   return out;
 }
@@ -208,7 +209,7 @@ void SurfaceMaker::compareWithSilhouettes(const std::vector<bool>& sees, FrameSu
   for (std::vector<double>* list : lists) list->assign(sees.size(), std::numeric_limits<double>::quiet_NaN());
   inParallel(sees.size(), [&](size_t i) {
     if (!sees[i]) return;
-    const Silhouette silhouette{working_[i], out.silhouettes[i].coverage};
+    const silhouette::Silhouette silhouette{working_[i], out.silhouettes[i].coverage};
     const SilhouetteMatch match = silhouetteMatch(silhouette, out.mesh);
     figures.overlap[i] = match.overlap, figures.outline_px[i] = match.outline_px;
     if (!stereo_) return;
@@ -222,13 +223,13 @@ Result<FrameSurface> SurfaceMaker::make(std::span<const Image> pictures) {
   FrameSurface out;
   Watch watch;
   out.silhouettes = silhouettesOf(cameras, pictures);
-  std::vector<Silhouette> carving = out.silhouettes;
-  std::vector<std::unique_ptr<SilhouetteDistance>> distances(cameras.size());
+  std::vector<silhouette::Silhouette> carving = out.silhouettes;
+  std::vector<std::unique_ptr<silhouette::SilhouetteDistance>> distances(cameras.size());
   inParallel(cameras.size(), [&](size_t i) {
     if (pixelsInside(carving[i]) < kFewestPixels) return;
     for (size_t k = 0; k < captured_[i].pixels.size(); ++k)
       if (captured_[i].pixels[k] < 128) carving[i].coverage.pixels[k] = 255;  // not seen is not carved
-    distances[i] = std::make_unique<SilhouetteDistance>(carving[i].coverage);
+    distances[i] = std::make_unique<silhouette::SilhouetteDistance>(carving[i].coverage);
   });
   std::vector<CarvingView> views;
   std::vector<bool> sees;
@@ -285,7 +286,7 @@ Result<FrameSurface> SurfaceMaker::make(std::span<const Image> pictures) {
     for (glm::vec3& p : mesh->positions) p = glm::vec3(glm::dvec3(p) * scale_->person_metre_m);
   out.figures.volume_m3 = volumeOf(out.mesh);
   out.figures.seen_m3 = seen_m3_;
-  for (const Silhouette& silhouette : out.silhouettes) out.figures.cover.push_back(coverOf(silhouette));
+  for (const silhouette::Silhouette& silhouette : out.silhouettes) out.figures.cover.push_back(coverOf(silhouette));
   out.figures.check_ms = watch.lap();
   return out;
 }

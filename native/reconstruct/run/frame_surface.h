@@ -18,13 +18,14 @@ namespace fourdvt::reconstruct {
 
 struct FrameSurface {
   TriangleMesh mesh;
-  TriangleMesh hull;                    // that stereo began with; empty without stereo
-  std::vector<Silhouette> silhouettes;  // one per camera, empty ones included
+  TriangleMesh hull;                                // that stereo began with; empty without stereo
+  std::vector<silhouette::Silhouette> silhouettes;  // one per camera, empty ones included
   FrameFigures figures;
 };
 
 // The alpha of each camera's RGBA picture.
-std::vector<Silhouette> silhouettesOf(std::span<const PinholeCamera> cameras, std::span<const Image> pictures);
+std::vector<silhouette::Silhouette> silhouettesOf(std::span<const PinholeCamera> cameras,
+                                                  std::span<const Image> pictures);
 
 // The lengths that a sequence's surfaces are made with.
 struct SequenceScale {

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "base/face_buffer.h"
-#include "reconstruct/silhouette_distance.h"
 #include "report/picture_sheets.h"
+#include "silhouette/silhouette.h"
 
 namespace fourdvt::reconstruct {
 namespace {
@@ -44,7 +44,7 @@ std::array<uint8_t, 3> shade(const PinholeCamera& camera, const TriangleMesh& su
 
 namespace {
 
-double overlapOf(const FaceBuffer& drawn, const Silhouette& silhouette) {
+double overlapOf(const FaceBuffer& drawn, const silhouette::Silhouette& silhouette) {
   size_t both = 0, either = 0;
   for (int y = 0; y < drawn.height; ++y)
     for (int x = 0; x < drawn.width; ++x) {
@@ -84,8 +84,8 @@ void alongOutline(const Image& coverage, const Place& place) {
       }
 }
 
-double outlineDistance_px(const FaceBuffer& drawn, const Silhouette& silhouette) {
-  const SilhouetteDistance surface(coverageOf(drawn, silhouette.camera));
+double outlineDistance_px(const FaceBuffer& drawn, const silhouette::Silhouette& silhouette) {
+  const silhouette::SilhouetteDistance surface(coverageOf(drawn, silhouette.camera));
   std::vector<float> beside;
   if (!surface.empty() && !surface.full())
     alongOutline(silhouette.coverage, [&](float x, float y) { beside.push_back(std::abs(surface.at(x, y))); });
@@ -107,11 +107,11 @@ std::vector<float> depthBehindHull(const PinholeCamera& camera, const TriangleMe
 
 }  // namespace
 
-double silhouetteOverlap(const Silhouette& silhouette, const TriangleMesh& surface) {
+double silhouetteOverlap(const silhouette::Silhouette& silhouette, const TriangleMesh& surface) {
   return overlapOf(rasterise(silhouette.camera, surface.faces, surface.positions, kSamples), silhouette);
 }
 
-SilhouetteMatch silhouetteMatch(const Silhouette& silhouette, const TriangleMesh& surface) {
+SilhouetteMatch silhouetteMatch(const silhouette::Silhouette& silhouette, const TriangleMesh& surface) {
   const FaceBuffer drawn = rasterise(silhouette.camera, surface.faces, surface.positions, kSamples);
   return {overlapOf(drawn, silhouette), outlineDistance_px(drawn, silhouette)};
 }
@@ -139,7 +139,8 @@ Image movedPicture(const PinholeCamera& camera, const Image& rgba, const Triangl
   return report::cropped(out, box[0], box[1], box[2], box[3]);
 }
 
-SurfacePictures surfacePictures(const Silhouette& silhouette, const Image& rgba, const TriangleMesh& surface) {
+SurfacePictures surfacePictures(const silhouette::Silhouette& silhouette, const Image& rgba,
+                                const TriangleMesh& surface) {
   const auto drawn = rasterise(silhouette.camera, surface.faces, surface.positions, 1);
   const auto hit = [&](int x, int y) {
     return x >= 0 && y >= 0 && x < drawn.width && y < drawn.height &&

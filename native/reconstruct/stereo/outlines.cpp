@@ -104,7 +104,7 @@ class Outlines {
   std::vector<Ray> all() const {
     std::vector<Ray> out;
     for (size_t v = 0; v < views_.size(); ++v) {
-      const Silhouette& silhouette = *views_[v].silhouette;
+      const silhouette::Silhouette& silhouette = *views_[v].silhouette;
       for (int y = 0; y < silhouette.camera.height; ++y)
         for (int x = 0; x < silhouette.camera.width; ++x) {
           if (*silhouette.coverage.at(x, y) <= 127) continue;

@@ -138,7 +138,7 @@ Result<TriangleMesh> Refiner::refine(const SparseDistance& hull_distance, const 
   keepOutlines(open_hull, views, options_.outlines, fused);
   compact(fused);
   lap(times_.outlines);
-  std::vector<const Silhouette*> silhouettes;
+  std::vector<const silhouette::Silhouette*> silhouettes;
   for (const CarvingView& view : views) silhouettes.push_back(view.silhouette);
   const double speck_m3 = kSpeckVoxels * std::pow(fused.voxel_m, 3);
   TriangleMesh mesh = solidSurface(fused, options_.adaptivity, [&](TriangleMesh& made) {

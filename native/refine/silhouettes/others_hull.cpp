@@ -89,7 +89,7 @@ float OthersHull::insideAt(const std::vector<Other>& others, double depth_m) con
     const glm::dvec3 h = other.at_centre + depth_m * other.per_metre;
     if (!(h.z > 0)) continue;
     const float value = other.instant.at(h.x / h.z, h.y / h.z);
-    if (value > 0.5f * reconstruct::SilhouetteDistance::kOutside) continue;
+    if (value > 0.5f * silhouette::SilhouetteDistance::kOutside) continue;
     ++seen;
     const auto here = float(value * other.scale * h.z / depth_m);
     if (here < lowest)

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "capture/capture.h"
-#include "reconstruct/silhouette_distance.h"
+#include "silhouette/silhouette.h"
 
 namespace fourdvt::refine {
 
@@ -38,7 +38,7 @@ class SilhouetteClip {
   // The two frames beside an instant of a camera's own time, in frames from the first; null before the first and after
   // the last of a clip that is no loop, and where the camera saw nothing.
   struct Instant {
-    const reconstruct::SilhouetteDistance *before = nullptr, *after = nullptr;
+    const silhouette::SilhouetteDistance *before = nullptr, *after = nullptr;
     float share = 0;  // of `after`
     // Pixels, positive inside; kOutside beyond the picture.
     float at(double x, double y) const {
@@ -53,8 +53,8 @@ class SilhouetteClip {
  private:
   std::vector<PinholeCamera> cameras_;
   bool loop_;
-  std::vector<std::vector<reconstruct::SilhouetteDistance>> frames_;  // [frame][camera]
-  std::vector<std::vector<std::vector<glm::vec2>>> outlines_;         // [frame][camera] pixels beside the outline
+  std::vector<std::vector<silhouette::SilhouetteDistance>> frames_;  // [frame][camera]
+  std::vector<std::vector<std::vector<glm::vec2>>> outlines_;        // [frame][camera] pixels beside the outline
 };
 
 // Reads the middle of a sequence: at most `most_frames` frames, pictures reduced such that the distances of `clips`

@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "reconstruct/contour.h"
+#include "silhouette/contour.h"
 #include "stage_fixture.h"
 
 namespace fourdvt::live {
@@ -31,7 +31,7 @@ size_t covered(const Image& coverage) {
 double outlineError_px(const Image& coverage, const glm::dvec2& centre, double radius_px) {
   double worst = 0;
   size_t points = 0;
-  for (const auto& ring : reconstruct::outlineOf(coverage, {0, 4}).rings)
+  for (const auto& ring : silhouette::outlineOf(coverage, {0, 4}).rings)
     for (const glm::dvec2& p : ring) {
       if (p.x < 1 || p.y < 1 || p.x > coverage.width - 1 || p.y > coverage.height - 1) continue;
       worst = std::max(worst, std::abs(glm::length(p - centre) - radius_px));

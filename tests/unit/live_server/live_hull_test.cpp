@@ -28,7 +28,7 @@ struct Outlines {
 Outlines outlines(const Shape& shape, double tolerance_px) {
   Outlines out{reconstruct::sixCameras(), {}};
   for (const PinholeCamera& camera : out.cameras)
-    out.rings.push_back(ringsOf(reconstruct::outlineOf(reconstruct::coverageOf(camera, shape), {tolerance_px})));
+    out.rings.push_back(ringsOf(silhouette::outlineOf(reconstruct::coverageOf(camera, shape), {tolerance_px})));
   return out;
 }
 
@@ -161,7 +161,7 @@ TEST(RingCoverage, IsTheExactArea) {
 TEST(RingCoverage, AgreesWithTheCoverageThatTheRingsAreFrom) {
   const PinholeCamera camera = reconstruct::sixCameras()[0];
   const Image truth = reconstruct::coverageOf(camera, reconstruct::ballShape(glm::dvec3(0), 0.5));
-  const auto rings = ringsOf(reconstruct::outlineOf(truth, {0.1}));
+  const auto rings = ringsOf(silhouette::outlineOf(truth, {0.1}));
   RingCoverage coverage;
   const auto& drawn = coverage.draw(rings, {0, 0, kWidth, kHeight}, kWidth, kHeight, kWidth, kHeight);
   for (size_t i = 0; i < truth.pixels.size(); ++i) ASSERT_NEAR(1 - drawn[i], truth.pixels[i] / 255.0, 0.35) << i;

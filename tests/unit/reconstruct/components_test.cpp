@@ -21,9 +21,9 @@ void addOctahedron(TriangleMesh& mesh, const glm::vec3& at, float size) {
 
 struct ComponentsTest : ::testing::Test {
   // Two cameras on one side: what stands behind something large is hidden from both.
-  std::vector<Silhouette> silhouettes{{lookingAt({0, 0, 0}, {-0.2, 0, 3}, 240, 240), Image(240, 240, 1)},
-                                      {lookingAt({0, 0, 0}, {0.2, 0, 3}, 240, 240), Image(240, 240, 1)}};
-  std::vector<const Silhouette*> seen{&silhouettes[0], &silhouettes[1]};
+  std::vector<silhouette::Silhouette> silhouettes{{lookingAt({0, 0, 0}, {-0.2, 0, 3}, 240, 240), Image(240, 240, 1)},
+                                                  {lookingAt({0, 0, 0}, {0.2, 0, 3}, 240, 240), Image(240, 240, 1)}};
+  std::vector<const silhouette::Silhouette*> seen{&silhouettes[0], &silhouettes[1]};
   TriangleMesh mesh;
   void SetUp() override { addOctahedron(mesh, {0, 0, 0}, 0.5f); }
 };

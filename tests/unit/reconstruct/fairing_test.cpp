@@ -12,11 +12,12 @@ namespace fourdvt::reconstruct {
 namespace {
 
 struct FairingTest : ::testing::Test {
-  std::vector<Silhouette> silhouettes = Rig(ringCameras(5), ballShape({0, 0, 0}, 0.4)).silhouettes();
+  std::vector<silhouette::Silhouette> silhouettes = Rig(ringCameras(5), ballShape({0, 0, 0}, 0.4)).silhouettes();
   std::vector<CarvingView> views;
   TriangleMesh hull;
   void SetUp() override {
-    for (const Silhouette& s : silhouettes) views.push_back({&s, SilhouetteDistance(s.coverage)});
+    for (const silhouette::Silhouette& s : silhouettes)
+      views.push_back({&s, silhouette::SilhouetteDistance(s.coverage)});
     auto made = volumetricHull(views, {0.02, 0});
     ASSERT_TRUE(made.ok());
     hull = std::move(made.value().mesh);

@@ -32,7 +32,7 @@ TriangleMesh plate(double side_m, double z) {
 TEST(SilhouetteMatch, OutlineDistanceIsThatOfTwoSquares) {
   // 2 m away at a focal length of 300: 150 pixels a metre. Sides of 96 and 90 pixels.
   const PinholeCamera camera = lookingAt({0, 0, 0}, {0, 0, 2}, 200, 200, 300);
-  const Silhouette silhouette{camera, coverageOf(camera, boxShape({-0.32, -0.32, -1e-6}, {0.32, 0.32, 0}))};
+  const silhouette::Silhouette silhouette{camera, coverageOf(camera, boxShape({-0.32, -0.32, -1e-6}, {0.32, 0.32, 0}))};
   const SilhouetteMatch same = silhouetteMatch(silhouette, plate(0.64, 0));
   EXPECT_GT(same.overlap, 0.99);
   EXPECT_LT(same.outline_px, 0.3);

@@ -19,14 +19,15 @@ constexpr int kSamples = 4;  // of a pixel, along each side
 // The hull of a shape, and what stereo left of it.
 struct Taken {
   Rig rig;
-  std::vector<Silhouette> silhouettes;
+  std::vector<silhouette::Silhouette> silhouettes;
   std::vector<CarvingView> views;
   SparseDistance hull, left;
 
   // Where `keeps` is negative, so much of the hull is taken.
   Taken(const Shape& shape, const std::function<double(const glm::dvec3&)>& keeps)
       : rig(ringCameras(8), shape), silhouettes(rig.silhouettes()) {
-    for (const Silhouette& s : silhouettes) views.push_back({&s, SilhouetteDistance(s.coverage)});
+    for (const silhouette::Silhouette& s : silhouettes)
+      views.push_back({&s, silhouette::SilhouetteDistance(s.coverage)});
     hull = withValuesInside(carve(views, kVoxel_m).take());
     left = hull;
     for (SparseDistance::Block& block : left.blocks)

@@ -149,7 +149,7 @@ TEST(PolyhedralHull, CameraOnAnothersOutline) {
   const Shape ball = ballShape(glm::dvec3(0), 0.5);
   const Rig first({lookingAt(glm::dvec3(0), {0, 0, 3})}, ball);
   for (double tolerance_px : {8.0, 1.0}) {
-    const Ring ring = first.cones(tolerance_px)[0].outline.rings.back();
+    const silhouette::Ring ring = first.cones(tolerance_px)[0].outline.rings.back();
     for (double share : {0.0, 0.5, 0.501}) {
       const glm::dvec3 ray = rayInWorld(first.cameras[0], glm::mix(ring[0], ring[1], share));
       const glm::dvec3 from = first.cameras[0].centreInWorld() + 6.0 * ray;
@@ -173,9 +173,9 @@ TEST(PolyhedralHull, SaysWhetherTheBoundsCutIt) {
 
 TEST(PolyhedralHull, EmptyPictureLeavesNothingAndFullOneEverything) {
   const PinholeCamera camera = sixCameras()[0];
-  EXPECT_TRUE(
-      hullOf({{camera, outlineOf(Image(320, 240, 1, 0))}}, {glm::vec3(-0.3f), glm::vec3(0.3f)}).mesh.faces.empty());
-  const PolyhedralHull all = hullOf({{camera, outlineOf(Image(320, 240, 1, 255))}});
+  EXPECT_TRUE(hullOf({{camera, silhouette::outlineOf(Image(320, 240, 1, 0))}}, {glm::vec3(-0.3f), glm::vec3(0.3f)})
+                  .mesh.faces.empty());
+  const PolyhedralHull all = hullOf({{camera, silhouette::outlineOf(Image(320, 240, 1, 255))}});
   EXPECT_EQ(all.mesh.faces.size(), 12u);
   EXPECT_NEAR(checkMesh(all.mesh).volume_m3, 8, 1e-4);
 }
@@ -210,7 +210,7 @@ TEST(PolyhedralHull, RefusesCamerasItCannotUse) {
     const auto hull = polyhedralHull(cones, bounds);
     return hull.ok() ? ErrorId::None : hull.error().id;
   };
-  const SilhouetteCone good{sixCameras()[0], outlineOf(Image(320, 240, 1, 0))};
+  const SilhouetteCone good{sixCameras()[0], silhouette::outlineOf(Image(320, 240, 1, 0))};
   EXPECT_EQ(error({good}), ErrorId::None);
   EXPECT_EQ(error({}), ErrorId::InvalidArgument);
   EXPECT_EQ(error({good, good}), ErrorId::InvalidArgument);

@@ -12,17 +12,18 @@ namespace {
 constexpr double kBall_m = 0.15;
 
 struct Views {
-  explicit Views(std::vector<Silhouette> given) : silhouettes(std::move(given)) {
-    for (const Silhouette& s : silhouettes) views.push_back({&s, SilhouetteDistance(s.coverage)});
+  explicit Views(std::vector<silhouette::Silhouette> given) : silhouettes(std::move(given)) {
+    for (const silhouette::Silhouette& s : silhouettes)
+      views.push_back({&s, silhouette::SilhouetteDistance(s.coverage)});
   }
-  std::vector<Silhouette> silhouettes;
+  std::vector<silhouette::Silhouette> silhouettes;
   std::vector<CarvingView> views;
 };
 
 // The same pictures, as cameras of a scene `scale` times as large see them.
 Views scaled(const Rig& rig, double scale) {
-  std::vector<Silhouette> out = rig.silhouettes();
-  for (Silhouette& s : out) s.camera.cam_from_world[3] *= glm::dvec4(scale, scale, scale, 1);
+  std::vector<silhouette::Silhouette> out = rig.silhouettes();
+  for (silhouette::Silhouette& s : out) s.camera.cam_from_world[3] *= glm::dvec4(scale, scale, scale, 1);
   return Views(std::move(out));
 }
 
@@ -69,7 +70,7 @@ TEST(SceneScale, OfAPerformerFarOffBeforeCamerasSideBySide) {
 }
 
 TEST(SceneScale, APlaceWithoutPerformerHasNone) {
-  std::vector<Silhouette> odd = Rig(ringCameras(6), ballShape({0, 0, 0}, kBall_m)).silhouettes();
+  std::vector<silhouette::Silhouette> odd = Rig(ringCameras(6), ballShape({0, 0, 0}, kBall_m)).silhouettes();
   odd[2].coverage = coverageOf(odd[2].camera, ballShape({0, 0.5, 0}, kBall_m));
   const auto found = scaleOf(Views(odd).views);
   ASSERT_FALSE(found.ok());

@@ -9,13 +9,14 @@
 namespace fourdvt::reconstruct {
 namespace {
 
-std::vector<CarvingView> viewsOf(const std::vector<Silhouette>& silhouettes) {
+std::vector<CarvingView> viewsOf(const std::vector<silhouette::Silhouette>& silhouettes) {
   std::vector<CarvingView> out;
-  for (const Silhouette& s : silhouettes) out.push_back({&s, SilhouetteDistance(s.coverage)});
+  for (const silhouette::Silhouette& s : silhouettes) out.push_back({&s, silhouette::SilhouetteDistance(s.coverage)});
   return out;
 }
 
-TriangleMesh hullOf(const std::vector<Silhouette>& silhouettes, double voxel_m = 0.01, double adaptivity = 0) {
+TriangleMesh hullOf(const std::vector<silhouette::Silhouette>& silhouettes, double voxel_m = 0.01,
+                    double adaptivity = 0) {
   const auto views = viewsOf(silhouettes);
   auto hull = volumetricHull(views, {voxel_m, adaptivity});
   EXPECT_TRUE(hull.ok()) << (hull.ok() ? "" : hull.error().message);
@@ -134,7 +135,7 @@ TEST(VolumetricHull, TheCameraThatDisagreesIsNamed) {
 }
 
 TEST(VolumetricHull, CamerasWithoutACommonVolumeAreRefused) {
-  std::vector<Silhouette> silhouettes;
+  std::vector<silhouette::Silhouette> silhouettes;
   for (const PinholeCamera& inwards : ringCameras(6)) {
     const glm::dvec3 from = inwards.centreInWorld();
     const PinholeCamera outwards = lookingAt(2.0 * from, from, 240, 240);

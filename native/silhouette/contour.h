@@ -11,7 +11,7 @@
 
 #include "base/image.h"
 
-namespace fourdvt::reconstruct {
+namespace fourdvt::silhouette {
 
 // A closed ring of at least three points, pixels (centres at + 0.5), the last joined to the first.
 using Ring = std::vector<glm::dvec2>;
@@ -35,4 +35,12 @@ struct OutlineRules {
 // tolerance allows. Points stay where leaving them out would make rings cross. An empty picture has no rings.
 Outline outlineOf(const Image& coverage, const OutlineRules& rules = {});
 
-}  // namespace fourdvt::reconstruct
+double signedArea_px2(const Ring& ring);  // > 0: the inside has cross(q - p, x - p) > 0 along its edges
+
+// Leaves out points in the order of the distance that this moves the ring, as long as no given point lies farther than
+// `tolerance_px` from the edge that replaces it. No ring comes to cross itself or another: a point stays where the
+// triangle that it spans with its neighbours holds another point: without it, edges would cross. Every ring keeps three
+// points.
+void simplifyRings(std::vector<Ring>& rings, double tolerance_px);
+
+}  // namespace fourdvt::silhouette

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruct/silhouette_distance.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace fourdvt::reconstruct {
+#include "silhouette/silhouette.h"
+
+namespace fourdvt::silhouette {
 namespace {
 
 // Coverage of the half plane n · p < d, from 16 × 16 samples a pixel, inside a frame of background.
@@ -80,4 +80,4 @@ TEST(SilhouetteDistance, EmptyAndFullPicturesHaveNoOutline) {
 }
 
 }  // namespace
-}  // namespace fourdvt::reconstruct
+}  // namespace fourdvt::silhouette

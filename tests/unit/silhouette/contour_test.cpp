@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruct/contour.h"
+#include "silhouette/contour.h"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-#include "reconstruct/contour_simplify.h"
 #include "silhouette_fixture.h"
 
-namespace fourdvt::reconstruct {
+namespace fourdvt::silhouette {
 namespace {
 
 // A disc with exact coverage, 255 inside.
@@ -107,10 +106,10 @@ TEST(Contour, BackgroundLiesOnTheRight) {
 TEST(Contour, PerformerOnTheBorderHasNoEdgeThere) {
   const Outline outline = outlineOf(disc(0, 40, 20), {0.5});
   ASSERT_EQ(outline.rings.size(), 1u);
-  EXPECT_FALSE(evenOddInside(outline, {0.5, 40}));
-  EXPECT_FALSE(evenOddInside(outline, {-3, 40}));
-  EXPECT_TRUE(evenOddInside(outline, {0.5, 10}));
-  EXPECT_FALSE(evenOddInside(outline, {-0.5, 10}));
+  EXPECT_FALSE(reconstruct::evenOddInside(outline, {0.5, 40}));
+  EXPECT_FALSE(reconstruct::evenOddInside(outline, {-3, 40}));
+  EXPECT_TRUE(reconstruct::evenOddInside(outline, {0.5, 10}));
+  EXPECT_FALSE(reconstruct::evenOddInside(outline, {-0.5, 10}));
   for (const glm::dvec2& p : outline.rings[0]) EXPECT_FALSE(p.x < 1 && std::abs(p.y - 40) < 18) << p.x << " " << p.y;
 }
 
@@ -136,7 +135,7 @@ TEST(Contour, AgreesWithEveryPixelOfNoise) {
     const Outline outline = outlineOf(image, {0, 0});
     for (int y = 0; y < image.height; ++y)
       for (int x = 0; x < image.width; ++x)
-        ASSERT_EQ(evenOddInside(outline, {x + 0.5, y + 0.5}), *image.at(x, y) < 128) << x << " " << y;
+        ASSERT_EQ(reconstruct::evenOddInside(outline, {x + 0.5, y + 0.5}), *image.at(x, y) < 128) << x << " " << y;
   }
 }
 
@@ -183,4 +182,4 @@ TEST(Contour, NarrowGapBetweenTwoBodiesStaysOpen) {
 }
 
 }  // namespace
-}  // namespace fourdvt::reconstruct
+}  // namespace fourdvt::silhouette

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruct/contour_simplify.h"
-
 #include <algorithm>
 #include <cmath>
 #include <queue>
 
 #include "base/planar.h"
+#include "silhouette/contour.h"
 
-namespace fourdvt::reconstruct {
+namespace fourdvt::silhouette {
 namespace {
 
 constexpr double kClearance_px = 0.01;  // between an edge and the points that it passes
@@ -194,4 +193,4 @@ void simplifyRings(std::vector<Ring>& rings, double tolerance_px) {
   rings = simplifier.rings();
 }
 
-}  // namespace fourdvt::reconstruct
+}  // namespace fourdvt::silhouette

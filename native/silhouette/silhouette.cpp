@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruct/silhouette_distance.h"
+#include "silhouette/silhouette.h"
 
 #include <algorithm>
 #include <cassert>
@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
-namespace fourdvt::reconstruct {
+namespace fourdvt::silhouette {
 namespace {
 
 constexpr int kMargin = 24;  // pixels
@@ -144,4 +144,4 @@ float SilhouetteDistance::at(double x, double y) const {
   return std::min(value + beyond, -float(std::hypot(far_u, far_v)));
 }
 
-}  // namespace fourdvt::reconstruct
+}  // namespace fourdvt::silhouette

@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a point of the picture lies from the outline of a silhouette. Does NOT look beyond a margin round it.
+// Silhouettes: what one camera shows about where the performer can be, and how far a point of its picture lies from the
+// outline.
 #pragma once
 
 #include <vector>
 
+#include "base/camera.h"
 #include "base/image.h"
 
-namespace fourdvt::reconstruct {
+namespace fourdvt::silhouette {
+
+// The picture elements in which a camera sees the performer. What lies outside the picture is unknown, not empty.
+struct Silhouette {
+  PinholeCamera camera;
+  Image coverage;  // 1 channel, the camera's size: 0 background, 255 performer, the outline at 127.5 between centres
+};
 
 // Signed distances to the outline (coverage 127.5), pixels, positive inside the performer. Kept for the silhouette's
 // bounding rectangle with a margin; sampled bilinearly.
@@ -29,4 +37,4 @@ class SilhouetteDistance {
   bool empty_ = true, full_ = false;
 };
 
-}  // namespace fourdvt::reconstruct
+}  // namespace fourdvt::silhouette

@@ -2,16 +2,14 @@
 // Marching squares, the plane case of LC87. A sample is a pixel's centre; a frame of performer samples surrounds the
 // picture. A cell has the samples' corners 0…3 clockwise from the top left, and its side k runs from corner k to corner
 // k + 1.
-#include "reconstruct/contour.h"
+#include "silhouette/contour.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 
-#include "reconstruct/contour_simplify.h"
-
-namespace fourdvt::reconstruct {
+namespace fourdvt::silhouette {
 namespace {
 
 constexpr double kContourLevel = 127.5;
@@ -130,4 +128,4 @@ Outline outlineOf(const Image& coverage, const OutlineRules& rules) {
   return outline;
 }
 
-}  // namespace fourdvt::reconstruct
+}  // namespace fourdvt::silhouette
