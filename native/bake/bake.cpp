@@ -17,7 +17,6 @@
 #include "bake/stages/survey.h"
 #include "base/hash.h"
 #include "capture/input_files.h"
-#include "jobs/videos.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "platform/process.h"
@@ -173,19 +172,14 @@ BakeOptions withoutTrailingSlash(BakeOptions options) {
   return options;
 }
 
-// The plan in a job folder, and the run that goes on by it.
+// The run that goes on by a plan, and its pieces in the plan's order.
 struct OpenJob {
-  jobs::Plan plan;
   std::vector<BakePiece> pieces;
   std::unique_ptr<BakeRun> run;
 };
 
 Error planAgain(const std::string& path, const char* what) {
   return {ErrorId::InvalidArgument, path + ": " + what + "; run `fourdvt plan` again"};
-}
-
-Status settleHashes(const Job& job, jobs::Plan& plan) {
-  return jobs::settleHashes(fnv1a(job.settings_key + plan.tool.build), plan);
 }
 
 // Refuses a job that is not the plan's, and a folder that has been moved.
@@ -197,33 +191,21 @@ Status checkJob(const std::string& job_folder, const Job& job, const std::vector
   jobs::Plan now = plan;
   now.pieces.clear();
   for (const BakePiece& piece : pieces) now.pieces.push_back(piece.piece);
-  FOURDVT_TRY(settleHashes(job, now));
+  FOURDVT_TRY(jobs::settleHashes(job.settings_key, now));
   if (now.pieces.back().hash == plan.pieces.back().hash) return {};
   return planAgain(job_folder + kJobFile, "belongs to another plan than plan.json");
 }
 
-Result<OpenJob> openJob(const std::string& job_folder, const BakeEnvironment& environment) {
+Result<OpenJob> openJob(const std::string& job_folder, const jobs::Plan& plan, const BakeEnvironment& environment) {
   OpenJob out;
-  FOURDVT_ASSIGN(out.plan, jobs::readPlan(job_folder));
-  FOURDVT_TRY(jobs::checkTool(job_folder, out.plan));
   auto loaded = loadJob(job_folder + kJobFile);
   if (!loaded) return planAgain(job_folder + kJobFile, "is missing or damaged");
   Job job = loaded.take();
   out.pieces = bakePieces(job);
-  FOURDVT_TRY(checkJob(job_folder, job, out.pieces, out.plan));
+  FOURDVT_TRY(checkJob(job_folder, job, out.pieces, plan));
   out.run = std::make_unique<BakeRun>(std::move(job), environment);
   FOURDVT_ASSIGN(out.run->work, WorkFolder::join(job_folder, out.run->job.settings_key));
   return out;
-}
-
-// Records of pieces whose results are not there any more, and that of the last piece, whose options and sounds are not
-// part of any key.
-Status dropStaleRecords(BakeRun& run, const std::vector<BakePiece>& pieces, const jobs::Plan& plan) {
-  FOURDVT_ASSIGN(const auto lost, lostPieces(run, pieces));
-  for (size_t p = 0; p < pieces.size(); ++p)
-    if (lost[p] || pieces[p].kind == PieceKind::Finish)
-      platform::removeFolder(run.job.workFolder() + "/" + plan.pieces[p].done());
-  return {};
 }
 
 }  // namespace
@@ -239,35 +221,34 @@ Result<jobs::Plan> planBake(const BakeOptions& given, std::vector<std::string> a
   FOURDVT_ASSIGN(auto job, validate(options, environment));
   BakeRun run(std::move(job), environment);
   FOURDVT_TRY(planJob(run, true));
-  jobs::Plan plan;
-  plan.tool = jobs::thisTool();
-  plan.command = "bake";
-  plan.arguments = std::move(arguments);
-  plan.capture = run.job.capture.folder;
-  plan.result = run.job.options.character_folder;
-  plan.frames = run.job.total_frames;
-  plan.capture_s = run.job.total_frames / run.job.capture.fps;
+  const std::string job_folder = run.job.workFolder();
+  jobs::Plan plan{.command = "bake",
+                  .arguments = std::move(arguments),
+                  .capture = run.job.capture.folder,
+                  .result = run.job.options.character_folder,
+                  .frames = run.job.total_frames,
+                  .capture_s = run.job.total_frames / run.job.capture.fps};
   const auto pieces = bakePieces(run.job);
   for (const BakePiece& piece : pieces) plan.pieces.push_back(piece.piece);
-  FOURDVT_TRY(settleHashes(run.job, plan));
-  FOURDVT_TRY(dropStaleRecords(run, pieces, plan));
-  FOURDVT_TRY(jobs::indexVideos(run.job.workFolder(), capture::videoFiles(run.job.capture), environment.stop));
-  FOURDVT_TRY(saveJob(run.job.workFolder() + kJobFile, run.job));
-  FOURDVT_TRY(jobs::writePlan(run.job.workFolder(), plan));
+  FOURDVT_TRY(jobs::settleHashes(run.job.settings_key, plan));
+  FOURDVT_ASSIGN(const auto lost, lostPieces(run, pieces));
+  jobs::dropRecords(job_folder, plan, [&](size_t piece) { return lost[piece]; });
+  FOURDVT_TRY(jobs::indexVideos(job_folder, capture::videoFiles(run.job.capture), environment.stop));
+  FOURDVT_TRY(saveJob(job_folder + kJobFile, run.job));
+  FOURDVT_TRY(jobs::writePlan(job_folder, plan));
   return plan;
 }
 
-Status bakePiece(const std::string& job_folder, const std::string& id, int threads,
+Status bakePiece(const std::string& job_folder, const jobs::Plan& plan, const jobs::Piece& piece, int threads,
                  const BakeEnvironment& environment) {
-  FOURDVT_ASSIGN(const OpenJob open, openJob(job_folder, environment));
+  FOURDVT_ASSIGN(const OpenJob open, openJob(job_folder, plan, environment));
   open.run->job.options.jobs = threads;
-  for (const BakePiece& piece : open.pieces)
-    if (piece.piece.id == id) return runPiece(*open.run, piece);
-  return Error{ErrorId::InvalidArgument, job_folder + ": has no piece " + id + "; plan.json lists them"};
+  return runPiece(*open.run, open.pieces[size_t(&piece - plan.pieces.data())]);
 }
 
-Result<BakeReport> finishBake(const std::string& job_folder, const BakeEnvironment& environment) {
-  FOURDVT_ASSIGN(const OpenJob open, openJob(job_folder, environment));
+Result<BakeReport> finishBake(const std::string& job_folder, const jobs::Plan& plan,
+                              const BakeEnvironment& environment) {
+  FOURDVT_ASSIGN(const OpenJob open, openJob(job_folder, plan, environment));
   Job& job = open.run->job;
   job.writer = "." + environment.writer;
   FOURDVT_TRY(checkPieceInputs(*open.run, open.pieces.back()));

@@ -26,10 +26,12 @@ Result<BakeReport> bake(const BakeOptions& options, const BakeEnvironment& envir
 // the plan. What the folder has of the same capture and settings stays.
 Result<jobs::Plan> planBake(const BakeOptions& options, std::vector<std::string> arguments,
                             const BakeEnvironment& environment);
-// Computes one piece, or nothing where it is done. Errors: those of its stage, InvalidArgument (no such piece, files
-// that have changed, a plan of another build).
-Status bakePiece(const std::string& job_folder, const std::string& id, int threads, const BakeEnvironment& environment);
+// Computes one piece of the folder's plan, which this build has made, or nothing where it is done. Errors: those of its
+// stage, InvalidArgument (files that have changed, a job of another plan).
+Status bakePiece(const std::string& job_folder, const jobs::Plan& plan, const jobs::Piece& piece, int threads,
+                 const BakeEnvironment& environment);
 // Writes the character and its report from finished pieces, and makes what is missing of them. The job folder stays.
-Result<BakeReport> finishBake(const std::string& job_folder, const BakeEnvironment& environment);
+Result<BakeReport> finishBake(const std::string& job_folder, const jobs::Plan& plan,
+                              const BakeEnvironment& environment);
 
 }  // namespace fourdvt::bake

@@ -2,7 +2,6 @@
 #include "bake/pieces.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
 #include <set>
@@ -11,7 +10,7 @@
 #include "bake/run/renditions.h"
 #include "bake/stages/stages.h"
 #include "bake/stages/survey.h"
-#include "base/hash.h"
+#include "capture/input_files.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -94,7 +93,7 @@ class Cutter {
         addWhole(PieceKind::Finish, std::move(everything), 5 + 0.02 * job_.streamFrames(), costs_.finish_mb());
     if (job_.fromCameras()) readsFrames(finish, {{0, 0}});  // the poster
     for (const capture::CaptureSequence& s : job_.capture.sequences) readsMeshes(finish, s);
-    addInput(finish, job_.sound_digest);
+    finish.piece.addInput(job_.sound_digest);
     return std::move(out_);
   }
 
@@ -293,22 +292,18 @@ class Cutter {
     if (std::find(list.begin(), list.end(), id) == list.end()) list.push_back(std::move(id));
   }
   void cost(BakePiece& piece, double seconds, double memory_mb) const {
-    piece.piece.seconds = std::round(10 * (costs_.starting_s() + seconds)) / 10;
-    piece.piece.memory_mb = std::ceil(memory_mb);
+    piece.piece.setCost(costs_.starting_s() + seconds, memory_mb);
   }
   void readsFrames(BakePiece& piece, const Frames& frames) const {
     std::set<std::pair<size_t, uint32_t>> windows;
     for (const auto& [sequence, frame] : frames) windows.insert({sequence, frame / kInputWindow});
     piece.reads.assign(windows.begin(), windows.end());
     for (const auto& [sequence, window] : windows)
-      addInput(piece, job_.input_digests.at(job_.capture.sequences[sequence].name)[window]);
+      piece.piece.addInput(job_.input_digests.at(job_.capture.sequences[sequence].name)[window]);
   }
   void readsMeshes(BakePiece& piece, const capture::CaptureSequence& sequence) const {
     piece.reads_meshes.push_back(numberOf(job_, &sequence));
-    addInput(piece, job_.mesh_digests.at(sequence.name));
-  }
-  static void addInput(BakePiece& piece, uint64_t digest) {
-    piece.piece.inputs = fnv1a({reinterpret_cast<const uint8_t*>(&digest), sizeof digest}, piece.piece.inputs);
+    piece.piece.addInput(job_.mesh_digests.at(sequence.name));
   }
 
   const Job& job_;
@@ -400,12 +395,24 @@ Result<std::vector<bool>> lostPieces(BakeRun& run, const std::vector<BakePiece>&
 }
 
 Status checkPieceInputs(const BakeRun& run, const BakePiece& piece) {
-  FOURDVT_TRY(checkCommonInputs(run.job));
-  for (const auto& [sequence, window] : piece.reads)
-    FOURDVT_TRY(checkInputs(run.job, run.job.capture.sequences[sequence], window));
-  for (const size_t sequence : piece.reads_meshes)
-    FOURDVT_TRY(checkMeshInputs(run.job, run.job.capture.sequences[sequence]));
-  return piece.kind == PieceKind::Finish ? checkSounds(run.job) : Status();
+  const Job& job = run.job;
+  if (capture::commonInputDigest(job.capture) != job.common_input_digest)
+    return jobs::changedSincePlan(job.capture.folder + ": capture.json, cameras or plates");
+  for (const auto& [number, window] : piece.reads) {
+    const capture::CaptureSequence& sequence = job.capture.sequences[number];
+    const uint32_t first = window * kInputWindow, end = std::min(first + kInputWindow, sequence.frame_count);
+    if (capture::inputDigest(job.capture, sequence, first, end) != job.input_digests.at(sequence.name)[window])
+      return jobs::changedSincePlan(sequence.folder + ": files of frames " + std::to_string(first) + " to " +
+                                    std::to_string(end - 1));
+  }
+  for (const size_t number : piece.reads_meshes) {
+    const capture::CaptureSequence& sequence = job.capture.sequences[number];
+    if (capture::meshDigest(sequence) != job.mesh_digests.at(sequence.name))
+      return jobs::changedSincePlan(sequence.folder + ": its meshes");
+  }
+  if (piece.kind == PieceKind::Finish && capture::soundDigest(job.capture) != job.sound_digest)
+    return jobs::changedSincePlan(job.capture.folder + ": its sounds");
+  return {};
 }
 
 Status runPiece(BakeRun& run, const BakePiece& piece) {

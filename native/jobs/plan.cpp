@@ -2,11 +2,14 @@
 #include "jobs/plan.h"
 
 #include <algorithm>
+#include <cmath>
+#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "base/hash.h"
+#include "platform/ffmpeg_video.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "platform/process.h"
@@ -60,7 +63,15 @@ const Piece* Plan::find(const std::string& id) const {
   return found == pieces.end() ? nullptr : &*found;
 }
 
-Status settleHashes(uint64_t start, Plan& plan) {
+void Piece::addInput(uint64_t digest) { inputs = add(inputs, digest); }
+
+void Piece::setCost(double estimated_s, double most_mb) {
+  seconds = std::round(10 * estimated_s) / 10;
+  memory_mb = std::ceil(most_mb);
+}
+
+Status settleHashes(const std::string& settings_key, Plan& plan) {
+  const uint64_t start = fnv1a(settings_key + plan.tool.build);
   std::map<std::string, uint64_t> settled;
   for (Piece& piece : plan.pieces) {
     piece.hash = add(fnv1a(piece.id, start), piece.inputs);
@@ -109,6 +120,31 @@ std::string planJson(const Plan& plan) {
 Status writePlan(const std::string& job_folder, const Plan& plan) {
   for (const char* folder : {"done", "attempts", "logs"}) FOURDVT_TRY(platform::makeFolder(job_folder + "/" + folder));
   return platform::writeFileAtomic(job_folder + "/" + kPlanFile, planJson(plan));
+}
+
+void dropRecords(const std::string& job_folder, const Plan& plan, const std::function<bool(size_t piece)>& is_lost) {
+  std::error_code ignored;
+  for (size_t p = 0; p < plan.pieces.size(); ++p)
+    if (plan.pieces[p].kind == kFinish || is_lost(p))
+      std::filesystem::remove(job_folder + "/" + plan.pieces[p].done(), ignored);
+}
+
+std::string videoIndexFolder(const std::string& job_folder) { return job_folder + "/videos"; }
+
+Status indexVideos(const std::string& job_folder, const std::vector<std::string>& paths,
+                   const std::atomic<bool>* stop) {
+  const std::string folder = videoIndexFolder(job_folder);
+  FOURDVT_TRY(platform::makeFolder(folder));
+  for (const std::string& path : paths) {
+    if (stop && *stop) return Error{ErrorId::Interrupted, "stopped while listing the pictures of " + path};
+    FOURDVT_TRY(platform::indexVideo(path, folder));
+  }
+  return {};
+}
+
+Error changedSincePlan(const std::string& what) {
+  return {ErrorId::InvalidArgument,
+          what + " have changed since the plan was made, or differ on this machine; run `fourdvt plan` again"};
 }
 
 Result<Plan> readPlan(const std::string& job_folder) {

@@ -6,7 +6,9 @@
 // Does NOT know what a piece computes.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -27,10 +29,12 @@ struct Piece {
   uint64_t inputs = 0;       // hash of what it reads besides what the pieces that it needs have made
   uint64_t hash = 0;         // of all that its output depends on; settleHashes sets it
   std::string done() const;  // path of its record, in the job folder
+  void addInput(uint64_t digest);
+  void setCost(double estimated_s, double most_mb);  // rounded
 };
 
 struct Plan {
-  Tool tool;
+  Tool tool = thisTool();
   std::string command;                 // "bake" or "reconstruct"
   std::vector<std::string> arguments;  // of that command
   std::string capture, result;         // folders, absolute
@@ -41,13 +45,24 @@ struct Plan {
   const Piece* find(const std::string& id) const;
 };
 
-// Sets the pieces' hashes: `start` hashes what all pieces depend on. Errors: Internal (a piece before one that it
-// needs).
-Status settleHashes(uint64_t start, Plan& plan);
+// Sets the pieces' hashes: all pieces depend on the settings and on the build. Errors: Internal (a piece before one
+// that it needs).
+Status settleHashes(const std::string& settings_key, Plan& plan);
 
 std::string planJson(const Plan& plan);
 // Writes it atomically, with the folders that pieces write into. Errors: WriteFailed.
 Status writePlan(const std::string& job_folder, const Plan& plan);
+// Removes the records of pieces whose results are lost, and that of the last piece, whose result may have to be put
+// into place again.
+void dropRecords(const std::string& job_folder, const Plan& plan, const std::function<bool(size_t piece)>& is_lost);
+// Time stamps of a capture's videos, listed once while planning: pieces that begin far inside a video without an index
+// would each read all of it. Returns when all are listed. Errors: those of platform::indexVideo; WriteFailed;
+// Interrupted once `stop`, if there is one, is set.
+Status indexVideos(const std::string& job_folder, const std::vector<std::string>& paths, const std::atomic<bool>* stop);
+// Their folder, for platform::openIndexedVideo.
+std::string videoIndexFolder(const std::string& job_folder);
+// Error of a piece whose files are not those of the plan.
+Error changedSincePlan(const std::string& what);
 // Errors: FileMissing, FileUnreadable.
 Result<Plan> readPlan(const std::string& job_folder);
 // Refuses a plan that another build of the program has made. Errors: InvalidArgument.

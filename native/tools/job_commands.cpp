@@ -5,7 +5,6 @@
 
 #include "jobs/records.h"
 #include "jobs/report.h"
-#include "jobs/videos.h"
 #include "platform/process.h"
 #include "reconstruct/run/pieces.h"
 #include "tools/bake_arguments.h"
@@ -50,9 +49,10 @@ reconstruct::ReconstructEnvironment inJob(const std::string& job_folder,
   return environment;
 }
 
-Status bakePieceOf(const std::string& job_folder, const jobs::Piece& piece, int threads, ProgressLine& line) {
+Status bakePieceOf(const std::string& job_folder, const jobs::Plan& plan, const jobs::Piece& piece, int threads,
+                   ProgressLine& line) {
   FOURDVT_ASSIGN(const auto gpu, openGpu());
-  return bake::bakePiece(job_folder, piece.id, threads, inJob(job_folder, bakeEnvironment(gpu, line)));
+  return bake::bakePiece(job_folder, plan, piece, threads, inJob(job_folder, bakeEnvironment(gpu, line)));
 }
 
 Status reconstructPieceOf(const std::string& job_folder, const jobs::Piece& piece, int threads, ProgressLine& line) {
@@ -61,7 +61,7 @@ Status reconstructPieceOf(const std::string& job_folder, const jobs::Piece& piec
   if (needs_gpu) {
     FOURDVT_ASSIGN(gpu, openGpu());
   }
-  return reconstruct::reconstructPiece(job_folder, piece.id, threads,
+  return reconstruct::reconstructPiece(job_folder, piece, threads,
                                        inJob(job_folder, reconstructEnvironment(gpu, line)));
 }
 
@@ -69,7 +69,7 @@ Status computePiece(const std::string& job_folder, const jobs::Plan& plan, const
   return recorded(job_folder, plan, piece, [&] {
     ProgressLine line;
     const Status done = isReconstruction(plan) ? reconstructPieceOf(job_folder, piece, threads, line)
-                                               : bakePieceOf(job_folder, piece, threads, line);
+                                               : bakePieceOf(job_folder, plan, piece, threads, line);
     line.end();
     return done;
   });
@@ -80,7 +80,7 @@ Status finishBakeOf(const std::string& job_folder, const jobs::Plan& plan) {
   ProgressLine line;
   const bake::BakeEnvironment environment = inJob(job_folder, bakeEnvironment(gpu, line));
   const auto start = std::chrono::steady_clock::now();
-  const auto report = bake::finishBake(job_folder, environment);
+  const auto report = bake::finishBake(job_folder, plan, environment);
   line.end();
   if (!report) return report.error();
   printBakeSummary(plan.result, report.value(),

@@ -58,11 +58,6 @@ uint64_t hashOf(const MeshTopology& t) {
   return hashOf(t.uvs, hashOf(t.face_uvs, hashOf(t.face_vertices, kFnv1aStart)));
 }
 
-Error changed(const std::string& what) {
-  return {ErrorId::InvalidArgument,
-          what + " have changed since the plan was made, or differ on this machine; run `fourdvt plan` again"};
-}
-
 std::string measuredCaptureKey(const Job& job, const capture::CaptureSequence& sequence) {
   std::string key = filesKey(job.capture, sequence);
   key.append(job.mesh.bytes.begin(), job.mesh.bytes.end());
@@ -104,27 +99,6 @@ void settleKeys(Job& job) {
   job.common_input_digest = capture::commonInputDigest(job.capture);
   job.sound_digest = capture::soundDigest(job.capture);
   job.settings_key = settingsKey(job);
-}
-
-Status checkCommonInputs(const Job& job) {
-  if (capture::commonInputDigest(job.capture) == job.common_input_digest) return {};
-  return changed(job.capture.folder + ": capture.json, cameras or plates");
-}
-
-Status checkInputs(const Job& job, const capture::CaptureSequence& sequence, uint32_t window) {
-  const uint32_t first = window * kInputWindow, end = std::min(first + kInputWindow, sequence.frame_count);
-  if (capture::inputDigest(job.capture, sequence, first, end) == job.input_digests.at(sequence.name)[window]) return {};
-  return changed(sequence.folder + ": files of frames " + std::to_string(first) + " to " + std::to_string(end - 1));
-}
-
-Status checkMeshInputs(const Job& job, const capture::CaptureSequence& sequence) {
-  if (capture::meshDigest(sequence) == job.mesh_digests.at(sequence.name)) return {};
-  return changed(sequence.folder + ": its meshes");
-}
-
-Status checkSounds(const Job& job) {
-  if (capture::soundDigest(job.capture) == job.sound_digest) return {};
-  return changed(job.capture.folder + ": its sounds");
 }
 
 std::string labelKey(const BakeOptions& o) {

@@ -20,11 +20,5 @@ std::string settingsKey(const Job& job);
 
 // Sets the job's keys and digests; once, after its streams are planned.
 void settleKeys(Job& job);
-// Refuses files that are not those which settleKeys found: those of one of a sequence's windows (kInputWindow), or
-// those that all frames need. Errors: InvalidArgument.
-Status checkInputs(const Job& job, const capture::CaptureSequence& sequence, uint32_t window);
-Status checkMeshInputs(const Job& job, const capture::CaptureSequence& sequence);
-Status checkSounds(const Job& job);
-Status checkCommonInputs(const Job& job);
 
 }  // namespace fourdvt::bake

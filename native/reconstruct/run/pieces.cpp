@@ -4,16 +4,12 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
-#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <thread>
 
-#include "base/hash.h"
 #include "capture/input_files.h"
-#include "jobs/records.h"
-#include "jobs/videos.h"
 #include "platform/files.h"
 #include "reconstruct/run/finish.h"
 #include "reconstruct/run/job_file.h"
@@ -44,10 +40,18 @@ uint32_t endOf(const Part& part, const capture::CaptureSequence& sequence) {
   return part.first ? 1 : windowEnd(sequence, part.window);
 }
 
-uint64_t inputsOf(const Prepared& job, const Part& part, uint64_t common) {
-  const capture::CaptureSequence& sequence = *job.capture.find(part.sequence);
-  const uint64_t own = capture::inputDigest(job.capture, sequence, firstOf(part), endOf(part, sequence));
-  return fnv1a({reinterpret_cast<const uint8_t*>(&own), sizeof own}, common);
+jobs::Piece pieceOf(const char* kind, std::string id, const JobFile& file) {
+  jobs::Piece out;
+  out.kind = kind, out.id = std::move(id), out.inputs = file.common_input_digest;
+  return out;
+}
+
+jobs::Piece pieceOf(const Part& part, const JobFile& file) {
+  const capture::Capture& capture = file.job.capture;
+  const capture::CaptureSequence& sequence = *capture.find(part.sequence);
+  jobs::Piece out = pieceOf(part.first ? kFirst : kFrames, idOf(part), file);
+  out.addInput(capture::inputDigest(capture, sequence, firstOf(part), endOf(part, sequence)));
+  return out;
 }
 
 // Estimates, from pieces that were measured on two cores, stereo with a GPU that the processor imitates. Only
@@ -68,45 +72,27 @@ class Costs {
   double megapixels_ = 0, megafaces_ = 0;  // of all cameras; of the largest surface
 };
 
-class Cutter {
- public:
-  Cutter(const JobFile& file, jobs::Plan& plan) : file_(file), costs_(file.job), plan_(plan) {}
-
-  void cut() {
-    for (const capture::CaptureSequence& sequence : file_.job.capture.sequences) {
-      Part first{sequence.name, true, 0};
-      add(kFirst, first, 1);
-      for (uint32_t window = 0; window < windowsOf(sequence); ++window) {
-        const Part frames{sequence.name, false, window};
-        add(kFrames, frames, endOf(frames, sequence) - firstOf(frames)).needs = {idOf(first)};
-      }
+std::vector<jobs::Piece> piecesOf(const JobFile& file, uint32_t frames) {
+  const Costs costs(file.job);
+  const auto& sequences = file.job.capture.sequences;
+  std::vector<jobs::Piece> out;
+  const auto add = [&](jobs::Piece piece, double seconds) -> jobs::Piece& {
+    piece.setCost(1 + seconds, costs.memory_mb());
+    return out.emplace_back(std::move(piece));
+  };
+  for (const capture::CaptureSequence& sequence : sequences) {
+    const Part first{sequence.name, true, 0};
+    add(pieceOf(first, file), costs.frame_s());
+    for (uint32_t window = 0; window < windowsOf(sequence); ++window) {
+      const Part part{sequence.name, false, window};
+      add(pieceOf(part, file), costs.frame_s() * (endOf(part, sequence) - firstOf(part))).needs = {idOf(first)};
     }
-    jobs::Piece finish;
-    finish.id = finish.kind = jobs::kFinish;
-    for (const jobs::Piece& piece : plan_.pieces) finish.needs.push_back(piece.id);
-    finish.inputs = file_.common_input_digest;
-    cost(finish, 0.3 * costs_.megapixels() * double(file_.job.capture.sequences.size()) + 0.001 * plan_.frames);
-    plan_.pieces.push_back(std::move(finish));
   }
-
- private:
-  jobs::Piece& add(const char* kind, const Part& part, uint32_t frames) {
-    jobs::Piece& piece = plan_.pieces.emplace_back();
-    piece.id = idOf(part);
-    piece.kind = kind;
-    piece.inputs = inputsOf(file_.job, part, file_.common_input_digest);
-    cost(piece, costs_.frame_s() * frames);
-    return piece;
-  }
-  void cost(jobs::Piece& piece, double seconds) const {
-    piece.seconds = std::round(10 * (1 + seconds)) / 10;
-    piece.memory_mb = std::ceil(costs_.memory_mb());
-  }
-
-  const JobFile& file_;
-  const Costs costs_;
-  jobs::Plan& plan_;
-};
+  jobs::Piece finish = pieceOf(jobs::kFinish, jobs::kFinish, file);
+  for (const jobs::Piece& piece : out) finish.needs.push_back(piece.id);
+  add(std::move(finish), 0.3 * costs.megapixels() * double(sequences.size()) + 0.001 * frames);
+  return out;
+}
 
 // A piece carries the name of its sequence.
 Status checkNames(const Prepared& job) {
@@ -126,19 +112,13 @@ std::optional<Part> partOf(const jobs::Piece& piece) {
   return Part{piece.id.substr(start, dash - start), false, uint32_t(std::strtoul(&piece.id[dash + 1], nullptr, 10))};
 }
 
-// Removes records of pieces whose frames are gone, which they are once the new folder is in place; and that of the last
-// piece while a folder still waits to be put into place.
-void dropStaleRecords(const std::string& job_folder, const Prepared& job, const jobs::Plan& plan) {
-  const FrameStore store(resultFolder(job.options), job.capture, job.settings_key);
-  for (const jobs::Piece& piece : plan.pieces) {
-    bool stale = piece.kind == jobs::kFinish;
-    const auto part = partOf(piece);
-    const uint32_t end = part ? endOf(*part, *job.capture.find(part->sequence)) : 0;
-    for (uint32_t frame = part ? firstOf(*part) : 0; frame < end && !stale; ++frame)
-      stale = !store.find(part->sequence, frame);
-    std::error_code ignored;
-    if (stale) std::filesystem::remove(job_folder + "/" + piece.done(), ignored);
-  }
+// True where frames of a piece are gone, which they are once the new folder is in place.
+bool isLost(const FrameStore& store, const Prepared& job, const jobs::Piece& piece) {
+  const auto part = partOf(piece);
+  const uint32_t end = part ? endOf(*part, *job.capture.find(part->sequence)) : 0;
+  for (uint32_t frame = part ? firstOf(*part) : 0; frame < end; ++frame)
+    if (!store.find(part->sequence, frame)) return true;
+  return false;
 }
 
 // A calibration is made once, and what it had to say is kept with it.
@@ -151,39 +131,21 @@ void addEarlierWarnings(const std::string& job_folder, Prepared& job) {
   job.warnings = std::move(all);
 }
 
-struct OpenJob {
-  jobs::Plan plan;
-  JobFile file;
-};
-
-Result<OpenJob> openJob(const std::string& job_folder) {
-  OpenJob out;
-  FOURDVT_ASSIGN(out.plan, jobs::readPlan(job_folder));
-  FOURDVT_TRY(jobs::checkTool(job_folder, out.plan));
-  FOURDVT_ASSIGN(out.file, readJobFile(job_folder));
-  return out;
-}
-
-Error changed(const std::string& what) {
-  return {ErrorId::InvalidArgument,
-          what + " have changed since the plan was made, or differ on this machine; run `fourdvt plan` again"};
-}
-
 Status checkInputs(const JobFile& file, const Part& part, const jobs::Piece& piece) {
   const Prepared& job = file.job;
   if (capture::commonInputDigest(job.capture) != file.common_input_digest)
-    return changed(job.options.capture_folder + ": capture.json, cameras or plates");
-  if (inputsOf(job, part, file.common_input_digest) == piece.inputs) return {};
+    return jobs::changedSincePlan(job.options.capture_folder + ": capture.json, cameras or plates");
+  if (pieceOf(part, file).inputs == piece.inputs) return {};
   const uint32_t end = endOf(part, *job.capture.find(part.sequence));
-  return changed(job.folderOf(part.sequence) + ": files of frames " + std::to_string(firstOf(part)) + " to " +
-                 std::to_string(end - 1));
+  return jobs::changedSincePlan(job.folderOf(part.sequence) + ": files of frames " + std::to_string(firstOf(part)) +
+                                " to " + std::to_string(end - 1));
 }
 
 // The planning process has looked at every picture; a piece looks at its own.
 Result<capture::Capture> openForPiece(const ReconstructOptions& options, const std::string& sequence) {
   auto opened = capture::openDescription(resultFolder(options).partFolder(), {sequence}, capture::MeshNeed::Nothing);
   if (opened.ok()) return opened;
-  return changed(options.capture_folder + ": its files (" + opened.error().message + ")");
+  return jobs::changedSincePlan(options.capture_folder + ": its files (" + opened.error().message + ")");
 }
 
 // Path of a copy of the result's report, written before the result is put into place: a result with the same report is
@@ -229,19 +191,20 @@ Result<jobs::Plan> planReconstruct(const ReconstructOptions& options, std::vecto
   const std::string job_folder = resultFolder(job.options).workFolder();
   addEarlierWarnings(job_folder, file.job);
   file.common_input_digest = capture::commonInputDigest(job.capture);
-  jobs::Plan plan;
-  plan.tool = jobs::thisTool();
-  plan.command = "reconstruct";
-  plan.arguments = std::move(arguments);
-  plan.capture = job.options.capture_folder;
-  plan.result = job.options.folder;
-  for (const capture::CaptureSequence& sequence : job.capture.sequences) plan.frames += sequence.frame_count;
-  plan.capture_s = plan.frames / job.capture.fps;
-  Cutter(file, plan).cut();
-  FOURDVT_TRY(jobs::settleHashes(fnv1a(job.settings_key + plan.tool.build), plan));
+  uint32_t count = 0;
+  for (const capture::CaptureSequence& sequence : job.capture.sequences) count += sequence.frame_count;
+  jobs::Plan plan{.command = "reconstruct",
+                  .arguments = std::move(arguments),
+                  .capture = job.options.capture_folder,
+                  .result = job.options.folder,
+                  .frames = count,
+                  .capture_s = count / job.capture.fps,
+                  .pieces = piecesOf(file, count)};
+  FOURDVT_TRY(jobs::settleHashes(job.settings_key, plan));
   FOURDVT_TRY(jobs::indexVideos(job_folder, capture::videoFiles(job.capture), environment.stop));
   FOURDVT_TRY(writeJobFile(job_folder, file));
-  dropStaleRecords(job_folder, job, plan);
+  const FrameStore store(resultFolder(job.options), job.capture, job.settings_key);
+  jobs::dropRecords(job_folder, plan, [&](size_t piece) { return isLost(store, job, plan.pieces[piece]); });
   FOURDVT_TRY(jobs::writePlan(job_folder, plan));
   return plan;
 }
@@ -251,16 +214,15 @@ Result<bool> piecesNeedDevice(const std::string& job_folder) {
   return file.job.options.stereo;
 }
 
-Status reconstructPiece(const std::string& job_folder, const std::string& id, int threads,
+Status reconstructPiece(const std::string& job_folder, const jobs::Piece& piece, int threads,
                         const ReconstructEnvironment& environment) {
-  FOURDVT_ASSIGN(auto open, openJob(job_folder));
-  const jobs::Piece* piece = open.plan.find(id);
-  const auto part = piece ? partOf(*piece) : std::nullopt;
-  if (!part) return Error{ErrorId::InvalidArgument, job_folder + ": has no piece " + id + "; plan.json lists them"};
-  Prepared& job = open.file.job;
+  FOURDVT_ASSIGN(auto file, readJobFile(job_folder));
+  const auto part = partOf(piece);
+  if (!part) return Error{ErrorId::InvalidArgument, job_folder + ": piece " + piece.id + " makes no frames"};
+  Prepared& job = file.job;
   const Threads limit(threads);
   FOURDVT_ASSIGN(job.capture, openForPiece(job.options, part->sequence));
-  FOURDVT_TRY(checkInputs(open.file, *part, *piece));
+  FOURDVT_TRY(checkInputs(file, *part, piece));
   const capture::CaptureSequence& sequence = job.capture.sequences[0];
   const FrameStore store(resultFolder(job.options), job.capture, job.settings_key);
   FOURDVT_TRY(store.makeFolders(sequence.name));
@@ -279,10 +241,10 @@ Status reconstructPiece(const std::string& job_folder, const std::string& id, in
 }
 
 Result<ReconstructSummary> finishReconstruct(const std::string& job_folder, const ReconstructEnvironment& environment) {
-  FOURDVT_ASSIGN(auto open, openJob(job_folder));
-  const ReconstructOptions options = open.file.job.options;
+  FOURDVT_ASSIGN(auto file, readJobFile(job_folder));
+  const ReconstructOptions options = file.job.options;
   if (isPlaced(job_folder, options)) return readSummary(options.folder);
-  auto written = writeAndPlace(job_folder, open.file.job, environment.open_video);
+  auto written = writeAndPlace(job_folder, file.job, environment.open_video);
   for (int look = 0; look < kLooks && !written.ok(); ++look) {
     if (isPlaced(job_folder, options)) return readSummary(options.folder);
     std::this_thread::sleep_for(kBetweenLooks);

@@ -22,9 +22,9 @@ Result<jobs::Plan> planReconstruct(const ReconstructOptions& options, std::vecto
 // True where pieces but the last need environment.device. Errors: those of reading the job folder.
 Result<bool> piecesNeedDevice(const std::string& job_folder);
 
-// Computes one piece but the last, or what is missing of it. Any process may compute it, several at once. Errors: those
-// of reconstruct; InvalidArgument (no such piece, files that have changed, a plan of another build).
-Status reconstructPiece(const std::string& job_folder, const std::string& id, int threads,
+// Computes one piece but the last, of a plan that this build has made, or what is missing of it. Any process may
+// compute it, several at once. Errors: those of reconstruct; InvalidArgument (files that have changed).
+Status reconstructPiece(const std::string& job_folder, const jobs::Piece& piece, int threads,
                         const ReconstructEnvironment& environment);
 
 // Writes the report and puts the new folder into place. The job folder stays. Errors: InvalidArgument (frames are

@@ -28,7 +28,7 @@ Plan smallPlan() {
                  {"survey-a-1", "survey", {}, 10, 500, 8},
                  {"gop-a-0", "gop", {"survey-a-0"}, 20, 800, 7},
                  {"finish", kFinish, {"survey-a-0", "survey-a-1", "gop-a-0"}, 5, 300, 0}};
-  EXPECT_TRUE(settleHashes(1, plan).ok());
+  EXPECT_TRUE(settleHashes("a", plan).ok());
   return plan;
 }
 
@@ -82,15 +82,15 @@ TEST(JobPlan, NamesOfOutputsFollowWhatTheyDependOn) {
   const Plan plan = smallPlan();
   Plan other = plan;
   other.pieces[0].inputs = 99;
-  ASSERT_TRUE(settleHashes(1, other).ok());
+  ASSERT_TRUE(settleHashes("a", other).ok());
   EXPECT_NE(other.pieces[0].done(), plan.pieces[0].done());
   EXPECT_EQ(other.pieces[1].done(), plan.pieces[1].done());
   EXPECT_NE(other.pieces[2].done(), plan.pieces[2].done());
   EXPECT_NE(other.pieces[3].done(), plan.pieces[3].done());
-  ASSERT_TRUE(settleHashes(2, other).ok());
+  ASSERT_TRUE(settleHashes("b", other).ok());
   EXPECT_NE(other.pieces[1].done(), plan.pieces[1].done()) << "other settings";
   std::swap(other.pieces[0], other.pieces[2]);
-  EXPECT_EQ(settleHashes(1, other).error().id, ErrorId::Internal) << "a piece before one that it needs";
+  EXPECT_EQ(settleHashes("a", other).error().id, ErrorId::Internal) << "a piece before one that it needs";
 }
 
 TEST_F(Jobs, PlanOfAnotherBuildIsRefused) {
