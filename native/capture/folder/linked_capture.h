@@ -25,9 +25,14 @@ struct LinkOptions {
 // Links whatever the folder of `capture` holds into `to`, which exists: everything but capture.json, reports, sequences
 // that do not go along, and with `own_meshes` meshes. Links are relative, so that both folders can be moved together;
 // where links cannot be made, files are copied. What is there already stays, texts that would not change
-// included; `to` may be renamed within its parent folder later. Then writes capture.json; with `own_meshes` motion classes, which need one topology, are left out.
-// Errors: WriteFailed, CaptureJson, FileMissing.
+// included; `to` may be renamed within its parent folder later. Then writes capture.json; with `own_meshes` motion
+// classes, which need one topology, are left out. Errors: WriteFailed, CaptureJson, FileMissing.
 Status linkCapture(const Capture& capture, const std::string& to, const LinkOptions& options);
+
+// Opens sequences of the folder that a capture was linked into. Errors: those of openCapture, under the name of the
+// capture that its links lead to: whatever capture.json names must be found from the new folder.
+Result<Capture> openLinked(const std::string& folder, const std::string& linked_capture,
+                           const std::vector<std::string>& sequences, const OpenVideo& open_video);
 
 // Takes cameras out of a capture that was opened. Errors: InvalidArgument (a name that no camera has; fewer than two
 // would be left).

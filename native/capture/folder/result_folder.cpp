@@ -87,6 +87,11 @@ Result<std::string> checkedTarget(const std::string& folder, const std::string& 
              " inside); choose another output folder");
 }
 
+std::string frameName(uint32_t frame) {
+  const std::string digits = std::to_string(frame);
+  return std::string(6 - std::min<size_t>(6, digits.size()), '0') + digits;
+}
+
 Status ResultFolder::open(const std::string& key, bool resume) const {
   std::error_code failed;
   const auto found = store::keyOf(workFolder());

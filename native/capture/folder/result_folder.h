@@ -29,6 +29,9 @@ Result<std::string> checkedTarget(const std::string& folder, const std::string& 
 // and hints. 16 hexadecimal digits.
 std::string inputsKey(const Capture& capture);
 
+// Name of a frame's file without its ending: "000012".
+std::string frameName(uint32_t frame);
+
 class ResultFolder {
  public:
   // `target`: see checkedTarget.

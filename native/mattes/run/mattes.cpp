@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <filesystem>
 
 #include "capture/folder/linked_capture.h"
@@ -27,12 +26,6 @@ constexpr const char* kVersion = "mattes 1";  // raise it when the same options 
 const capture::FolderWriter kWriter{"mattes", kReportJson, "reconstruct.json"};
 
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-std::string frameName(uint32_t frame) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%06u", frame);
-  return text;
-}
 
 // `count` frames spread evenly, all if there are fewer.
 std::vector<uint32_t> spread(uint32_t frames, uint32_t count) {
@@ -99,7 +92,7 @@ class Run {
   }
   std::string cellsFolder() const { return work_ + "/cells"; }
   std::string figuresPath(const capture::CaptureSequence& s, uint32_t frame) const {
-    return work_ + "/mattes/" + s.name + "/" + frameName(frame) + ".bin";
+    return work_ + "/mattes/" + s.name + "/" + capture::frameName(frame) + ".bin";
   }
   // A preview's mattes lie apart, so that nobody takes its folder for a capture.
   std::string mattesFolder(const capture::CaptureSequence& s, size_t camera) const {
@@ -109,7 +102,7 @@ class Run {
   // Mattes are numbered as the camera's pictures are.
   std::string mattePath(const capture::CaptureSequence& s, size_t camera, uint32_t frame) const {
     const uint32_t number = s.pictureOf(capture_.cameras[camera].pinhole.name, frame);
-    return mattesFolder(s, camera) + "/" + frameName(number) + ".png";
+    return mattesFolder(s, camera) + "/" + capture::frameName(number) + ".png";
   }
   std::string sourceName(size_t camera) const {
     const bool lacks = std::any_of(lacking_.begin(), lacking_.end(), [&](const auto& of) { return of[camera]; });
@@ -223,9 +216,9 @@ class Run {
       out[c] = {m.shift_pixels, m.gain, m.residual_levels, m.supported, m.kept, shareOf(m.matte)};
       if (mattes.made(c)) done[c] = platform::writeImage(mattePath(s, c, frame), m.matte);
       if (done[c].ok() && in_sheet)
-        done[c] = platform::writeImage(
-            cellsFolder() + "/" + s.name + "/" + capture_.cameras[c].pinhole.name + "/" + frameName(frame) + ".png",
-            contactCell(made.pictures[c], m));
+        done[c] = platform::writeImage(cellsFolder() + "/" + s.name + "/" + capture_.cameras[c].pinhole.name + "/" +
+                                           capture::frameName(frame) + ".png",
+                                       contactCell(made.pictures[c], m));
     });
     for (const Status& status : done)
       if (!status.ok()) return status.error();
@@ -260,18 +253,6 @@ std::string settingsKey(const MattesOptions& o, const capture::Capture& capture)
          std::to_string(o.preview) + "\n";
 }
 
-// Everything that the new capture.json names must be found from the new folder.
-Status checkLinks(const capture::Capture& capture, const std::string& folder, const std::vector<std::string>& names,
-                  const OpenVideo& open_video) {
-  const auto linked =
-      capture::openCapture(folder, open_video, names, capture::MeshNeed::Nothing, capture::MatteNeed::None);
-  if (linked.ok()) return {};
-  return Error{linked.error().id, capture.folder +
-                                      "/capture.json: names files outside of the capture or in a sequence that is "
-                                      "left out; move them into folders of their own inside it (" +
-                                      linked.error().message + ")"};
-}
-
 }  // namespace
 
 Result<MattesSummary> addMattes(const capture::Capture& capture, const std::string& part_folder,
@@ -292,7 +273,7 @@ Result<MattesSummary> makeMattes(const MattesOptions& options, const MattesEnvir
     std::vector<std::string> names;
     for (const capture::CaptureSequence& s : capture.sequences) names.push_back(s.name);
     FOURDVT_TRY(capture::linkCapture(capture, folder.partFolder(), {names, false, options.leave_out}));
-    FOURDVT_TRY(checkLinks(capture, folder.partFolder(), names, environment.open_video));
+    FOURDVT_TRY(capture::openLinked(folder.partFolder(), capture.folder, names, environment.open_video));
   }
   FOURDVT_ASSIGN(auto summary, addMattes(capture, folder.partFolder(), folder.workFolder(), options, environment));
   FOURDVT_TRY(folder.finish());

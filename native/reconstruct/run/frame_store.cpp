@@ -28,12 +28,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kVersion = "reconstruct 5";  // raise it when the same options give other meshes
 
-std::string frameName(uint32_t frame) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%06u", frame);
-  return text;
-}
-
 }  // namespace
 
 std::string settingsKey(const ReconstructOptions& o, const capture::Capture& capture) {
@@ -70,11 +64,11 @@ Status FrameStore::checkFolder() const {
 
 std::string FrameStore::meshPath(const std::string& sequence, uint32_t frame) const {
   return folder_.partFolder() + "/" + sequence + "/" + capture::kMeshFolder + "/" +
-         frameName(first_frames_.at(sequence) + frame) + ".ply";
+         capture::frameName(first_frames_.at(sequence) + frame) + ".ply";
 }
 
 std::string FrameStore::figuresPath(const std::string& sequence, uint32_t frame) const {
-  return figuresFolder(sequence) + "/" + frameName(frame) + ".bin";
+  return figuresFolder(sequence) + "/" + capture::frameName(frame) + ".bin";
 }
 
 std::optional<FrameFigures> FrameStore::find(const std::string& sequence, uint32_t frame) const {

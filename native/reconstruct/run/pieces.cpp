@@ -9,6 +9,7 @@
 #include <optional>
 #include <thread>
 
+#include "capture/folder/linked_capture.h"
 #include "capture/input_files.h"
 #include "platform/files.h"
 #include "reconstruct/run/finish.h"
@@ -162,9 +163,10 @@ bool isPlaced(const std::string& job_folder, const ReconstructOptions& options) 
 }
 
 Result<ReconstructSummary> writeAndPlace(const std::string& job_folder, Prepared& job, const OpenVideo& open_video) {
-  FOURDVT_ASSIGN(job.capture, openLinked(job.options, job.options.sequences, open_video));
-  job.capture.name = job.name;
   const capture::ResultFolder folder = resultFolder(job.options);
+  FOURDVT_ASSIGN(job.capture, capture::openLinked(folder.partFolder(), job.options.capture_folder,
+                                                  job.options.sequences, open_video));
+  job.capture.name = job.name;
   const FrameStore store(folder, job.capture, job.settings_key);
   ReportPictures pictures;
   for (const capture::CaptureSequence& sequence : job.capture.sequences)

@@ -37,18 +37,6 @@ Threads::~Threads() = default;
 
 capture::ResultFolder resultFolder(const ReconstructOptions& options) { return {options.folder, kWriter}; }
 
-// Everything that the new capture.json names must be found from the new folder, from which frames are read.
-Result<capture::Capture> openLinked(const ReconstructOptions& options, const std::vector<std::string>& sequences,
-                                    const OpenVideo& open_video) {
-  auto linked = capture::openCapture(resultFolder(options).partFolder(), open_video, sequences,
-                                     capture::MeshNeed::Nothing, capture::MatteNeed::None);
-  if (linked.ok()) return linked;
-  return Error{linked.error().id, options.capture_folder +
-                                      "/capture.json: names files outside of the capture or in a sequence that is "
-                                      "left out; move them into folders of their own inside it (" +
-                                      linked.error().message + ")"};
-}
-
 Status Preparation::openGiven() {
   ReconstructOptions& options = out_.options;
   FOURDVT_ASSIGN(options.folder, capture::checkedTarget(options.folder, options.capture_folder, kWriter));
@@ -89,7 +77,8 @@ Status Preparation::link(Earlier earlier) {
                       ": holds work of other settings, of another capture or of another build; all begins again");
   FOURDVT_TRY(folder.open(out_.settings_key, earlier == Earlier::Kept || (earlier == Earlier::KeptIfSame && same)));
   FOURDVT_TRY(linkFrames());
-  FOURDVT_ASSIGN(out_.capture, openLinked(out_.options, out_.options.sequences, environment_.open_video));
+  FOURDVT_ASSIGN(out_.capture, capture::openLinked(folder.partFolder(), out_.options.capture_folder,
+                                                   out_.options.sequences, environment_.open_video));
   capture::Capture& linked = out_.capture;
   linked.name = given_.name;
   for (size_t c = 0; c < given_.cameras.size(); ++c) given_.cameras[c].pinhole = linked.cameras[c].pinhole;

@@ -41,10 +41,6 @@ struct Prepared {
 
 capture::ResultFolder resultFolder(const ReconstructOptions& options);
 
-// Opens the new folder with these sequences. Errors: those of openCapture, with a word on what may not be linked.
-Result<capture::Capture> openLinked(const ReconstructOptions& options, const std::vector<std::string>& sequences,
-                                    const OpenVideo& open_video);
-
 // Work that an earlier run left in the same place.
 enum class Earlier {
   Removed,
