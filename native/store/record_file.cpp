@@ -7,6 +7,8 @@
 #include <cstring>
 #include <filesystem>
 
+#include "platform/files.h"
+
 namespace fourdvt::store {
 namespace {
 
@@ -15,12 +17,6 @@ namespace fs = std::filesystem;
 Error cannotWrite(const std::string& path, int code) {
   return {ErrorId::WriteFailed,
           path + ": cannot write: " + std::strerror(code) + "; free disk space or choose another output folder"};
-}
-
-uint64_t sizeOf(const std::string& path) {
-  std::error_code error;
-  const uint64_t size = fs::file_size(path, error);
-  return error ? 0 : size;
 }
 
 Result<std::vector<uint8_t>> readAt(std::FILE* file, const std::string& path, size_t record_bytes, uint32_t index) {
@@ -36,7 +32,7 @@ Result<std::vector<uint8_t>> readAt(std::FILE* file, const std::string& path, si
 }  // namespace
 
 bool RecordFile::isComplete(const std::string& path, size_t record_bytes, uint32_t records) {
-  return fs::exists(path) && sizeOf(path) == uint64_t(record_bytes) * records;
+  return fs::exists(path) && platform::fileBytes(path) == uint64_t(record_bytes) * records;
 }
 
 Result<RecordFile> RecordFile::resume(const std::string& path, size_t record_bytes, uint32_t records,
@@ -46,12 +42,12 @@ Result<RecordFile> RecordFile::resume(const std::string& path, size_t record_byt
   out.open_path_ = complete ? path : path + ".part" + writer;
   std::error_code ignored;
   if (!complete && fs::exists(out.open_path_, ignored)) {  // drops a record that was only half written
-    const uint64_t whole = sizeOf(out.open_path_) / record_bytes;
+    const uint64_t whole = platform::fileBytes(out.open_path_) / record_bytes;
     fs::resize_file(out.open_path_, std::min<uint64_t>(whole, records) * record_bytes, ignored);
   }
   out.file_.reset(std::fopen(out.open_path_.c_str(), complete ? "rb" : "a+b"));
   if (!out.file_) return cannotWrite(out.open_path_, errno);
-  out.count_ = static_cast<uint32_t>(sizeOf(out.open_path_) / record_bytes);
+  out.count_ = static_cast<uint32_t>(platform::fileBytes(out.open_path_) / record_bytes);
   return out;
 }
 
