@@ -172,7 +172,8 @@ Status checkTool(const std::string& job_folder, const Plan& plan) {
   return Error{ErrorId::InvalidArgument,
                job_folder + "/" + kPlanFile + ": made by fourdvt " + plan.tool.version + " (build " + plan.tool.build +
                    ", " + plan.tool.program + "), but this is " + here.version + " (build " + here.build + ", on " +
-                   platform::hostName() + "): results of both would not fit together; run that program, with the same versions " +
+                   platform::hostName() +
+                   "): results of both would not fit together; run that program, with the same versions " +
                    "of the libraries that it uses, on every machine, or plan again with this one"};
 }
 

@@ -51,9 +51,9 @@ Result<Attempt> Attempt::begin(const std::string& job_folder, const Piece& piece
   const std::string stem = stemOf(piece);
   const auto starts = startsIn(job_folder);
   if (const auto before = starts.find(stem); before != starts.end()) out.number_ = before->second + 1;
-  FOURDVT_TRY(platform::writeFileAtomic(job_folder + "/attempts/" + stem + "~" + std::to_string(out.number_) + "." +
-                                            platform::ownSuffix(),
-                                        std::string()));
+  FOURDVT_TRY(platform::writeFileAtomic(
+      job_folder + "/attempts/" + stem + "~" + std::to_string(out.number_) + "." + platform::ownSuffix(),
+      std::string()));
   return out;
 }
 

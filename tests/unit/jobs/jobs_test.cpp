@@ -10,6 +10,7 @@
 
 #include "jobs/records.h"
 #include "jobs/report.h"
+#include "platform/files.h"
 #include "platform/process.h"
 
 namespace fourdvt::jobs {
