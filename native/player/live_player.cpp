@@ -28,10 +28,7 @@ Result<std::unique_ptr<LivePlayer>> LivePlayer::create(gpu::Device& device, std:
 }
 
 LivePlayer::LivePlayer(gpu::Device& device, std::shared_ptr<render::Recipe> recipe, const PlayerOptions& options)
-    : device_(device),
-      recipe_(std::move(recipe)),
-      playback_(outbox_),
-      checks_(device),
+    : Player(device, options, std::move(recipe), render::Align::None),
       on_gpu_(options.picture_kind == render::PictureTextures::Kind::Rgba),
       readable_(options.readable),
       slots_(options.picture_slots, options.picture_kind) {}
@@ -334,12 +331,7 @@ bool LivePlayer::show(const Frame& frame) {
 
 Result<render::Figure> LivePlayer::figure() const {
   if (!hasFrame()) return Error{ErrorId::InvalidArgument, "nothing to draw yet: wait for canplay"};
-  return composer_.cameraFigure(surface_, slots_.picture(shown_.slot), motion::worldFromCharacter(placement_));
-}
-
-Status LivePlayer::draw(const render::View& view, const render::RecipeOptions& options, gpu::TargetId target) {
-  FOURDVT_ASSIGN(const render::Figure drawn, figure());
-  return recipe_->draw({&drawn, 1}, nullptr, view, {options, align(), method_}, target);
+  return composer_.cameraFigure(surface_, slots_.picture(shown_.slot), motion::worldFromCharacter(placement()));
 }
 
 double LivePlayer::currentTime() const {

@@ -12,11 +12,8 @@
 
 #include "package/live_frame.h"
 #include "package/live_manifest.h"
-#include "player/parts/figure.h"
 #include "player/parts/pictures.h"
-#include "player/parts/playback.h"
 #include "player/player.h"
-#include "render/barcodes/picture_checks.h"
 
 namespace fourdvt {
 
@@ -35,53 +32,29 @@ class LivePlayer final : public Player {
   int64_t capturedUs() const { return hasFrame() ? shown_.captured_us : 0; }
 
   Status loadManifest(const FlatJson& manifest, std::span<const uint8_t> start) override;
-  bool hasMesh() const override { return true; }
   void play() override;
   void pause() override { playback_.pause(); }
   void seekFrame(uint32_t) override { seek(0); }
   void seek(double) override;  // there is only now
   Status selectSequence(const std::string& name) override;
-  void setRate(double) override {}
-  void setLoop(int) override {}
   Status setParameter(const std::string& name, double, bool) override;
   double parameter(const std::string&) const override;
   Status goTo(const std::string& state) override { return selectSequence(state); }
-  bool inTransition() const override { return false; }
   std::string goal() const override;
-  void setTravel(bool) override {}
-  void setPlacement(const motion::Placement& placement) override { placement_ = placement; }
-  motion::Placement placement() const override { return placement_; }
-  void steer(double) override {}
-  void setAlign(render::Align) override {}
-  void setMethod(const render::MethodOptions& options) override { method_ = options; }
-  void setQuality(uint32_t, uint32_t) override {}
-  void expectThroughput(double) override {}
-  void judgeRendition(uint32_t, uint32_t, bool) override {}
-  void lookAhead(bool) override {}
-  void sliceDecoding(const DecodeSlice&) override {}
   void tick(double now_s) override;
   bool nextRequest(Request& out) override;
-  bool nextEvent(Event& out) override { return outbox_.nextEvent(out); }
-  void onRangeReceived(uint32_t, std::span<const uint8_t>) override {}
-  void onRangeFailed(uint32_t, const std::string&) override {}
   int acquireSlot(int decoder, int64_t timestamp_us) override;
   void uploadI420(int slot, const I420View& picture, PictureBytes bytes) override;
   gpu::TextureId slotTexture(int slot) const override;
   void commitSlot(int slot, int width = 0, int height = 0) override;
-  double pace(int) const override { return 0; }
   void onDecoderFailed(int decoder, DecoderFault fault, const std::string& reason) override;
   void setInSight(bool in_sight) override { in_sight_ = in_sight; }
   bool hasFrame() const override { return shown_.slot >= 0; }
   Result<render::Figure> figure() const override;
-  render::Align align() const override { return render::Align::None; }
-  const render::MethodOptions& method() const override { return method_; }
-  bool makeNextProgram(const render::RecipeOptions&) override { return false; }
-  Status draw(const render::View& view, const render::RecipeOptions& options, gpu::TargetId target) override;
   const package::Character* character() const override { return live_ ? &live_->character : nullptr; }
   const package::Sequence* sequence() const override { return live_ ? &live_->character.sequences[0] : nullptr; }
   uint32_t frame() const override { return shown_.number; }
   double currentTime() const override;  // since the first frame, by capture
-  bool paused() const override { return !playback_.playing(); }
   bool seeking() const override { return !hasFrame(); }
   bool failed() const override { return failed_; }
   PlayerStats stats() const override;
@@ -121,16 +94,10 @@ class LivePlayer final : public Player {
   bool showNewest();
   bool show(const Frame& frame);
 
-  gpu::Device& device_;
-  std::shared_ptr<render::Recipe> recipe_;
-  Outbox outbox_;
-  Playback playback_;
-  render::PictureChecks checks_;
   const bool on_gpu_;  // the edge fills the slots' textures itself
   const bool readable_;
   PictureSlots slots_;
   ShownFrame surface_;
-  FigureComposer composer_;
   std::optional<package::LiveCharacter> live_;
   std::vector<Frame> frames_;
   std::vector<uint8_t> feeding_;  // the sample that the edge was given last
@@ -141,9 +108,6 @@ class LivePlayer final : public Player {
   Shown shown_;
   int64_t first_captured_us_ = 0;
   double shown_at_s_ = 0;
-  motion::Placement placement_;
-  render::MethodOptions method_;
-  PlayerStats stats_;  // without encoded_bytes_held
 };
 
 }  // namespace fourdvt

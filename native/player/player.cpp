@@ -32,14 +32,10 @@ Result<std::unique_ptr<Player>> Player::create(gpu::Device& device, std::shared_
 }
 
 PlayerImpl::PlayerImpl(gpu::Device& device, const PlayerOptions& options, std::shared_ptr<render::Recipe> recipe)
-    : device_(device),
+    : Player(device, options, std::move(recipe), render::Align::Baked),
       options_(options),
-      recipe_(std::move(recipe)),
       loading_(outbox_, options.encoded_budget_bytes, options.rendition),
-      playback_(outbox_),
-      checks_(device),
       tracks_{makeTrack(0, options), makeTrack(1, options)},
-      root_motion_(options.turn_rate_rad_s),
       parameters_(options.parameter_rate) {
   loading_.allowGraph(options.transitions);
 }

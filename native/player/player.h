@@ -22,13 +22,11 @@
 
 #include "base/camera.h"
 #include "base/flat_json.h"
-#include "base/result.h"
-#include "gpu/device.h"
-#include "motion/placement.h"
-#include "package/character.h"
+#include "player/parts/figure.h"
 #include "player/parts/loading.h"
-#include "player/parts/messages.h"
-#include "render/recipe.h"
+#include "player/parts/motion.h"
+#include "player/parts/playback.h"
+#include "render/barcodes/picture_checks.h"
 
 namespace fourdvt {
 
@@ -72,6 +70,7 @@ struct PlayerStats {
   DecodeStats decoded;
 };
 
+// What every character has; what a live stream lacks does nothing by itself.
 class Player {
  public:
   static Result<std::unique_ptr<Player>> create(gpu::Device& device, const PlayerOptions& options);
@@ -84,14 +83,14 @@ class Player {
   // the character's start file (package/start_file.h), if the edge has them: they show frame 0 before any fetch.
   virtual Status loadManifest(const FlatJson& gltf, std::span<const uint8_t> start = {}) = 0;
   // The base mesh is there, or none is needed: no fetch under way brings one in Draco's coding.
-  virtual bool hasMesh() const = 0;
+  virtual bool hasMesh() const { return true; }
   virtual void play() = 0;
   virtual void pause() = 0;
   virtual void seekFrame(uint32_t frame) = 0;  // of the current sequence, clamped; stays playing/paused
   virtual void seek(double time_s) = 0;
   virtual Status selectSequence(const std::string& name) = 0;  // keeps the old picture until the new one is ready
-  virtual void setRate(double rate) = 0;                       // 0 <= rate <= 4; 0: plays, but the frame stays
-  virtual void setLoop(int loop) = 0;                          // -1 as the sequence says, 0 never, 1 always
+  virtual void setRate(double /*rate*/) {}                     // 0 <= rate <= 4; 0: plays, but the frame stays
+  virtual void setLoop(int /*loop*/) {}                        // -1 as the sequence says, 0 never, 1 always
 
   // Parameters of classes, by name. The shown value glides to the wanted one (parameter_rate); a value outside its
   // range counts as the nearest. Kept for classes that are entered later. Errors: InvalidArgument: no class has it.
@@ -101,30 +100,30 @@ class Player {
   // graph, or while paused: as selectSequence. Asked again during a transition: taken up after it.
   virtual Status goTo(const std::string& state) = 0;
   virtual void allowTransitions() {}
-  virtual bool inTransition() const = 0;
+  virtual bool inTransition() const { return false; }
   virtual std::string goal() const = 0;  // state asked for last
   // Root motion moves the placement while playing; off (default): the character stays where it is put.
-  virtual void setTravel(bool on) = 0;
-  virtual void setPlacement(const motion::Placement& placement) = 0;
-  virtual motion::Placement placement() const = 0;
-  virtual void steer(double heading_rad) = 0;      // wanted heading, reached at turn_rate_rad_s while playing
-  virtual void setAlign(render::Align align) = 0;  // default Baked; a stream without alignment is blended plainly
-  virtual void setMethod(const render::MethodOptions& options) = 0;  // of characters from cameras
+  void setTravel(bool on) { root_motion_.setTravel(on); }
+  void setPlacement(const motion::Placement& placement) { root_motion_.place(placement); }
+  motion::Placement placement() const { return root_motion_.placement(); }
+  void steer(double heading_rad) { root_motion_.steer(heading_rad); }  // reached at turn_rate_rad_s while playing
+  virtual void setAlign(render::Align) {}  // default Baked; a stream without alignment is blended plainly
+  void setMethod(const render::MethodOptions& options) { method_ = options; }  // of characters from cameras
   // Takes what Ladder::setQuality takes. The picture on screen comes anew in a rendition that was named.
-  virtual void setQuality(uint32_t rendition, uint32_t most_texels) = 0;
+  virtual void setQuality(uint32_t /*rendition*/, uint32_t /*most_texels*/) {}
   // Before loadManifest: bits per second at which the edge's own files came.
-  virtual void expectThroughput(double bps) = 0;
+  virtual void expectThroughput(double /*bps*/) {}
   // Passes a judgement to Ladder::judge. Numbers out of range are ignored.
-  virtual void judgeRendition(uint32_t sequence, uint32_t rendition, bool plays) = 0;
+  virtual void judgeRendition(uint32_t /*sequence*/, uint32_t /*rendition*/, bool /*plays*/) {}
   // While nothing else is on its way, the beginnings of up to three other motions are fetched: at once, or after a goTo
   // or selectSequence, be it the next or one that has come since the first picture. Only with an automatic choice of
   // renditions.
-  virtual void lookAhead(bool at_once) = 0;
+  virtual void lookAhead(bool /*at_once*/) {}
 
   // From now on a tick decodes no more geometry than the slice allows, ahead of time and nearest first, and one row for
   // each decoder that is due: rows of a GOP are decoded in order, so a frame may have to wait for some ticks. Before,
   // and on edges that never call it, all rows as far as a frame's are decoded when it is due.
-  virtual void sliceDecoding(const DecodeSlice& slice) = 0;
+  virtual void sliceDecoding(const DecodeSlice&) {}
   // Geometry of layered characters that the edge decodes beside the player, in a worker; see Loading. After each tick
   // the jobs are those that are wanted then.
   virtual void decodeElsewhere(bool) {}
@@ -137,10 +136,10 @@ class Player {
   // Advances the clock to the edge's monotonic time and chooses the frame to show.
   virtual void tick(double now_s) = 0;
   virtual bool nextRequest(Request& out) = 0;
-  virtual bool nextEvent(Event& out) = 0;
+  bool nextEvent(Event& out) { return outbox_.nextEvent(out); }
 
-  virtual void onRangeReceived(uint32_t id, std::span<const uint8_t> bytes) = 0;
-  virtual void onRangeFailed(uint32_t id, const std::string& reason) = 0;
+  virtual void onRangeReceived(uint32_t /*id*/, std::span<const uint8_t> /*bytes*/) {}
+  virtual void onRangeFailed(uint32_t /*id*/, const std::string& /*reason*/) {}
   // A decoded picture wants a slot: -1 if none is free now (hold the picture and ask again after the next tick), -2 if
   // nobody waits for that timestamp any more (drop it).
   // Slots are numbered over both decoders.
@@ -151,7 +150,7 @@ class Player {
   // The slot is filled; Rgba kind: with a picture of this size, whose barcode is read from the GPU before it counts.
   virtual void commitSlot(int slot, int width = 0, int height = 0) = 0;
   // Paced decoders: pictures a second that this one should give now; 0: none but one that is sought.
-  virtual double pace(int decoder) const = 0;
+  virtual double pace(int /*decoder*/) const { return 0; }
   // The decoder gives nothing any more. It is configured anew at the GOP's key sample, a few times in a row.
   virtual void onDecoderFailed(int decoder, DecoderFault fault, const std::string& reason) = 0;
   // Out of sight no decoder is held and nothing is decoded; back in sight playing goes on from the shown frame.
@@ -161,13 +160,13 @@ class Player {
   virtual bool hasFrame() const = 0;
   // What to hand to a recipe, to draw it with others; valid until the next tick. Errors: InvalidArgument: no frame yet.
   virtual Result<render::Figure> figure() const = 0;
-  virtual render::Align align() const = 0;
-  virtual const render::MethodOptions& method() const = 0;
+  render::Align align() const { return align_; }
+  const render::MethodOptions& method() const { return method_; }
   // Makes one of the programs that this character's motions will need, before one of them does; false: none is missing.
   // For moments when nothing else is to be done.
-  virtual bool makeNextProgram(const render::RecipeOptions& options) = 0;
+  virtual bool makeNextProgram(const render::RecipeOptions&) { return false; }
   // This character alone.
-  virtual Status draw(const render::View& view, const render::RecipeOptions& options, gpu::TargetId target) = 0;
+  Status draw(const render::View& view, const render::RecipeOptions& options, gpu::TargetId target);
 
   virtual const package::Character* character() const = 0;  // null before the manifest is read
   virtual const package::Sequence* sequence() const = 0;
@@ -182,10 +181,30 @@ class Player {
   virtual std::optional<SurfacePoint> surfacePoint(uint32_t) const { return {}; }
   // The vertex nearest to this pixel, of the face that is seen there; none where no face is.
   virtual std::optional<uint32_t> vertexAt(const PinholeCamera&, double, double) const { return {}; }
-  virtual bool paused() const = 0;
+  bool paused() const { return !playback_.playing(); }
   virtual bool seeking() const = 0;  // the wanted sequence and frame are not on screen yet
   virtual bool failed() const = 0;   // the wanted sequence cannot be played; an Error event has said why
   virtual PlayerStats stats() const = 0;
+
+ protected:
+  Player(gpu::Device& device, const PlayerOptions& options, std::shared_ptr<render::Recipe> recipe, render::Align align)
+      : device_(device),
+        recipe_(std::move(recipe)),
+        playback_(outbox_),
+        checks_(device),
+        root_motion_(options.turn_rate_rad_s),
+        align_(align) {}
+
+  gpu::Device& device_;
+  std::shared_ptr<render::Recipe> recipe_;
+  Outbox outbox_;
+  Playback playback_;
+  render::PictureChecks checks_;
+  RootMotion root_motion_;
+  FigureComposer composer_;
+  render::Align align_;
+  render::MethodOptions method_;
+  PlayerStats stats_;  // without what is counted elsewhere
 };
 
 }  // namespace fourdvt

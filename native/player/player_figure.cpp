@@ -69,7 +69,7 @@ Result<render::Figure> PlayerImpl::figure() const {
                           world_from_character);
 }
 
-Status PlayerImpl::draw(const render::View& view, const render::RecipeOptions& options, gpu::TargetId target) {
+Status Player::draw(const render::View& view, const render::RecipeOptions& options, gpu::TargetId target) {
   auto drawn = figure();
   if (!drawn.ok()) return drawn.error();
   return recipe_->draw({&drawn.value(), 1}, nullptr, view, {options, align_, method_}, target);

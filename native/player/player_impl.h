@@ -9,13 +9,8 @@
 #include <optional>
 
 #include "base/later.h"
-#include "player/parts/figure.h"
-#include "player/parts/loading.h"
-#include "player/parts/motion.h"
 #include "player/parts/pictures.h"
-#include "player/parts/playback.h"
 #include "player/player.h"
-#include "render/barcodes/picture_checks.h"
 
 namespace fourdvt {
 
@@ -52,10 +47,6 @@ class PlayerImpl final : public Player {
   void allowTransitions() override { loading_.allowGraph(true); }
   bool inTransition() const override { return transitions_.fading(); }
   std::string goal() const override;
-  void setTravel(bool on) override { root_motion_.setTravel(on); }
-  void setPlacement(const motion::Placement& placement) override { root_motion_.place(placement); }
-  motion::Placement placement() const override { return root_motion_.placement(); }
-  void steer(double heading_rad) override { root_motion_.steer(heading_rad); }
   void setAlign(render::Align align) override { align_ = align; }
   void setQuality(uint32_t rendition, uint32_t most_texels) override;
   void expectThroughput(double bps) override { loading_.ladder().expect(bps); }
@@ -71,10 +62,8 @@ class PlayerImpl final : public Player {
   bool takeDecoded(uint32_t job, uint32_t row, std::span<const uint8_t> bytes, double seconds) override;
   const package::BaseMesh* mesh() const override;
   const package::ChunkMesh* chunkMesh() const override;
-  void setMethod(const render::MethodOptions& options) override { method_ = options; }
   void tick(double now_s) override;
   bool nextRequest(Request& out) override;
-  bool nextEvent(Event& out) override { return outbox_.nextEvent(out); }
   void onRangeReceived(uint32_t id, std::span<const uint8_t> bytes) override;
   void onRangeFailed(uint32_t id, const std::string& reason) override;
   int acquireSlot(int decoder, int64_t timestamp_us) override;
@@ -86,15 +75,11 @@ class PlayerImpl final : public Player {
   void setInSight(bool in_sight) override;
   bool hasFrame() const override { return main().head.hasPicture(); }
   Result<render::Figure> figure() const override;
-  render::Align align() const override { return align_; }
-  const render::MethodOptions& method() const override { return method_; }
   bool makeNextProgram(const render::RecipeOptions& options) override;
-  Status draw(const render::View& view, const render::RecipeOptions& options, gpu::TargetId target) override;
   const package::Character* character() const override { return loading_.character(); }
   const package::Sequence* sequence() const override;
   uint32_t frame() const override;
   double currentTime() const override;
-  bool paused() const override { return !playback_.playing(); }
   bool seeking() const override { return main().head.seeking(); }
   bool failed() const override {
     return main().head.used() && loading_.broken(starting() ? 0 : main().head.sequence());
@@ -186,21 +171,12 @@ class PlayerImpl final : public Player {
   const Track& other() const { return tracks_[static_cast<size_t>(1 - main_)]; }
   bool isMain(const Track& track) const { return &track == &main(); }
 
-  gpu::Device& device_;
   PlayerOptions options_;
-  std::shared_ptr<render::Recipe> recipe_;
-  Outbox outbox_;
   Loading loading_;
-  Playback playback_;
-  render::PictureChecks checks_;
   std::array<Track, kDecoders> tracks_;  // by decoder
   int main_ = 0;                         // the track whose sequence is the current one
   Transitions transitions_;
-  RootMotion root_motion_;
   Parameters parameters_;
-  FigureComposer composer_;
-  render::Align align_ = render::Align::Baked;
-  render::MethodOptions method_;
   std::string wanted_name_;  // selected before the manifest arrived
   bool in_sight_ = true;
   bool start_fades_ = false;  // Sharper was emitted for what follows the start file's picture
@@ -208,7 +184,6 @@ class PlayerImpl final : public Player {
   bool looks_ahead_ = false;  // lookAhead was called
   bool commanded_ = false;    // a motion was chosen since the first picture, or need not be
   int misfits_ = 0;           // pictures in a row with other frames' barcodes
-  PlayerStats stats_;         // without what Loading counts
 };
 
 }  // namespace fourdvt
