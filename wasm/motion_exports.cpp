@@ -3,7 +3,7 @@
 // what.
 #include "instance.h"
 #include "more.h"
-#include "motion/parameter_space.h"
+#include "motion/blend.h"
 
 using namespace fourdvt;
 

@@ -7,8 +7,7 @@
 #include <cstring>
 
 #include "gpu/checked_device.h"
-#include "gpu/gles_caps.h"
-#include "gpu/gles_pack_buffer.h"
+#include "gpu/gles_platform.h"
 
 namespace fourdvt::gpu {
 namespace {

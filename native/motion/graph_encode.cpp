@@ -21,7 +21,6 @@
 //
 // Nothing follows. Readers reject other lengths, counts and values.
 #include "base/bytes.h"
-#include "motion/graph_format.h"
 #include "motion/motion_graph.h"
 
 namespace fourdvt::motion {

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "base/bytes.h"
-#include "motion/graph_format.h"
 
 namespace fourdvt::motion {
 namespace {

@@ -64,7 +64,7 @@ class MotionGraph {
 
  private:
   std::vector<GraphState> states_;
-  std::vector<uint8_t> loops_;  // 0 or 1; vector<bool> takes more code
+  std::vector<uint8_t> loops_;              // 0 or 1; vector<bool> takes more code
   std::vector<std::vector<Entry>> tables_;  // [source * states + target][weight_row * frames + frame]; empty: none
 };
 
@@ -75,5 +75,10 @@ float fadeWeight(double frames, uint32_t fade_frames);
 // Native only (graph_encode.cpp): the file's bytes. tables as above.
 std::vector<uint8_t> writeMotionGraph(const std::vector<GraphState>& states,
                                       const std::vector<std::vector<Entry>>& tables);
+
+// Constants of the file.
+constexpr uint32_t kGraphMagic = 0x47564434;  // "4DVG"
+constexpr uint16_t kGraphVersion = 2;
+constexpr uint32_t kGraphEntryBytes = 24;
 
 }  // namespace fourdvt::motion

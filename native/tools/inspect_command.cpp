@@ -6,8 +6,8 @@
 
 #include "base/bytes.h"
 #include "base/hash.h"
+#include "motion/blend.h"
 #include "motion/motion_graph.h"
-#include "motion/parameter_space.h"
 #include "package/barcode.h"
 #include "package/base_mesh.h"
 #include "package/character.h"

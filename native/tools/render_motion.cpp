@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "motion/parameter_space.h"
+#include "motion/blend.h"
 #include "platform/files.h"
 #include "platform/video_writer.h"
 #include "tools/log.h"

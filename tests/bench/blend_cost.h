@@ -10,8 +10,7 @@
 #include <emscripten.h>
 #endif
 
-#include "motion/mesh_blend.h"
-#include "motion/parameter_space.h"
+#include "motion/blend.h"
 
 namespace fourdvt::bench {
 

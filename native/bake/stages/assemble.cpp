@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bake/stages/assembly.h"
 #include "base/hash.h"
+#include "motion/blend.h"
 #include "package/start_file.h"
 #include "package/writer.h"
 #include "platform/files.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "base/later.h"
-#include "motion/mesh_blend.h"
+#include "motion/blend.h"
 #include "motion/placement.h"
 
 namespace fourdvt {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/mesh.h"
-#include "motion/parameter_space.h"
+#include "motion/blend.h"
 #include "package/stream_file.h"
 #include "package/surface_chunk.h"
 #include "render/method.h"

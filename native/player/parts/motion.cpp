@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "motion/mesh_blend.h"
-#include "motion/parameter_space.h"
+#include "motion/blend.h"
 
 namespace fourdvt {
 double Parameters::wanted(const package::Sequence& sequence, size_t parameter) const {

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "motion/blend.h"
 #include "motion/motion_graph.h"
-#include "motion/parameter_space.h"
 #include "motion/placement.h"
 #include "package/character.h"
 #include "player/parts/figure.h"

@@ -5,7 +5,7 @@
 
 #include "bake/motion/hybrid_blend.h"
 #include "bake/motion/time_warp.h"
-#include "motion/parameter_space.h"
+#include "motion/blend.h"
 #include "motion_shapes.h"
 
 namespace fourdvt::bake {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "motion/mesh_blend.h"
-
 #include <gtest/gtest.h>
 
+#include "motion/blend.h"
 #include "motion/placement.h"
 
 namespace fourdvt::motion {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "motion/parameter_space.h"
-
 #include <gtest/gtest.h>
 
 #include <tuple>
+
+#include "motion/blend.h"
 
 namespace fourdvt::motion {
 namespace {

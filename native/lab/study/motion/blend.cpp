@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The mesh blend at run time against the full non-linear one: linear, and with R precomputed corrections.
+#include "motion/blend.h"
+
 #include <chrono>
 #include <cmath>
 #include <functional>
@@ -9,7 +11,6 @@
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/rows.h"
 #include "lab/study/run/run_steps.h"
-#include "motion/mesh_blend.h"
 
 namespace fourdvt::study {
 namespace {

@@ -8,7 +8,7 @@
 #include "edge/opencv_flow.h"
 #include "lab/study/run/rows.h"
 #include "lab/study/run/scene.h"
-#include "motion/mesh_blend.h"
+#include "motion/blend.h"
 
 namespace fourdvt::study {
 namespace {

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "edge/character_player.h"
-#include "render/still_target.h"
 #include "lab/measure/character_frame.h"
 #include "lab/measure/motion_metrics.h"
-#include "motion/parameter_space.h"
+#include "motion/blend.h"
 #include "render/flow/flow.h"
+#include "render/still_target.h"
 
 namespace fourdvt::study {
 

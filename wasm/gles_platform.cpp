@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gpu/gles_caps.h"
-
 #include <GLES3/gl3.h>
 #include <emscripten.h>
+#include <webgl/webgl2.h>
+
+#include "gpu/gles_platform.h"
 
 namespace fourdvt::gpu {
 namespace {
@@ -23,6 +24,10 @@ Result<Caps> readCaps() {
   caps.half_float_targets = floats & 1;
   caps.float_targets = floats & 2;
   return caps;
+}
+
+void readPackBuffer(int offset_bytes, int bytes, void* out) {
+  glGetBufferSubData(GL_PIXEL_PACK_BUFFER, offset_bytes, bytes, out);
 }
 
 }  // namespace fourdvt::gpu

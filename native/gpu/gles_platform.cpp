@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gpu/gles_caps.h"
+#include "gpu/gles_platform.h"
 
 #include <GLES3/gl3.h>
 
@@ -26,6 +26,13 @@ Result<Caps> readCaps() {
     if (std::strcmp(name, "GL_EXT_color_buffer_half_float") == 0) caps.half_float_targets = true;
   }
   return caps;
+}
+
+void readPackBuffer(int offset_bytes, int bytes, void* out) {
+  const void* mapped = glMapBufferRange(GL_PIXEL_PACK_BUFFER, offset_bytes, bytes, GL_MAP_READ_BIT);
+  if (!mapped) return;
+  std::memcpy(out, mapped, static_cast<size_t>(bytes));
+  glUnmapBuffer(GL_PIXEL_PACK_BUFFER);
 }
 
 }  // namespace fourdvt::gpu
