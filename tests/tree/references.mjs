@@ -72,14 +72,10 @@ function isText(path) {
   return kSlashed.has(kind) || kProse.has(kind) || (kHashed.has(kind) && (kind !== '.txt' || /CMakeLists/.test(path)));
 }
 
-/** The comment that a line of code ends with, or null. */
-function commentOf(line, marker) {
-  const found = new RegExp(`(?:^|[\\s;{}(])${marker}(?:\\s|$)`).exec(line);
-  return found ? line.slice(found.index).replace(new RegExp(`^.?${marker}\\s?`), '') : null;
-}
-
-function codeOf(line, marker) {
-  return commentOf(line, marker) === null ? line : line.slice(0, line.search(new RegExp(`${marker}(\\s|$)`)));
+/** A line of code, and the comment that it ends with or null. */
+function partsOfLine(line, marker) {
+  const found = new RegExp(`(?<=^|[\\s;{}(])${marker}(?:\\s|$)`).exec(line);
+  return found ? [line.slice(0, found.index), line.slice(found.index + found[0].length)] : [line, null];
 }
 
 /**
@@ -100,16 +96,10 @@ function paragraphsOf(path, text) {
       words = line.replace(/^.*?\/\*+/, '').replace(/\*\/.*$/, '').replace(/^\s*\*\s?/, '');
       inBlock = !/\*\//.test(line);
     } else {
-      words = commentOf(line, marker);
+      words = partsOfLine(line, marker)[1];
     }
-    if (words === null) {
-      open = null;
-      return;
-    }
-    if (!open) {
-      out.push((open = { text: words, starts: [[0, i + 1]] }));
-      return;
-    }
+    if (words === null) return (open = null);
+    if (!open) return out.push((open = { text: words, starts: [[0, i + 1]] }));
     open.starts.push([open.text.length, i + 1]);
     open.text += ` ${words.trim()}`;
   });
@@ -128,7 +118,7 @@ function identifiersOf(files) {
     if (kProse.has(extname(path))) continue;
     const marker = kHashed.has(extname(path)) ? '#' : '//';
     for (const line of text.split('\n')) {
-      for (const word of codeOf(line, marker).match(/[A-Za-z_]\w*/g) ?? []) words.add(word);
+      for (const word of partsOfLine(line, marker)[0].match(/[A-Za-z_]\w*/g) ?? []) words.add(word);
     }
   }
   return words;
@@ -161,11 +151,8 @@ function expanded(list) {
   const out = [];
   for (const piece of list.replace(/\band\b/g, ',').split(',')) {
     const [first, last] = piece.trim().split(/\s*[-–]\s*/).map((number) => number.replace(/[a-z]$/, ''));
-    if (last === undefined || last === '' || !/^\d+$/.test(first) || !/^\d+$/.test(last)) {
-      out.push(first, ...(last ? [last] : []));
-      continue;
-    }
-    for (let n = Number(first); n <= Number(last); ++n) out.push(String(n));
+    if (/^\d+$/.test(first) && /^\d+$/.test(last)) for (let n = Number(first); n <= Number(last); ++n) out.push(String(n));
+    else out.push(first, last ?? '');
   }
   return out.filter((number) => number !== '');
 }
@@ -189,7 +176,7 @@ class Checker {
     this.byKey = new Map(this.sources.map((row) => [row.key, { ...row, has: partsOf(row.parts) }]));
     this.failures = [];
     this.counts = Object.fromEntries(kKinds.map((kind) => [kind, 0]));
-    this.headings = new Map();
+    this.headings = new Map(this.paths.filter((path) => extname(path) === '.md').map((path) => [path, headingsOf(files.get(path))]));
   }
 
   run() {
@@ -202,6 +189,15 @@ class Checker {
     return this;
   }
 
+  missingKinds() { return kKinds.filter((kind) => this.counts[kind] === 0); }
+
+  /** Prints what is wrong and how many references of each kind there are; true: nothing is wrong. */
+  report() {
+    const wrong = [...this.failures, ...this.missingKinds().map((kind) => `no reference of the kind "${kind}" was found`)];
+    console.log([...wrong, kKinds.map((kind) => `${this.counts[kind]} ${kind}`).join(', ')].join('\n'));
+    return wrong.length === 0;
+  }
+
   expect(ok, kind, path, line, message) {
     ++this.counts[kind];
     if (!ok) this.failures.push(`${path}:${line}: ${kind}: ${message}`);
@@ -212,13 +208,15 @@ class Checker {
     this.checkFiles(path, paragraph);
     this.checkIdentifiers(path, paragraph);
     if (path.startsWith(kAlgorithms) && /^- \*\*\w+\*\* /.test(paragraph.text)) return;  // the list of sources itself
-    this.checkPapers(path, paragraph);
+    this.checkKeys(path, paragraph);
+    this.checkAuthors(path, paragraph);
+    this.checkBareEquations(path, paragraph);
   }
 
   // Papers in messages and titles of the study: string literals.
   checkMessages(path, text) {
     text.split('\n').forEach((line, i) => {
-      const literals = codeOf(line, '//').match(/"(?:[^"\\]|\\.)*"/g);
+      const literals = partsOfLine(line, '//')[0].match(/"(?:[^"\\]|\\.)*"/g);
       if (literals) this.checkKeys(path, { text: literals.join(' ').replace(/"/g, ' '), starts: [[0, i + 1]] });
     });
   }
@@ -242,22 +240,12 @@ class Checker {
     return this.paths.filter((path) => path === mention || path.endsWith(`/${mention}`));
   }
 
-  document(mention, from) {
-    const found = this.resolve(mention, from);
-    return found.length === 1 ? found[0] : null;
-  }
-
-  headingsIn(path) {
-    if (!this.headings.has(path)) this.headings.set(path, headingsOf(this.files.get(path)));
-    return this.headings.get(path);
-  }
-
   // FORMAT 4.1 · algorithms/labels.md, section 4 · FORMAT.md, "Labels"
   checkDocuments(path, paragraph) {
     for (const match of paragraph.text.matchAll(kDocument)) {
       const mention = match[1] ?? `${match[2]}.md`;
       if (kMade.test(mention)) continue;
-      const document = this.document(mention, path);
+      const found = this.resolve(mention, path), document = found.length === 1 && found[0];
       const line = lineAt(paragraph, match.index);
       this.expect(document, 'document', path, line, `there is no single document ${mention}`);
       if (document) this.checkSection(document, paragraph.text.slice(match.index + match[0].length), path, line);
@@ -267,12 +255,10 @@ class Checker {
   checkSection(document, rest, path, line) {
     const numbered = new RegExp(`^[)\`]?,?\\s+(?:sections?\\s+)?${kNumbers}(?![\\w])`).exec(rest);
     const quoted = /^[)`]?,\s+(?:sections?\s+)?"([^"]+)"/.exec(rest);
-    const { titles, numbers } = this.headingsIn(document);
+    const { titles, numbers } = this.headings.get(document);
     for (const number of numbered ? expanded(numbered[1]) : [])
       this.expect(numbers.has(number), 'section', path, line, `${document} has no section ${number}`);
-    if (!quoted) return;
-    const ok = titles.has(quoted[1].toLowerCase());
-    this.expect(ok, 'section', path, line, `${document} has no section "${quoted[1]}"`);
+    if (quoted) this.expect(titles.has(quoted[1].toLowerCase()), 'section', path, line, `${document} has no section "${quoted[1]}"`);
   }
 
   checkFiles(path, paragraph) {
@@ -298,12 +284,6 @@ class Checker {
       if (!isName) continue;
       this.expect(this.identifiers.has(name), 'identifier', path, lineAt(paragraph, index), `there is no ${word}`);
     }
-  }
-
-  checkPapers(path, paragraph) {
-    this.checkKeys(path, paragraph);
-    this.checkAuthors(path, paragraph);
-    this.checkBareEquations(path, paragraph);
   }
 
   // LVDT Eq. 3-4 · 4DVT 4.1 · 4DVT, section 5 · CTGH13
@@ -360,18 +340,6 @@ class Checker {
   }
 }
 
-function missingKinds(checker) {
-  return kKinds.filter((kind) => checker.counts[kind] === 0);
-}
-
-/** Prints what is wrong and how many references of each kind there are; true: nothing is wrong. */
-function report(checker) {
-  for (const failure of checker.failures) console.log(failure);
-  for (const kind of missingKinds(checker)) console.log(`no reference of the kind "${kind}" was found`);
-  console.log(kKinds.map((kind) => `${checker.counts[kind]} ${kind}`).join(', '));
-  return checker.failures.length === 0 && missingKinds(checker).length === 0;
-}
-
 // ---- Self-test ---------------------------------------------------------------------------------------------------
 
 const kFixture = {
@@ -403,10 +371,6 @@ function checked(code) {
   return new Checker(new Map(Object.entries({ ...kFixture, ...(code && { 'wasm/user.cpp': code }) }))).run();
 }
 
-function failuresOf(comment) {
-  return checked(`// ${comment}\n`).failures;
-}
-
 function selfTest() {
   let passed = true;
   const expect = (condition, message) => {
@@ -414,12 +378,12 @@ function selfTest() {
     passed &&= condition;
   };
   for (const comment of kRight) {
-    const failures = failuresOf(comment);
+    const failures = checked(`// ${comment}\n`).failures;
     expect(failures.length === 0, `"${comment}" is right, and was refused: [${failures}]`);
   }
   for (const [kind, comments] of Object.entries(kWrong))
     for (const comment of comments) {
-      const failures = failuresOf(comment);
+      const failures = checked(`// ${comment}\n`).failures;
       const ok = failures.length === 1 && failures[0].includes(`: ${kind}: `);
       expect(ok, `"${comment}" should fail once, as ${kind}: [${failures}]`);
     }
@@ -428,7 +392,7 @@ function selfTest() {
   const readme = '| x | `native/base/thing.h` | `none` |\n';
   const lacking = new Checker(new Map(Object.entries({ ...kFixture, 'README.md': readme }))).run();
   expect(lacking.failures.length === 1, 'a name that the file of a row lacks was not found');
-  expect(missingKinds(checked(null)).length === kKinds.length, 'a tree without references has some');
+  expect(checked(null).missingKinds().length === kKinds.length, 'a tree without references has some');
   console.log(passed ? 'self-test passed' : 'self-test FAILED');
   return passed;
 }
@@ -438,4 +402,4 @@ if (!argument) {
   console.error('usage: node tests/tree/references.mjs ROOT | --self-test');
   process.exit(2);
 }
-process.exit((argument === '--self-test' ? selfTest() : report(new Checker(readTree(argument)).run())) ? 0 : 1);
+process.exit((argument === '--self-test' ? selfTest() : new Checker(readTree(argument)).run().report()) ? 0 : 1);

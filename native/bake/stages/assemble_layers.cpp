@@ -3,7 +3,7 @@
 #include "bake/stages/assembly.h"
 #include "base/bytes.h"
 #include "base/hash.h"
-#include "motion/parameter_space.h"
+#include "motion/blend.h"
 #include "platform/files.h"
 #include "render/plain_figure.h"
 
