@@ -254,7 +254,7 @@ test('media times: ranges join, loops wrap, and what is held decides that it pla
   assert.deepEqual(times.buffered(), []);
   on('playing');
   assert.deepEqual(reports, [], 'nothing is known to be held');
-  player = { tell: (action) => action(module, 7) };
+  player = { call: (action) => action(module, 7) };
   assert.deepEqual(times.buffered(), held);
   on('canplay');
   assert.deepEqual(reports, ['canplaythrough']);

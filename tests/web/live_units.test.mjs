@@ -52,7 +52,7 @@ function scene(url = 'ws://localhost:8090/live?token=secret', { origin = 'http:/
     },
     _fdvt_live_captured_us: () => s.capturedUs,
   };
-  const player = { tell(action) { if (!action(module, 1)) throw Object.assign(new Error(s.complaint), { id: 'stream-invalid' }); } };
+  const player = { call(action) { if (!action(module, 1)) throw Object.assign(new Error(s.complaint), { id: 'stream-invalid' }); } };
   s.actor = { player, run: (action) => action(player) };
   const there = { actor: actor ? s.actor : null };
   s.bring = () => (there.actor = s.actor);

@@ -24,7 +24,7 @@ const MARGIN = 1.08;           // room around the character at the automatic dis
 const MIN_DISTANCE = 0.35;     // in automatic distances
 const MAX_DISTANCE = 3;
 
-// Reads up to three quantities, angles in degrees and lengths in metres; `fallback` stands for each that is missing.
+// Reads up to three quantities, angles in degrees and lengths in metres; `fallback` has those that are missing.
 const quantities = (text: string | null, fallback: number): number[] => {
   const tokens = (text ?? '').trim().split(/\s+/);
   return [0, 1, 2].map((i) => {
@@ -53,7 +53,7 @@ export function parseTarget(text: string | null): [number, number, number] | nul
 const clamp = (value: number, low: number, high: number): number => Math.min(Math.max(value, low), high);
 const radians = (degrees: number): number => (degrees * Math.PI) / 180;
 
-/** Whether the camera follows a travelling character's position, or stays behind it and follows its heading too. */
+/** position: follows a travelling character; behind: also turns with it. */
 export type Follow = 'none' | 'position' | 'behind';
 
 export class OrbitCamera {
@@ -101,7 +101,7 @@ export class OrbitCamera {
     this.#following = follow;
     if (follow === 'none') this.#seen = { x: 0, z: 0, heading: 0 };
   }
-  /** Tells where the character stands now: metres, degrees. */
+  /** Place of the character now: metres, degrees. */
   follow(place: { x: number; z: number; heading: number }): void {
     this.#place = { x: place.x, z: place.z, heading: place.heading };
   }

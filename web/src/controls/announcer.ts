@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Live region for screen readers, while the viewer has the focus: whether it plays, and from where it is seen. Part of fourdvt-more.js.
+// Live region for screen readers while the viewer has the focus: playing or paused, and the side that is seen. Part of fourdvt-more.js.
 import { fill } from '../report/strings-more.js';
 
 const QUIET_MS = 700; // after the last change: a held key is one change
@@ -45,7 +45,7 @@ export class Announcer {
     this.#live.remove();
   }
 
-  // `said`: what it has said since the last change; a camera that still glides makes it say more.
+  // said: the text since the last change; a camera that still glides makes another one.
   #later(text: () => string, said = ''): void {
     clearTimeout(this.#timers.get(text));
     this.#timers.set(text, setTimeout(() => {

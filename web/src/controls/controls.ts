@@ -44,7 +44,7 @@ export interface Controlled extends HTMLElement {
   pause(): void;
 }
 
-/** Of the motion that it shows. */
+/** Sound of the motion that is shown. */
 export interface SoundState {
   readonly present: boolean;
   /** The browser waits for the visitor's first touch. */
@@ -116,9 +116,9 @@ export class Controls {
     this.#marks = document.createElement('datalist');
     this.#marks.id = 'chapters';
     this.#time.setAttribute('list', 'chapters');
-    // A press of it lets the page be heard, too.
+    // A press of it unlocks sound, too.
     const isSilent = (): boolean => viewer.muted || sound.blocked;
-    let silent: boolean | null = null; // when the press began, after which it may be heard
+    let silent: boolean | null = null; // when the press began, which may unlock it
     this.#mute = make('button', 'mute', () => {
       viewer.muted = !(silent ?? isSilent());
       silent = null;
@@ -140,7 +140,7 @@ export class Controls {
     slot.addEventListener('slotchange', () => this.#show(), { signal: this.#abort.signal });
   }
 
-  /** What it shows may have changed. */
+  /** Shows the present state. */
   show(): void { this.#show(); }
   update(strings: Record<string, string>): void {
     this.#strings = strings;

@@ -5,7 +5,7 @@ import { isOn } from '../page/attributes.js';
 import { Chapters } from './chapters.js';
 import { Controls, type Controlled } from './controls.js';
 import { Hotspots, type HotspotScene } from './hotspots.js';
-import { Sound, type Audible, type Heard } from '../sound/sound.js';
+import { Sound, type Audible, type SoundSource } from '../sound/sound.js';
 import { addStrings } from '../report/strings-more.js';
 import { adopt } from '../page/documents.js';
 import { stringsOf, type Languages } from '../report/strings.js';
@@ -33,7 +33,7 @@ export class Extras {
   #prompts = true; // the visitor has not turned the view yet
 
   /** stage: of the viewer's shadow tree. languages: gets the texts of this part. */
-  constructor(viewer: Controlled & Announced & Audible, stage: HTMLElement, languages: Languages, scene: HotspotScene & { heard(): Heard }) {
+  constructor(viewer: Controlled & Announced & Audible, stage: HTMLElement, languages: Languages, scene: HotspotScene & { source(): SoundSource }) {
     const root = stage.getRootNode() as ShadowRoot, content = stage.parentElement!;
     addStrings(languages);
     this.#viewer = viewer;
@@ -45,7 +45,7 @@ export class Extras {
     this.#prompt.hidden = true;
     content.append(this.#prompt);
     this.#hotspots = new Hotspots(viewer, content, scene);
-    this.#sound = new Sound(viewer, () => scene.heard(), () => this.#controls?.show());
+    this.#sound = new Sound(viewer, () => scene.source(), () => this.#controls?.show());
     this.#chapters = new Chapters(viewer, root, () => this.#controls?.show());
     this.#controls = new Controls(viewer, content, this.#sound, (motion) => this.#chapters.of(motion));
     this.#announcer = new Announcer(viewer, root);

@@ -15,7 +15,7 @@ export interface HotspotScene {
   layered(): boolean | null;
   pose(): Omit<ViewRecord, 'width' | 'height'>;
   readonly picture: Pick<PictureBox, 'size' | 'canvas' | 'corners'>;
-  /** Brings a turn of the frame loop about. */
+  /** Requests a turn of the frame loop. */
   wake(): void;
 }
 
@@ -80,7 +80,7 @@ export class Hotspots {
 
   #withView(action: (m: WasmModule, handle: number, view: number) => void): void {
     const { width, height } = this.#scene.picture.canvas;
-    this.#scene.player()?.tell((m, handle) => {
+    this.#scene.player()?.call((m, handle) => {
       const bytes = bytesOfView({ ...this.#scene.pose(), width, height }), view = m._fdvt_alloc(bytes.length);
       m.HEAPU8.set(bytes, view);
       action(m, handle, view);

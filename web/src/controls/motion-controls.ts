@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turns keys and a touch joystick into steering: left and right turn, up and down change the parameter, Space acts.
-// Does not know characters: the host turns steering into motion.
+// Turns keys and a touch joystick into steering: left and right turn, up and down change the parameter, Space acts. The host turns
+// steering into motion.
 import { adopt } from '../page/documents.js';
 
 const KEYS: Record<string, [number, number]> = {

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turns what keys and joystick ask for into motion of a character: its heading, its first parameter, its action. Part of
-// fourdvt-more.js.
+// Applies input of keys and joystick to a character: its heading, its first parameter, its action. Part of fourdvt-more.js.
 import { isOn } from '../page/attributes.js';
 import { MotionControls } from './motion-controls.js';
 
-const STEER_DEG = 60;            // a held key asks for a heading this far from the present one
+const STEER_DEG = 60;            // a held key sets a heading this far from the present one
 const PARAMETER_RANGES_S = 0.7;  // share of the parameter's range that a held key crosses per second
 
-/** The viewer, as far as it is used here. */
+/** The viewer: the members that are used here. */
 export interface Steered extends HTMLElement {
   readonly paused: boolean;
   readonly state: string;
@@ -26,7 +25,7 @@ export class Steering {
   readonly #requested: (name: string) => number | undefined;
   #turns = false; // by keys or joystick
 
-  /** requested: the last value that was set for a parameter; wake: asks for a turn of the frame loop. */
+  /** requested: the last value that was set for a parameter; wake: requests a turn of the frame loop. */
   constructor(stage: HTMLElement, viewer: Steered, requested: (name: string) => number | undefined, wake: () => void) {
     this.#viewer = viewer;
     this.#requested = requested;
@@ -65,7 +64,7 @@ export class Steering {
     return input.turn !== 0 || input.change !== 0 || input.level !== null;
   }
 
-  // The heading that was wanted lies ahead: once keys and joystick are let go, it is the present one.
+  // The goal of the heading lies ahead: after the release of keys and joystick it is the present heading.
   #stopTurning(): void {
     if (!this.#turns || this.#controls.steering?.turn) return;
     this.#turns = false;

@@ -54,9 +54,9 @@ export interface DecoderCallbacks {
   onPicture(): void;
   /** Reports that the picture's planes cannot be read (opaque GPU frame): only path 'rgba' can show it. */
   onNoPlanes(): void;
-  /** Reports that nothing comes any more: the decoder is closed until it is configured again. */
+  /** Reports a fault: the decoder is closed until it is configured again. */
   onFault(fault: DecoderFault, reason: string): void;
-  /** Sees every picture as WebCodecs gives it; does not close it. */
+  /** Called with every picture of WebCodecs; does not close it. */
   onFrame(frame: VideoFrame): void;
 }
 
@@ -87,7 +87,7 @@ export class FrameDecoder implements PictureDecoder {
     this.#config = { codec, codedWidth: width, codedHeight: height, optimizeForLatency: true };
     if (description.length) this.#config.description = description.slice();
     if (this.#decoder && this.#decoder.state !== 'closed') this.#decoder.close();
-    // Firefox can still call back a decoder that is closed: nobody waits for what it says, and its pictures are closed.
+    // Firefox may call back after close(): errors are ignored, and pictures are closed.
     const decoder: VideoDecoder = new VideoDecoder({
       output: (frame) => (this.#decoder === decoder ? this.#onFrame(frame) : frame.close()),
       error: (reason) => {
@@ -242,7 +242,7 @@ export class FrameDecoder implements PictureDecoder {
       this.#callbacks.onFault('unsupported', `this browser cannot decode ${codec}: bake a rendition with another codec`);
     } else {
       const message = `${codec}: ${reason instanceof Error ? reason.message : String(reason)}`;
-      this.#callbacks.onFault(name === 'QuotaExceededError' ? 'taken-away' : 'samples', message); // as WebCodecs says it
+      this.#callbacks.onFault(name === 'QuotaExceededError' ? 'taken-away' : 'samples', message); // WebCodecs: reclaimed
     }
   }
   #forget(): void {

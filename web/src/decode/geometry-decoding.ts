@@ -11,7 +11,7 @@ const SILENCE_MS = 2000; // of turns during which a frame is awaited
 const LONGEST_TURN_MS = 100; // that counts: a page that stands still awaits nothing
 const ASLEEP_MS = 250; // without a turn: the page draws nothing now
 
-/** What has turns, and takes one hook. */
+/** Owner of a player's turns, with one hook. */
 export interface Turning {
   setHook(hook: TurnHook): void;
   wake(): void;
@@ -26,7 +26,7 @@ interface TrustedTypes {
 let policy: ReturnType<TrustedTypes['createPolicy']> | undefined;
 
 // The address of the worker's script, which bundlers rename, or of a copy, for pages that require trusted types. Their policy must allow
-// the name `fourdvt`; nothing but this file reaches what it makes.
+// the name `fourdvt`; it is used in this file alone.
 function trusted(script: string): string {
   const { trustedTypes } = globalThis as { trustedTypes?: TrustedTypes };
   try {
@@ -185,7 +185,7 @@ class Joined implements TurnHook {
     return true;
   }
 
-  // Notes how long nothing has come of what is awaited.
+  // Measures the time without an awaited frame.
   #listen(): void {
     const nowMs = performance.now();
     const awaited = [...this.#posted].some(([id, wanted]) => (this.#next.get(id) ?? 0) < wanted);
@@ -198,7 +198,7 @@ class Joined implements TurnHook {
 
 let worker: GeometryWorker | undefined;
 
-/** From now on the actor's geometry is decoded in the page's worker, if that can be had. */
+/** Decodes the actor's geometry in the page's worker from now on, if there is one. */
 export function decodeBeside(actor: Turning, files: Files): void {
   worker ??= new GeometryWorker(files);
   if (!worker.failed) worker.join(actor);

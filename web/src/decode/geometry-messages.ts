@@ -2,7 +2,7 @@
 // Messages between a page and its worker that decodes geometry (fourdvt-worker.js). Characters are numbered by the page.
 import type { DecodeJobRecord } from '../wasm/generated/abi.js';
 
-/** How the chunk of a job is laid out. */
+/** Layout of a job's chunk. */
 export type Opening = Omit<DecodeJobRecord, 'id' | 'wanted' | 'chunk'> & { chunk: ArrayBuffer };
 
 export interface WantedJob {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a decoded picture gets into a texture. 'i420' copies its planes and converts colours with the player's own
+// Upload paths of decoded pictures into textures. 'i420' copies its planes and converts colours with the player's own
 // matrix, the same on every machine; 'rgba' and 'rgba-sub' let the browser upload the VideoFrame, into a new storage of
 // the texture or into that which it has: which of them is several times as fast depends on the browser. Measured once
 // per tab, with a decoded frame of the character. 'video' uploads what a <video> element shows, where there is no

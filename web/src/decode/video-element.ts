@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Carries out the player's decode requests with a <video> element, where there is no VideoDecoder (Firefox for Android,
 // pages of plain http): samples become media segments on one timeline that never turns back, so that loops, seeks and
-// rungs are only more of it. The element keeps time: it runs at the pace that the player takes pictures, and may leave
-// some out. Which frame a picture is the player reads from its barcode; the element's media time is a first guess.
-// requestVideoFrameCallback says when there is a new one; without it the element's time is polled.
+// renditions are only more of it. The element keeps time: it runs at the pace at which the player takes pictures, and may leave
+// some out. The player reads a picture's frame from its barcode; the element's media time is a first guess.
+// requestVideoFrameCallback announces new ones; without it the element's time is polled.
 import type { DecoderCallbacks, Picture, PictureDecoder } from './frame-decoder.js';
 import type { DecoderFault } from '../wasm/generated/abi.js';
 import { initSegment, mediaType, SegmentWriter, type TrackConfig, type TrackSample } from './media-segments.js';
@@ -200,7 +200,7 @@ class VideoElementDecoder implements PictureDecoder {
   }
 
   // While the element stands after a seek: some browsers report a frame before it can be copied, and some report none. The
-  // player refuses it once it has it; what it has is known to it some ticks later only.
+  // player refuses it once it has it, which it detects some ticks later only.
   #offerLater(tries = 0): void {
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => {
@@ -263,7 +263,7 @@ class VideoElementDecoder implements PictureDecoder {
     if (this.#goal < 0 && this.#pace > 0 && !this.#picture && this.#last > this.#taken && this.#mustSeek) this.#seek(this.#nextUs);
     if (this.#goal >= 0) {
       const at = mediaTime(this.#goal);
-      // Another rung goes on where the one before ends: no seek, no gap. One that has ended stays there until it is sent on.
+      // Another rendition goes on where the one before ends: no seek, no gap. One that has ended stays there until it is sent on.
       const goesOn = this.#pace > 0 && !this.#mustSeek && Math.abs(video.currentTime - at) < NEAR_S;
       if (!goesOn && !video.paused) video.pause();
       // The duration, which an end of stream has cut, may lag behind what is buffered.

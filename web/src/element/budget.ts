@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shares a page's memory and decoders out among its viewers: what is on screen comes first, what is far away is freed.
-// Reads viewers by their priorities alone.
+// Allocates a page's memory and decoders to its viewers by their priorities: those on screen come first, those far away are freed.
 
-/** When a viewer loads: once it is near the screen, once it is on it, at once. */
+/** auto: loads near the screen; lazy: on it; eager: at once. */
 export type LoadingMode = 'auto' | 'lazy' | 'eager';
 
-/** Place and state of a viewer, by which it is served. */
+/** Place and state of a viewer. */
 export interface Priority {
   readonly mode: LoadingMode;
   /** From the edge of the screen, in heights or widths of it; 0: some of it is on screen. */
   readonly distance: number;
-  /** Of it on the screen, CSS pixels. */
+  /** Area on the screen, CSS pixels. */
   readonly area: number;
   /** A picture of the present source is shown. */
   readonly shown: boolean;
@@ -37,8 +36,8 @@ const RECENT_MS = 3000; // after an input a viewer runs before others
 const FULL_BYTES = 15_000_000; // of a viewer, in GPU and heap, at the least: those that have just begun hold little yet
 
 /**
- * Limits by what viewers have turned out to hold. used: bytes of the viewers that hold a character, of which there are `loaded`; least: bytes of each,
- * as they were when the page held too much: one that is heavier than the others would else be freed and loaded for ever.
+ * Limits by the bytes that viewers hold. used: bytes of the `loaded` viewers that hold a character; least: bytes of each when the page
+ * held too much, else one that is heavier than the others would be freed and loaded for ever.
  */
 export function limitsOf(bytes: number, decoders: number, used: number, loaded: number, least = FULL_BYTES): Limits {
   const each = Math.max(used / (loaded || 1), least);
@@ -50,10 +49,10 @@ export function allocate(priorities: readonly Priority[], had: readonly Reservat
   const reservations = priorities.map(() => ({ load: false, run: false }));
   const order = (less: (a: Priority, b: Priority) => number): number[] => priorities.map((_, i) => i).sort((a, b) => less(priorities[a]!, priorities[b]!));
   const busy = priorities.some(({ distance, shown }) => distance === 0 && !shown); // viewers that are only near wait for those on screen
-  const wants = ({ mode, distance }: Priority, holds: boolean): boolean =>
+  const mayLoad = ({ mode, distance }: Priority, holds: boolean): boolean =>
     distance <= NEAR[mode] + (holds ? KEPT : 0) && (holds || !busy || distance === 0 || mode === 'eager');
   for (const i of order((a, b) => a.distance - b.distance || b.area - a.area)) {
-    if (loaded > 0 && wants(priorities[i]!, had[i]?.load ?? false)) {
+    if (loaded > 0 && mayLoad(priorities[i]!, had[i]?.load ?? false)) {
       reservations[i]!.load = true;
       --loaded;
     }
@@ -70,14 +69,14 @@ export function allocate(priorities: readonly Priority[], had: readonly Reservat
   return reservations;
 }
 
-/** A viewer's place in the budget. */
+/** A viewer that shares the budget. */
 export interface Member {
   priority(): Priority;
   /** Called when it has changed. */
   reserved(reservation: Reservation): void;
 }
 
-/** The page, as far as it is used here. */
+/** State of the page. */
 export interface BudgetPage {
   /** Bytes on the GPU and in the player's memory, of all viewers. */
   usedBytes(): number;
@@ -104,7 +103,7 @@ export class PageBudget {
   remove(member: Member): void {
     if (this.#members.delete(member)) this.review();
   }
-  /** Shares out anew, before the page's next turn: a priority has changed. */
+  /** Allocates again before the page's next turn. */
   review(): void {
     if (this.#due) return;
     this.#due = true;

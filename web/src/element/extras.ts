@@ -29,7 +29,7 @@ export class SecondPart implements Feature {
       },
       pose: () => viewer.camera.pose,
       picture: viewer.picture,
-      heard: () => viewer,
+      source: () => viewer,
     });
     viewer.updateTexts();
   }

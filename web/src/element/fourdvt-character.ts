@@ -61,7 +61,7 @@ export class FourdvtCharacter extends PageElement {
     try {
       if (src !== null) address = characterAddress(src, this.baseURI);
     } catch (reason) {
-      return queueMicrotask(() => emit('error', asViewerError(reason).detail)); // whoever has set it wants to listen first
+      return queueMicrotask(() => emit('error', asViewerError(reason).detail)); // a listener may be added after src
     }
     const companion: Companion = { commands: this.#commands, src: address, left: signal, emit };
     this.dispatchEvent(new CustomEvent(JOIN_EVENT, { bubbles: true, detail: companion }));

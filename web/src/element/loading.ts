@@ -137,7 +137,7 @@ export class Loading implements Feature, Loader {
     try {
       src = this.#address = characterAddress(this.#src, this.#base);
     } catch (reason) {
-      // Not at once: whoever has just set it wants to listen first.
+      // Not at once: a listener may be added after src.
       return queueMicrotask(() => { if (attempt === this.#attempt) this.#viewer.report('error', asViewerError(reason).detail); });
     }
     const { element, size, statics: { wasmUrl, opencvUrl } } = this.#viewer;
@@ -250,8 +250,7 @@ export class Loading implements Feature, Loader {
     if (url && this.#viewer.session === session && !overlay.hasPoster) overlay.setPoster(url);
   }
 
-  // The panel is for errors that leave nothing to look at, or the wanted motion standing still; a command that was
-  // refused changes nothing.
+  // Shows the panel for errors after which nothing is shown, or the requested motion stands still; a refused command changes nothing.
   #onError(error: ErrorDetail): void {
     this.#error = withCode(error);
     const over = this.#loading || (this.#viewer.session?.ended ?? true);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The element's shadow tree: the part that holds the canvas, poster, progress bar, play button, error line. All lie in the content
-// box of the element: the element is a size container, whose content box is 100cqw wide and 100cqh high and begins where a block in flow does.
+// The element's shadow tree: canvas, poster, progress bar, play button, error line, all in the content box of the element, which is a
+// size container: its content box is 100cqw wide and 100cqh high and begins where a block in flow does.
 // Its style is a constructable style sheet, so that the page can have a strict style-src policy.
 
 import type { ErrorDetail } from '../report/errors.js';
@@ -10,7 +10,7 @@ import type { Step } from '../report/watchdog.js';
 
 const ON_DEVELOPERS_MACHINE = /^(file:|https?:\/\/(localhost|127\.0\.0\.1|\[::1])(:|$))/;
 
-// Visitors get the short text. A frame without an address of its own has the origin of the page around it.
+// Short text for visitors. A frame without an address of its own has the origin of the page around it.
 const textOf = ({ id, message }: ErrorDetail, short: string): string =>
   ON_DEVELOPERS_MACHINE.test(location.protocol === 'file:' ? 'file:' : origin) ? `${id}: ${message}` : short;
 
@@ -59,7 +59,7 @@ slot { display: block; }
 }
 `;
 const COVERED_MS = 1000, FADING_MS = 300; // at most; of the style's transition
-// The visitor moves the focus by Tab, not by a pointer. A script that focuses a viewer does not make it draw a ring.
+// The last input that moves the focus was Tab, not a pointer: only then is the ring drawn.
 let tabs = false;
 if (typeof document !== 'undefined') {
   document.addEventListener('keydown', (e) => { if (e.key === 'Tab') tabs = true; }, true);
@@ -140,8 +140,7 @@ export class Overlay {
   /** The document has adopted it, without its style. */
   applyStyle(): void { adopt(this.content, CSS); }
 
-  /** Its texts from now on. */
-  say(strings: Strings): void {
+  setTexts(strings: Strings): void {
     this.#strings = strings;
     this.#bar.ariaLabel = strings.loading;
     this.#play.ariaLabel = strings.play;
@@ -168,7 +167,7 @@ export class Overlay {
     this.#progress.hidden = true;
     this.#forgetNote();
   }
-  /** Lets the picture that the canvas has been given just now stay until `uncover`, which fades to the canvas. */
+  /** Keeps the canvas's present picture on top until `uncover`, which fades to the canvas. */
   cover(): void {
     const canvas = this.#canvas;
     this.#dropCover();
@@ -207,7 +206,7 @@ export class Overlay {
     else this.stage.removeAttribute('aria-keyshortcuts');
     this.stage.classList.toggle('orbits', orbits);
   }
-  /** Empty: what the visitor's drags and pinches do not do with the picture, they do with the page. */
+  /** Empty: gestures that the picture does not use go to the page. */
   setTouchAction(value: string): void {
     this.stage.style.touchAction = value;
   }
@@ -218,7 +217,7 @@ export class Overlay {
     else this.#picture.removeAttribute('src');
     this.#picture.hidden = !url;
   }
-  // Another origin's picture may need CORS (on cross-origin isolated pages), or its server may not have it. No picture is better than a broken one.
+  // Another origin's picture may need CORS (on cross-origin isolated pages), or its server may not have it. A broken picture is left out.
   #onPosterError(): void {
     const { src, crossOrigin } = this.#picture;
     if (!this.#otherMode || src.startsWith(`${globalThis.origin}/`)) return this.setPoster(null);
@@ -272,7 +271,7 @@ export class Overlay {
     }
     stage.focus();
   }
-  /** Says what went wrong and offers to try again. `over`: there is nothing else to look at than the poster. */
+  /** Shows the error and a button to retry. over: nothing is shown but the poster. */
   fail(error: ErrorDetail, over: boolean): void {
     this.#progress.hidden = this.#play.hidden = true;
     this.#message.textContent = textOf(error, this.#strings[error.id as keyof Strings] ?? this.#strings.failure);
@@ -282,17 +281,17 @@ export class Overlay {
   recover(): void {
     this.#error.hidden = true;
   }
-  /** A quiet line while the network is waited for. */
+  /** A line while the network is waited for. */
   note(waiting: boolean): void {
     this.#network = waiting;
     this.#showNote();
   }
-  /** The same, while nothing comes of this step; null: it goes on. */
+  /** A line while this step takes long; null: it goes on. */
   noteStep(step: Step | null): void {
     this.#step = step;
     this.#showNote();
   }
-  /** The same, until complete(): some of the player cannot be loaded. */
+  /** A line until complete(): part of the player cannot be loaded. */
   incomplete(error: ErrorDetail): void {
     this.#lack = textOf(error, this.#strings.incomplete);
     this.#showNote();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Feature: the viewer's place on the page, and what it may hold there: `loading`, and the page's budget. What is far
-// from the screen is freed, what is not on it stands still.
+// Feature: the viewer's place on the page, `loading`, and its share of the page's budget. Far from the screen it is freed, off the screen
+// it stands still.
 import { viewOf } from '../page/documents.js';
 import { Stage } from '../session/stage.js';
 import { PageBudget, type Priority, type Reservation, type Member } from './budget.js';
@@ -10,14 +10,14 @@ import type { Feature, Viewer } from './viewer.js';
 const PHONE = '(hover: none) and (pointer: coarse)';
 const PHONE_BYTES = 160e6, DESKTOP_BYTES = 400e6;
 const PHONE_DECODERS = 4, DESKTOP_DECODERS = 12;
-const MARGINS = ['0px', '100%', '200%', '300%']; // of the screen; crossing one makes the budget share out anew
+const MARGINS = ['0px', '100%', '200%', '300%']; // of the screen; crossing one makes the budget allocate again
 const STEPS = [0, 0.25, 0.5, 0.75, 1];
 
 let budget: PageBudget | null = null;
 const observers = new WeakMap<typeof globalThis, IntersectionObserver[]>();
 const observed = new WeakMap<Element, Presence>();
 
-// Makes the budget for the first viewer; also those that were moved into other documents share it.
+// Makes the budget for the first viewer; viewers that were moved into other documents share it.
 function ofPage(): PageBudget {
   if (budget) return budget;
   const { deviceMemory = 8 } = navigator as { deviceMemory?: number }, phone = matchMedia(PHONE).matches;
@@ -40,7 +40,7 @@ function observersOf(view: typeof globalThis): IntersectionObserver[] {
   return all;
 }
 
-/** What loads the character, as far as it is used here. */
+/** Loader of the character. */
 export interface Loader {
   /** Nothing is to be loaded yet. */
   readonly waits: boolean;
@@ -79,7 +79,7 @@ export class Presence implements Feature, Member {
     ofPage().remove(this);
   }
   update(name: string): void { if (name === 'loading') this.review(); }
-  // Others may run after an error; progress: it holds more than it did.
+  // After an error others may run; at progress it holds more.
   handle(event: string): void { if (/error|progress/.test(event)) this.review(); }
   touch(): void { if (!this.#reservation.run) this.review(); }
   /** Called when the viewer crosses a margin of the screen; entry: what is seen of it, null if that is the same. */
@@ -93,7 +93,7 @@ export class Presence implements Feature, Member {
     const { left, right, top, bottom, width, height } = element.getBoundingClientRect(), { innerWidth, innerHeight } = viewOf(element);
     const across = Math.max(0, left - innerWidth, -right) / innerWidth, down = Math.max(0, top - innerHeight, -bottom) / innerHeight;
     const { width: w, height: h } = this.#seen?.intersectionRect ?? { width, height };
-    // Styles may show at any time what they hide; what a scroller clips is near.
+    // Without an area it may be shown at any time; clipped by a scroller it is near.
     const distance = this.#loader.waits ? Infinity : width * height === 0 ? 1 : Math.max(across, down, this.#onScreen ? 0 : 0.01);
     return { mode: valueOf(element, 'loading'), distance, area: w * h, shown, touchedMs };
   }
@@ -106,7 +106,7 @@ export class Presence implements Feature, Member {
 
   get #onScreen(): boolean { return this.#seen?.isIntersecting ?? true; }
 
-  /** Lets the session run or rest, and the page share out anew. */
+  /** Starts or stops the session, and lets the page allocate again. */
   review(): void {
     const { element, session, connected } = this.#viewer, decodes = this.#reservation.run && !element.ownerDocument.hidden;
     if (connected) ofPage().review();

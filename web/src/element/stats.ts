@@ -15,7 +15,7 @@ export interface ViewerStats {
   targetBytes: number;
   /** In use in the player's memory, of all viewers of the page; 0 until its second part is there. */
   heapBytes: number;
-  /** Of the picture shown, 0: the lowest. */
+  /** Rendition of the picture shown, 0: the lowest. */
   rendition: number;
   /** Milliseconds of decoding geometry: for one frame, mean, wherever it was; the most in one turn of the page. 0 until the player's second part is there. */
   decodeMs: number;

@@ -29,7 +29,7 @@ export interface Orbit {
 }
 
 export interface FourdvtViewer extends Reflected {
-  /** Of its <track> elements; undefined until the player's second part is there. */
+  /** Tracks of its <track> elements; undefined until the player's second part is there. */
   readonly textTracks?: TextTrackList;
 }
 export class FourdvtViewer extends PageElement {
@@ -70,7 +70,7 @@ export class FourdvtViewer extends PageElement {
   /** Gives each file of the characters the address that it is fetched from; called again for one that the server refuses. Null: its own. */
   get sign(): SignAddress | null { return this.#loading.sign; }
   set sign(sign: SignAddress | null) { this.#loading.sign = sign; }
-  /** How decoded pictures reach the GPU; 'auto' measures what is faster. Takes effect at the next load. */
+  /** Upload path of decoded pictures; 'auto' measures what is faster. Takes effect at the next load. */
   get uploadPath(): UploadChoice { return valueOf(this, 'upload-path') as UploadChoice; }
   set uploadPath(value: UploadChoice) { this.setAttribute('upload-path', value); }
   /** Loads the character again, from the start. Any error before is forgotten. */
@@ -153,7 +153,7 @@ export class FourdvtViewer extends PageElement {
     if (!Number.isFinite(degrees)) throw new TypeError('heading must be a number of degrees');
     this.#viewer.commands.steer(degrees);
   }
-  /** Where the character stands. Setting it puts the character there at once. */
+  /** Place and heading of the character. Setting it puts the character there at once. */
   get placement(): Placement { return this.#viewer.commands.placement; }
   set placement(place: Partial<Placement>) {
     const at = { ...this.placement, ...place };
@@ -172,7 +172,7 @@ export class FourdvtViewer extends PageElement {
     this.#viewer.camera.jump();
     this.#viewer.session?.wake();
   }
-  /** How a character from cameras is drawn, once it is loaded; web/README.md lists the methods. */
+  /** Drawing method of a character from cameras, once it is loaded; web/README.md lists the methods. */
   get method(): string { return methodOf(this).name || this.#viewer.session?.character?.method || ''; }
   set method(name: string) { this.setAttribute('method', name); }
   /** Meshes that the characters stand among; web/README.md says what they consist of. */

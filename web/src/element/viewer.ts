@@ -42,7 +42,7 @@ export interface Feature {
   settings?(): Partial<Settings>;
   /** A session begins: the state of the last one is over. */
   begin?(): void;
-  /** What was asked for does not come. error: the reason; none if it was replaced. */
+  /** A request for a source or for playing has failed. error: its reason; none if another one has replaced it. */
   giveUp?(error?: ErrorDetail): void;
 }
 
@@ -79,11 +79,11 @@ export class Viewer {
   }
 
   get statics(): Statics { return this.element.constructor as unknown as Statics; }
-  /** Of the canvas, pixels. */
+  /** Size of the canvas, pixels. */
   get size(): Size { return this.picture.canvas; }
   /** The sequence that is shown. */
   get current(): SequenceInfo | null { return this.session?.character?.sequences[this.commands.state()?.sequence ?? -1] ?? null; }
-  /** Of it, seconds; NaN before it is loaded. */
+  /** Seconds of the sequence; NaN before it is loaded. */
   get duration(): number { return this.session?.live ? Infinity : this.current?.duration ?? NaN; }
   get currentTime(): number { return this.commands.state()?.currentTimeS ?? this.commands.settings.time ?? 0; }
 
@@ -126,7 +126,7 @@ export class Viewer {
   }
   updateTexts(): void {
     const { element, overlay } = this;
-    overlay.say(stringsOf(element, this.statics.strings) as unknown as Strings);
+    overlay.setTexts(stringsOf(element, this.statics.strings) as unknown as Strings);
     overlay.setLabel(element.getAttribute('alt') ?? '', isOn(element, 'camera-controls'), isOn(element, 'motion-controls'));
     overlay.setTouchAction(element.getAttribute('touch-action') ?? '');
     this.call('updateTexts');

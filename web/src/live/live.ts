@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A live stream over a WebSocket (native/package/FORMAT.md, "A live stream"): hands manifest and frames to the player,
-// measures the server's clock, and connects again by itself whenever the connection is lost. Part of fourdvt-more.js.
-// In place of a Transport it has no files. Does not decode or draw anything.
+// measures the server's clock, and reconnects after losses. Takes the place of a Transport without files. Does not decode or draw
+// anything. Part of fourdvt-more.js.
 import { PICTURE_KINDS, type PictureKind } from '../wasm/generated/abi.js';
 import { viewOf } from '../page/documents.js';
 import type { SessionSide, SideActor } from '../more/session-side.js';
@@ -26,7 +26,7 @@ const MOST_PONGS = 12;      // the clock is taken from the quickest of so many
 const SLOTS = 4;            // decoded pictures
 const CLOSED = { token: 4401, origin: 4403 };
 
-type Tell = (module: WasmModule, handle: number) => number;
+type PlayerCall = (module: WasmModule, handle: number) => number;
 interface Box {
   min: [number, number, number];
   max: [number, number, number];
@@ -35,16 +35,16 @@ interface Manifest {
   extensions?: { FOURDVT_layered_video_texture?: { live?: { session?: unknown } } };
 }
 
-/** The character's actor, as far as it is needed here. */
+/** The character's actor. */
 export interface LiveActor {
-  run(action: (player: { tell(action: Tell): void }) => void): unknown;
-  readonly player: { tell(action: Tell): void } | null;
+  run(action: (player: { call(action: PlayerCall): void }) => void): unknown;
+  readonly player: { call(action: PlayerCall): void } | null;
 }
 
 export interface LiveHost {
   actor(): LiveActor | null;
   emit(name: string, detail?: unknown): void;
-  /** Hears when waiting for the network begins, and when it ends. */
+  /** Called when waiting for the network begins, and when it ends. */
   network(waiting: boolean): void;
   /** Loads the character of another session in place of the present one. */
   replace(manifest: unknown): void;
@@ -52,7 +52,7 @@ export interface LiveHost {
   fail(id: string, message: string): void;
 }
 
-/** The browser, as far as it is used here. */
+/** The browser. */
 export interface LivePage {
   open(url: string): WebSocket;
   now(): number; // ms
@@ -82,7 +82,7 @@ const pageOf = (view: typeof globalThis): LivePage => ({
 const isLocal = (host: string): boolean => /^(localhost|127\..*|\[::1])$/.test(host);
 const sessionOf = (manifest: unknown): unknown => (manifest as Manifest | null)?.extensions?.FOURDVT_layered_video_texture?.live?.session;
 
-const feed = (bytes: Uint8Array): Tell => (module, handle) => {
+const feed = (bytes: Uint8Array): PlayerCall => (module, handle) => {
   const at = module._fdvt_alloc(bytes.length || 1);
   module.HEAPU8.set(bytes, at);
   const ok = module._fdvt_live_frame(handle, at, bytes.length);
@@ -119,7 +119,7 @@ export class LiveStream {
   #pongs: { tripMs: number; aheadMs: number }[] = []; // the server's clock is ahead of the page's by so much
   #bounds: Box | null = null;
 
-  /** Connects when it is asked for the manifest, and until dispose(). */
+  /** Connects at the call of manifest(), until dispose(). */
   constructor(url: string, host: LiveHost, page: LivePage) {
     this.#url = new URL(url);
     this.#host = host;
@@ -134,7 +134,7 @@ export class LiveStream {
   get latency(): number {
     let capturedUs = 0;
     try {
-      this.#host.actor()?.player?.tell((module, handle) => {
+      this.#host.actor()?.player?.call((module, handle) => {
         capturedUs = module._fdvt_live_captured_us(handle);
         return 1;
       });
@@ -143,8 +143,8 @@ export class LiveStream {
     return best && capturedUs ? Math.max(0, (this.#page.now() + best.aheadMs) / 1000 - capturedUs / 1e6) : NaN;
   }
 
-  /** Tells a new player to play this stream, when it has been told the manifest. */
-  load(path: PictureKind, readable: boolean): Tell {
+  /** Lets a new player that has read the manifest play this stream. */
+  load(path: PictureKind, readable: boolean): PlayerCall {
     return (module, handle) => module._fdvt_live_load(handle, PICTURE_KINDS.indexOf(path), Number(readable), SLOTS);
   }
 
@@ -156,7 +156,7 @@ export class LiveStream {
     return !!before && [...min, ...max].every((value, i) => Math.abs(value - [...before.min, ...before.max][i]!) < 0.15 * size);
   }
 
-  /** An error of the player that is the stream's fault: then it is connected to again, and true. */
+  /** True of an error of the player that the stream has caused; it is connected to again. */
   takes({ id, message }: { id: string; message: string }): boolean {
     if (id !== 'stream-invalid') return false;
     this.#refuse(message);
@@ -165,7 +165,7 @@ export class LiveStream {
 
   // --- as a Transport ---
 
-  /** The first manifest. Never rejects: the host is told of errors. */
+  /** The first manifest. Never rejects: errors go to the host. */
   manifest(): Promise<unknown> {
     const { signal } = this.#abort;
     this.#page.listen('online', () => this.#connectNow(), signal);
@@ -203,15 +203,15 @@ export class LiveStream {
     }
     this.#socket = socket;
     socket.binaryType = 'arraybuffer';
-    const heard = (run: (event: MessageEvent) => void) => (event: MessageEvent): void => { if (this.#socket === socket) run(event); };
-    socket.onmessage = heard((event) => this.#onMessage(event.data as string | ArrayBuffer));
+    const ofSocket = (run: (event: MessageEvent) => void) => (event: MessageEvent): void => { if (this.#socket === socket) run(event); };
+    socket.onmessage = ofSocket((event) => this.#onMessage(event.data as string | ArrayBuffer));
     socket.onclose = (event): void => { if (this.#socket === socket) this.#onClose(event.code); };
     this.#heardMs = this.#page.now();
     this.#pingMs = -Infinity;
     this.#look();
   }
 
-  // Lets go of connection and timers; what comes late of either is not heard.
+  // Drops connection and timers; late events of either are ignored.
   #hang(): void {
     const socket = this.#socket;
     this.#socket = null;
@@ -244,12 +244,12 @@ export class LiveStream {
     this.#connectLater();
   }
 
-  // The stream is interrupted; what has come of it is of no use to what comes next.
+  // Interrupts the stream: frames received so far do not continue in the next connection.
   #drop(): void {
     this.#hang();
     this.#wait(true);
     if (this.#state === 'live') this.#become('stalled');
-    this.#host.actor()?.run((player) => player.tell(feed(new Uint8Array())));
+    this.#host.actor()?.run((player) => player.call(feed(new Uint8Array())));
   }
 
   #onVisibility(): void {
@@ -324,12 +324,12 @@ export class LiveStream {
     this.#become('live');
   }
 
-  // The player's complaint, if it has one.
+  // Error of the player, if there is one.
   #hand(actor: LiveActor, frame: Uint8Array): string {
     let problem = '';
     actor.run((player) => {
       try {
-        player.tell(feed(frame));
+        player.call(feed(frame));
       } catch (reason) {
         if (typeof (reason as { id?: unknown }).id !== 'string') throw reason; // a trap
         problem = (reason as Error).message;
@@ -353,7 +353,7 @@ export class LiveStream {
 
   // --- reports to the host ---
 
-  // Another connection may bring better.
+  // Errors that another connection may mend.
   #refuse(problem: string): void {
     const message = `${this.#name}: ${problem.replace(/^live stream: /, '')}`;
     this.#drop();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Advice for a character's player once it can play: which renditions the browser can decode, and which of those smoothly,
-// before one is tried; how long a turn may take to decode geometry, and that a worker decodes it; and whether other motions are near. Part of
-// fourdvt-more.js.
+// Configures a character's player once it can play: renditions that the browser can decode, and smoothly, before one is tried; time for
+// geometry in a turn, and the worker; prefetching of other motions. Part of fourdvt-more.js.
 import { isOn } from '../page/attributes.js';
 import type { PlayerFiles } from '../wasm/files.js';
 import { decodeBeside, type Turning } from '../decode/geometry-decoding.js';
@@ -9,7 +8,7 @@ import { isFromCameras } from '../net/manifest.js';
 import { mediaType } from '../decode/media-segments.js';
 import { savesData } from '../page/quality-attribute.js';
 import type { SessionSide } from './session-side.js';
-import type { TellPlayer } from '../wasm/wasm-abi.js';
+import type { PlayerCall } from '../wasm/wasm-abi.js';
 
 const LOW_BATTERY = 0.15; // of its charge
 // A quarter of a turn at 60 Hz.
@@ -33,7 +32,7 @@ interface Manifest {
 interface Player {
   judgeRendition(sequence: number, rendition: number, plays: boolean): void;
   lookAhead(atOnce: boolean): void;
-  tell(action: TellPlayer): void;
+  call(action: PlayerCall): void;
 }
 /** Runs actions on a player as long as there is one. */
 export interface Advised extends Turning {
@@ -47,7 +46,7 @@ interface Verdict {
 // By manifest: a session opens one player after another, and the browser's answers stay.
 const verdicts = new WeakMap<object, Promise<Verdict | null>[]>();
 
-// A browser that has no answer is expected to play it.
+// Without an answer the browser is expected to play it.
 async function canDecode({ codec, width, height }: Rendition): Promise<boolean> {
   if (typeof VideoDecoder === 'undefined') return MediaSource.isTypeSupported(mediaType(codec));
   const config = { codec, codedWidth: width, codedHeight: height };
@@ -56,10 +55,10 @@ async function canDecode({ codec, width, height }: Rendition): Promise<boolean> 
 async function isSmooth({ codec, width, height, byteLength }: Rendition, { frameCount, fps }: Sequence): Promise<boolean> {
   const video = { contentType: mediaType(codec), width, height, bitrate: Math.ceil((8 * byteLength * fps) / frameCount), framerate: fps };
   const info = await navigator.mediaCapabilities?.decodingInfo({ type: 'file', video }).catch(() => null);
-  return !info?.supported || info.smooth; // what it says of files that it does not play says nothing of their samples
+  return !info?.supported || info.smooth; // for an unsupported file the answer does not hold for its samples
 }
 
-/** Finds out whether the browser plays the renditions, and smoothly; resolves to null for those that it does. */
+/** Tests if the browser plays the renditions, and smoothly; resolves to null for those that it does. */
 function findVerdicts(manifest: unknown): Promise<Verdict | null>[] {
   const { sequences = [] } = (manifest as Manifest).extensions.FOURDVT_layered_video_texture;
   return sequences.flatMap((s, sequence) => s.renditions.map(async (r, rendition) => {
@@ -75,7 +74,7 @@ async function judge(manifest: unknown, advised: Advised): Promise<void> {
     if (v) advised.run((player) => player.judgeRendition(v.sequence, v.rendition, v.plays));
   }));
 }
-/** Hands a session's next player what is known of the renditions, before it fetches one that does not play. */
+/** Applies the verdicts to a session's next player, before it fetches a rendition that does not play. */
 export function judgeAgain({ main, manifest }: SessionSide): void {
   if (main && verdicts.has(manifest as object)) void judge(manifest, main);
 }
@@ -88,7 +87,7 @@ interface Battery {
 // A battery that runs low gets the lowest rendition, until the element is resized. Only some browsers have its state.
 async function spareBattery(advised: Advised): Promise<void> {
   const battery = await (navigator as { getBattery?(): Promise<Battery> }).getBattery?.().catch(() => null);
-  if (battery && !battery.charging && battery.level <= LOW_BATTERY) advised.run((player) => player.tell((m, handle) => {
+  if (battery && !battery.charging && battery.level <= LOW_BATTERY) advised.run((player) => player.call((m, handle) => {
     m._fdvt_set_quality(handle, 0, 0);
     return 1;
   }));
@@ -96,7 +95,7 @@ async function spareBattery(advised: Advised): Promise<void> {
 
 /** manifest: one that the player has read; element: the viewer, if its keys and buttons are for this character. */
 export async function advise(manifest: unknown, advised: Advised, element: Element | false, files: PlayerFiles): Promise<void> {
-  advised.run((player) => player.tell((m, handle) => {
+  advised.run((player) => player.call((m, handle) => {
     m._fdvt_allow_transitions(handle);
     return m._fdvt_slice_decoding(handle, DECODE_SLICE_S);
   }));

@@ -23,7 +23,7 @@ export class Companions {
 
   get actors(): SideActor[] { return Array.from(this.#others.values(), ({ actor }) => actor); }
 
-  /** Loads another character into the same canvas, unless it is there. If it cannot be, its error event says why. */
+  /** Loads another character into the same canvas, unless it is there. If it fails, its error event has the reason. */
   async add(companion: SideCompanion): Promise<void> {
     const session = this.#session;
     if (!session.main || companion.left.aborted || this.#coming.has(companion) || this.#others.has(companion)) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Effects of a session that the page asks for after the first picture, or in place of how it was filmed: optical flow, the
-// element's look, the character's room. Part of fourdvt-more.js. `isCurrent`: the page has asked for nothing else meanwhile.
+// Effects of a session after the first picture: optical flow, the element's look, the character's room. Part of fourdvt-more.js.
+// isCurrent: the page has set nothing else meanwhile.
 import { readLook } from './look.js';
 import { loadOpenCvFlow } from './opencv-flow.js';
 import type { SessionSide } from './session-side.js';
@@ -11,7 +11,7 @@ const ROOM_FETCH = -1; // the player numbers its requests from 0
 // Makes the error of a file that the page's side could not load.
 const fetchFailed = (reason: unknown): { id: string; message: string } => ({ id: 'fetch-failed', message: (reason as Error).message });
 
-/** Aligns by optical flow once that is loaded. If it cannot be, an error event says why and the alignment stays. */
+/** Aligns by optical flow once that is loaded. If that fails, an error event has the reason and the alignment stays. */
 export async function useFlow(session: SessionSide, isCurrent: () => boolean): Promise<void> {
   const { align, host: { commands, emit } } = session;
   if (align === 'flow-opencv') {
@@ -26,12 +26,12 @@ export async function useFlow(session: SessionSide, isCurrent: () => boolean): P
   if (isCurrent() && session.main && !commands.set('align', align)) session.align = commands.settings.align;
 }
 
-/** True once the element's look is drawn. If it cannot be, an error event says why. */
+/** True once the element's look is drawn. If that fails, an error event has the reason. */
 export async function useLook(session: SessionSide, isCurrent: () => boolean): Promise<boolean> {
   try {
-    const tell = await readLook(session.host.element, session);
+    const look = await readLook(session.host.element, session);
     if (!isCurrent() || !session.main) return false;
-    session.main.run((player) => player.tell(tell));
+    session.main.run((player) => player.call(look));
     return true;
   } catch (reason) {
     if (isCurrent()) session.host.emit('error', fetchFailed(reason));
@@ -39,7 +39,7 @@ export async function useLook(session: SessionSide, isCurrent: () => boolean): P
   }
 }
 
-/** Draws the character's room, if it has one and it is wanted. If it cannot be, an error event says why. */
+/** Draws the character's room, if it has one and the page shows it. If that fails, an error event has the reason. */
 export async function useRoom(session: SessionSide, isCurrent: () => boolean): Promise<void> {
   const player = session.main?.player, info = session.main?.character;
   if (!session.room || !player || !info) return;

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the characters of an element look, as its attributes say: look, look-strength, light, light-turn, and method if it
-// is montage4d, which layered characters have too. Part of fourdvt-more.js.
+// Look of the characters by an element's attributes look, look-strength, light, light-turn, and method="montage4d", which layered
+// characters have too. Part of fourdvt-more.js.
 // The player checks names and numbers; a picture that does not load is an Error here.
 import { LOOKS, type Look } from '../wasm/generated/abi.js';
 import { keep } from '../page/promises.js';
 import type { WasmModule } from '../wasm/wasm-abi.js';
 
-// Of the picture handed to the player; nine coefficients need no more.
+// Width of the picture handed to the player, enough for nine coefficients.
 const LIGHT_WIDTH = 128;
 
-/** Tells the look to a player; 0 if it refuses, as the functions of wasm/abi.txt do. */
-export type TellLook = (module: WasmModule, handle: number) => number;
+/** Applies the look to a player; 0 if it is refused. */
+export type LookCall = (module: WasmModule, handle: number) => number;
 
 interface Light {
   pixels: Uint8ClampedArray;
@@ -18,7 +18,7 @@ interface Light {
   height: number;
 }
 
-const told = new WeakSet<object>(); // owners that have had an event: the device cannot run the element's method
+const reported = new WeakSet<object>(); // owners that have had an event: the device cannot run the element's method
 
 const lights = new Map<string, Promise<Light>>();
 
@@ -45,16 +45,16 @@ async function loadLight(address: string, base: string): Promise<Light> {
   }
 }
 
-// As characters from cameras do it (wasm/abi.txt).
+// Same event as that of characters from cameras (wasm/abi.txt).
 function tellFallback(element: Element, owner: object): void {
-  if (told.has(owner)) return;
-  told.add(owner);
+  if (reported.has(owner)) return;
+  reported.add(owner);
   const message = 'montage4d needs half-float render targets, which this GPU does not have';
   element.dispatchEvent(new CustomEvent('methodfallback', { detail: { wanted: 'montage4d', drawn: 'layered', message } }));
 }
 
 /** owner: has one event at most where the device cannot run the element's method. */
-export async function readLook(element: Element, owner: object = element): Promise<TellLook> {
+export async function readLook(element: Element, owner: object = element): Promise<LookCall> {
   const look = LOOKS.indexOf((element.getAttribute('look') || 'none') as Look);
   const number = (name: string, otherwise: number): number => Number(element.getAttribute(name) ?? otherwise);
   const strength = number('look-strength', 1), turnDeg = number('light-turn', 0);
@@ -62,7 +62,7 @@ export async function readLook(element: Element, owner: object = element): Promi
   const light = address && LOOKS[look] === 'relit' ? await loadLight(address, element.baseURI) : null;
   const montage = element.getAttribute('method') === 'montage4d';
   return (module, handle) => {
-    if (!montage) told.delete(owner);
+    if (!montage) reported.delete(owner);
     if (!module._fdvt_use_montage(handle, montage ? 1 : 0)) tellFallback(element, owner);
     const at = light ? module._fdvt_alloc(light.pixels.length) : 0;
     if (light) module.HEAPU8.set(light.pixels, at);

@@ -10,7 +10,7 @@ const ENOUGH_S = 4; // ahead: the player's renditions follow the network from th
 
 export type Range = [number, number];
 
-/** The element, as far as it is used here. */
+/** The element: the members that are used here. */
 export interface TimedViewer extends EventTarget {
   readonly paused: boolean;
   readonly currentTime: number;
@@ -69,7 +69,7 @@ export class MediaTimes {
 
   buffered(): Range[] {
     const list: Range[] = [];
-    this.#character.player()?.tell((module, handle) => {
+    this.#character.player()?.call((module, handle) => {
       for (let at = 0; (at = module._fdvt_buffered(handle, list.length)); ) {
         const { startS, endS } = readTimeRange(module.HEAPU8, at);
         list.push([startS, endS]);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds out whether there is a new bake where a character was loaded from. Part of fourdvt-more.js.
+// Looks for a new bake at a character's address. Part of fourdvt-more.js.
 import type { ErrorDetail } from '../report/errors.js';
 import { extensionOf } from '../net/manifest.js';
 import type { Bake, SessionSide } from './session-side.js';
 
 /**
- * The bake to go on with after these errors; null: there is no other. Files that differ from their manifest without a new
+ * Bake to go on with after these errors; null: there is none. Files that differ from their manifest without a new
  * one may be leftovers in the browser's cache: they are loaded again, past it.
  */
 export async function renew(session: SessionSide, errors: readonly ErrorDetail[]): Promise<Bake | null> {

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// A session as its features in fourdvt-more.js see it. They share no classes with it, since each script has its own: only
-// what these types say.
+// Interface of a session for fourdvt-more.js, which has its own copies of classes: the two scripts share objects by these types alone.
 import type { ErrorDetail } from '../report/errors.js';
 import type { PlayerFiles } from '../wasm/files.js';
 import type { Transport } from '../net/transport.js';
 import type { UploadPath } from '../decode/upload-path.js';
-import type { TellPlayer, TurnHook, WasmModule } from '../wasm/wasm-abi.js';
+import type { PlayerCall, TurnHook, WasmModule } from '../wasm/wasm-abi.js';
 
 export type SideFiles = Pick<Transport, 'range' | 'stopReplay'>;
 
 export interface SidePlayer {
-  tell(action: TellPlayer): void;
+  call(action: PlayerCall): void;
   /** A texture that the page fills with the room's picture, and its mipmaps. */
   showRoom(bytes: Uint8Array): WebGLTexture;
   hideRoom(): void;
@@ -32,7 +31,7 @@ export interface SideActor {
   dispose(): void;
 }
 
-/** Of one character. */
+/** Commands of one character. */
 export interface SideCommands {
   readonly settings: { readonly align: string; readonly playing: boolean };
   /** False, after an error event, if the character refuses it. */
@@ -44,14 +43,14 @@ export interface SideCompanion {
   readonly commands: SideCommands;
   /** Null: the main character's. */
   readonly src: string | null;
-  /** Aborted when it is not wanted any more. */
+  /** Aborted when it leaves. */
   readonly left: AbortSignal;
   emit(name: string, detail?: unknown): void;
 }
 
 export interface ActorHost {
   emit(name: string, detail?: unknown): void;
-  /** Asks for a turn of the frame loop: there may be something new to draw. */
+  /** Requests a turn of the frame loop. */
   wake(): void;
   /** Reports that this upload path cannot show the video's pictures. */
   onNoPlanes(): void;
@@ -61,7 +60,7 @@ export interface ActorHost {
   fatal(reason: unknown): void;
 }
 
-/** What a character is loaded from. */
+/** A bake that a character is loaded from. */
 export interface Bake {
   transport: Transport;
   manifest: unknown;
@@ -83,7 +82,7 @@ export interface SessionSide {
   /** It was loaded past the browser's cache. */
   readonly fresh: boolean;
   readonly path: UploadPath;
-  /** Of members of a class, as the page asked for it; the commands hold what the player does until flow is loaded. */
+  /** Alignment that the page has set; the commands have the one that applies until flow is loaded. */
   align: string;
   /** The character's room is to be drawn. */
   readonly room: boolean;
@@ -98,9 +97,9 @@ export interface SessionSide {
   /** Goes on by the upload path that the main character's pictures have shown to be the best. */
   settle(path: UploadPath): Promise<void>;
   wake(): void;
-  /** What an error event says of a reason. */
+  /** Detail of an error event for a reason. */
   errorOf(reason: unknown): ErrorDetail;
-  /** Hears what the main character's player reports. */
+  /** Handles an event of the main character's player. */
   onMainEvent(name: string, detail?: unknown): void;
   /** Ends the session with an error event. */
   fatal(reason: unknown): void;

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Faults of a request: those that pass, after which another attempt may succeed, and those that stay, as errors with cause and remedy.
+// Faults of a request: transient ones, which are retried, and permanent ones, as errors with cause and remedy.
 import { ViewerError } from '../report/errors.js';
 
 export const originOf = (address: string): string => parse(address).origin;
 const parse = (address: string): URL => new URL(address, globalThis.document?.baseURI);
 
-/** An address as messages have it: without the content of a data: address. */
+/** An address for messages, without the content of a data: address. */
 export const shortened = (url: string): string => (url.startsWith('data:') ? `${url.slice(0, 40)}…` : url);
 export const cannotLoad = (url: string, why: string): ViewerError => new ViewerError('fetch-failed', `${shortened(url)}: ${why}`);
 
-/** Ends one attempt; another one may succeed. */
+/** Transient: another attempt may succeed. */
 export class PassingFault extends Error {
-  /** The origin that has not answered, or has answered that it cannot now. */
+  /** Origin without an answer, or with one that is transient. */
   readonly origin: string;
   /** The least pause before the next attempt, ms. */
   readonly pauseMs: number;
@@ -27,7 +27,7 @@ export class PassingFault extends Error {
 
 const LASTING_5XX = [501, 505, 506, 508, 510]; // by the server's software or configuration
 
-/** The server may answer otherwise in a while. */
+/** Transient statuses. */
 export const passes = (status: number): boolean => [408, 425, 429].includes(status) || (status >= 500 && !LASTING_5XX.includes(status));
 
 function remedyOf(status: number): string {
@@ -38,7 +38,7 @@ function remedyOf(status: number): string {
   return 'the server does not serve it to a plain GET; correct its configuration';
 }
 
-/** A status that stays. */
+/** A permanent status. */
 export class StatusFault extends ViewerError {
   constructor(url: string, status: number) {
     super('fetch-failed', `${shortened(url)}: HTTP ${status}: ${remedyOf(status)}`);
@@ -55,12 +55,12 @@ export class PageFault extends ViewerError {
 const beginning = (bytes: Uint8Array): string => String.fromCharCode(...bytes.subarray(0, 100));
 const isText = (text: string): boolean => !/[\0-\x08\x0e-\x1f]/.test(text);
 
-/** True of the first bytes of an HTML or XML page: no file of a character or of the player begins like one. */
+/** True if a file's first bytes are those of an HTML or XML page, which no file of a character or of the player begins with. */
 export function isPage(bytes: Uint8Array): boolean {
   const text = beginning(bytes);
   return isText(text) && /^(\xef\xbb\xbf)?\s*<[!?a-z]/i.test(text);
 }
-/** True of bytes from the middle of a page that the server calls one: a hundred bytes of a binary file have control characters. */
+/** True if a range is part of a page: of type text/html, and without the control characters that 100 bytes of a binary file have. */
 export const isPartOfPage = (bytes: Uint8Array, type: string | null): boolean => /^text\/html/.test(type ?? '') && bytes.length >= 100 && isText(beginning(bytes));
 
 // Addresses that the page's policy blocks, as the browser reports them.
@@ -69,7 +69,7 @@ globalThis.addEventListener?.('securitypolicyviolation', (e) => {
   if (e.disposition === 'enforce') blocked.add(e.blockedURI);
 });
 
-/** Why the browser refuses the address itself, so that no attempt can succeed; empty if it does not. */
+/** Reason for which the browser refuses the address itself, so that no attempt can succeed; empty if there is none. */
 export function refusalOf(address: string): string {
   const { protocol, username, hostname, href, hash } = parse(address), isWeb = /^https?:$/.test(protocol);
   if (blocked.has(isWeb ? href.slice(0, href.length - hash.length) : protocol.slice(0, -1))) {
@@ -85,11 +85,11 @@ export function refusalOf(address: string): string {
   return '';
 }
 
-/** Why the browser gives whole files of the server, but no parts; it takes none that is compressed. */
+/** Message for a server whose whole files the browser accepts, but no ranges, such as compressed ones. */
 export const rangeRefusal = (isOwn: boolean): string =>
   `the browser refuses parts of the file as the server sends them; let it send them without Content-Encoding${isOwn ? '' : ', and allow the header Range (Access-Control-Allow-Headers)'}`;
 
-/** Why this page may not read what the server answers. */
+/** Message for a server that does not allow this page to read its answers. */
 export function corsRefusal(credentials: RequestCredentials | undefined): string {
   const needed = credentials === 'include'
     ? `Access-Control-Allow-Origin: ${globalThis.origin} (* does not do with crossorigin="use-credentials") and Access-Control-Allow-Credentials: true`

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads fields of a manifest that may not be checked yet.
+// Reads fields of a manifest that is not validated yet.
 interface Extension {
   appearance?: unknown;
   start?: { uri?: string };

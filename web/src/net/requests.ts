@@ -1,29 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-// Requests of files. Faults that pass are waited out, with growing pauses, until the bytes are there or the request is cancelled: no network,
-// statuses 408, 425, 429 and most of 5xx, an answer that stalls. Faults that stay end the request with an error: any other status, a
-// page in place of the file, an answer that breaks off at the same byte each time, an address that the browser refuses, a server that does
-// not allow this page or has never answered.
+// Requests of files. Transient faults are retried with growing pauses, until the bytes are there or the request is cancelled: no network,
+// statuses 408, 425, 429 and most of 5xx, a stalled answer. Permanent faults end the request with an error: any other status, a page in
+// place of the file, an answer that breaks off at the same byte each time, an address that the browser refuses, a server that does not
+// allow this page or has never answered.
 import { cannotLoad, corsRefusal, isPage, originOf, PageFault, passes, PassingFault, rangeRefusal, refusalOf, StatusFault } from './faults.js';
 
 const FIRST_PAUSE_MS = 300;
 const LONGEST_PAUSE_MS = 6000;
-const LONGEST_ASKED_PAUSE_MS = 60_000; // by Retry-After
+const LONGEST_SERVER_PAUSE_MS = 60_000; // by Retry-After
 const STALL_S = 10; // without a byte
 export const MOST_BYTES = 2 ** 25; // of a file whose length the manifest does not say
 const MOST_TRIES = 7; // of a server that has never answered: about 10 s, if no request stalls
-const PROBE_AGAIN_MS = 15_000; // of a server that has answered no probe: it is not loaded with more than the retries
+const PROBE_AGAIN_MS = 15_000; // of a server that has answered no probe
 const MOST_BREAKS = 4; // of an answer, at the same byte
-const REDIRECTED = 'the address that it redirects to'; // in place of an origin, which the browser does not say
+const REDIRECTED = 'the address that it redirects to'; // in place of an origin, which browsers hide
 
 const silent = new Map<string, number>(); // origins, and when they left a probe without an answer
 let received = 0;
-/** Parts of answers that the page has received, of all requests. */
+/** Number of parts of answers that the page has received, in all requests. */
 export const partsReceived = (): number => received;
 
-/** Hears when waiting for the network begins, and when it ends. */
+/** Called when waiting for the network begins, and when it ends. */
 export type Report = (waiting: boolean) => void;
 
-export interface Wanted {
+export interface FileRequest {
   /** Names the file in messages. */
   url: string;
   /** The address that is fetched, if it is not `url`. */
@@ -44,7 +44,7 @@ export interface Answer {
   drop(): void;
 }
 
-// Origins that exist: any outage of theirs passes.
+// Origins that have answered: outages of theirs are transient.
 const answered = new Set([globalThis.origin]);
 
 // Ends early if the browser finds a network again.
@@ -63,11 +63,11 @@ const pause = (ms: number, signal?: AbortSignal): Promise<void> =>
 
 interface Watch {
   readonly signal: AbortSignal;
-  heard(): void;
+  onBytes(): void;
   end(): void;
 }
 
-// A signal that aborts at end(), with `signal`, or after STALL_S seconds without heard(). A timer counts the seconds one by one:
+// A signal that aborts at end(), with `signal`, or after STALL_S seconds without onBytes(). A timer counts the seconds one by one:
 // a page that was busy for as long reads the bytes that came meanwhile before the count is full.
 function watchForStall(signal?: AbortSignal): Watch {
   const abort = new AbortController();
@@ -80,16 +80,16 @@ function watchForStall(signal?: AbortSignal): Watch {
   const timer = setInterval(() => ++quiet >= STALL_S && end(), 1000);
   signal?.addEventListener('abort', end);
   if (signal?.aborted) end();
-  return { signal: abort.signal, heard: () => (quiet = 0), end };
+  return { signal: abort.signal, onBytes: () => (quiet = 0), end };
 }
 
-/** Attempts it until no fault passes any more. Half of each pause is random, so that the visitors of a server that comes back do not all return at once. */
+/** Repeats an attempt after transient faults. Half of each pause is random, so that visitors do not return all at once to a server that has restarted. */
 export async function patiently<T>(url: string, attempt: () => Promise<T>, report: Report, signal?: AbortSignal): Promise<T> {
   let waiting = false, tries = 0, breaks = 0, brokeAtBytes = NaN;
-  const tell = (now: boolean): void => {
+  const setWaiting = (now: boolean): void => {
     if (waiting !== now) report((waiting = now));
   };
-  // A fault that passes by itself, but not here.
+  // Permanent for this request, although transient by itself.
   const check = (fault: PassingFault): void => {
     if (globalThis.navigator?.onLine === false) return;
     if (!answered.has(fault.origin) && ++tries === MOST_TRIES) {
@@ -109,19 +109,19 @@ export async function patiently<T>(url: string, attempt: () => Promise<T>, repor
       } catch (reason) {
         if (signal?.aborted || !(reason instanceof PassingFault)) throw reason;
         check(reason);
-        tell(true);
+        setWaiting(true);
         await pause(Math.max(reason.pauseMs, ms * (0.5 + Math.random() / 2)), signal);
         if (signal?.aborted) throw reason;
       }
     }
   } finally {
-    tell(false);
+    setWaiting(false);
   }
 }
 
 /** One request. Errors: PassingFault; ViewerError 'fetch-failed'. */
-export async function ask({ url, address = url, init = {}, signal }: Wanted): Promise<Answer> {
-  const { signal: watched, heard, end } = watchForStall(signal), origin = originOf(address);
+export async function request({ url, address = url, init = {}, signal }: FileRequest): Promise<Answer> {
+  const { signal: watched, onBytes, end } = watchForStall(signal), origin = originOf(address);
   const response = await fetch(address, { credentials: 'same-origin', ...init, signal: watched }).catch(() => null);
   if (!response) {
     const stalled = watched.aborted;
@@ -134,7 +134,7 @@ export async function ask({ url, address = url, init = {}, signal }: Wanted): Pr
   if (!response.ok) {
     end();
     if (!passes(status)) throw new StatusFault(url, status);
-    throw new PassingFault(origin, { pauseMs: Math.min(1000 * (Number(headers.get('Retry-After')) || 0), LONGEST_ASKED_PAUSE_MS) });
+    throw new PassingFault(origin, { pauseMs: Math.min(1000 * (Number(headers.get('Retry-After')) || 0), LONGEST_SERVER_PAUSE_MS) });
   }
   const reader = response.body?.getReader();
   let bytes = 0, limit = MOST_BYTES;
@@ -150,7 +150,7 @@ export async function ask({ url, address = url, init = {}, signal }: Wanted): Pr
   };
   const next = async (): Promise<Uint8Array | undefined> => {
     const part = (await reader?.read().catch(broken))?.value;
-    heard();
+    onBytes();
     ++received;
     if (!part) {
       end();
@@ -188,16 +188,15 @@ export async function ask({ url, address = url, init = {}, signal }: Wanted): Pr
   };
 }
 
-// Finds out the cause of a failed request, which browsers do not report. If the same address answers another request, for the whole file or one
-// whose answer nobody may read, and fails again at this one, it is the server's word and not the network. The page's own server refuses
-// no page itself, but may redirect.
-async function faultOf({ url, address = url, init = {}, signal }: Wanted): Promise<Error> {
+// Determines the cause of a failed request, which browsers do not report. If the same address answers another request, for the whole file or
+// with an opaque answer, and fails again at this one, the server refuses it. The page's own server refuses no page itself, but may redirect.
+async function faultOf({ url, address = url, init = {}, signal }: FileRequest): Promise<Error> {
   await pause(0); // the browser reports what the policy blocks in a task of its own
   const refusal = refusalOf(address), origin = originOf(address), isOwn = origin === globalThis.origin;
   if (refusal) return cannotLoad(url, refusal);
   const probe = (more: RequestInit): Promise<Response | null> => {
     const { signal: watched, end } = watchForStall(signal);
-    return fetch(address, { credentials: 'same-origin', ...more, signal: watched }).catch(() => null).finally(end); // nobody reads the body
+    return fetch(address, { credentials: 'same-origin', ...more, signal: watched }).catch(() => null).finally(end); // the body stays unread
   };
   const whole = { ...init, headers: {} }, hasRange = new Headers(init.headers).has('Range');
   const away = (): Error => {
@@ -218,15 +217,15 @@ async function faultOf({ url, address = url, init = {}, signal }: Wanted): Promi
 
 /** A whole file. Errors: ViewerError 'fetch-failed'. */
 export function fetchFile(url: string, report: Report = () => undefined, signal?: AbortSignal, init: RequestInit = {}): Promise<Uint8Array<ArrayBuffer>> {
-  return patiently(url, async () => (await ask({ url, init, signal })).read(), report, signal);
+  return patiently(url, async () => (await request({ url, init, signal })).read(), report, signal);
 }
 
 /** A wasm file, compiled while it comes. Errors: ViewerError 'fetch-failed'; the browser's, if it refuses the file. */
 export function compileFile(url: string, report: Report, cache: RequestCache): Promise<WebAssembly.Module> {
   return patiently(url, async () => {
     let fault: unknown;
-    const body = (await ask({ url, init: { cache } })).stream((reason) => (fault = reason));
-    // The type is given here: no server needs to have it.
+    const body = (await request({ url, init: { cache } })).stream((reason) => (fault = reason));
+    // Servers need not send the type.
     const wasm = new Response(body, { headers: { 'Content-Type': 'application/wasm' } });
     return WebAssembly.compileStreaming(wasm).catch((reason: unknown) => { throw fault ?? reason; });
   }, report);

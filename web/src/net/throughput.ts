@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Throughput of the network by the page's resource timing: of what came lately, while any of it came.
+// Throughput of the network in the latest transfers, by the page's resource timing.
 
 const RECENT_MS = 10_000;
-const RAMP_MS = 50; // a short burst says less than it seems to
+const RAMP_MS = 50; // bursts overstate the throughput
 
-/** Bits per second; 0: not known, from caches or from servers that do not allow timing. */
+/** Bits per second; 0 if unknown: transfers from caches, or servers that do not allow timing. */
 export function throughput(): number {
   const since = performance.now() - RECENT_MS;
   const resources = (performance.getEntriesByType('resource') as PerformanceResourceTiming[])

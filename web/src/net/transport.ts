@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fetches a character's files and byte ranges of them, by the names that its manifest has. Names are resolved against the address that
-// answered with the manifest. If a server ignores Range and answers with the whole file (200), the file is kept and cut up here.
+// Fetches a character's files and byte ranges of them by their names in the manifest, which are relative to the address that the
+// manifest came from. If a server ignores Range and sends the whole file (200), that is kept and ranges are taken from it.
 import { keep } from '../page/promises.js';
 import { ViewerError } from '../report/errors.js';
 import { cannotLoad, isPartOfPage, originOf, PageFault, PassingFault, shortened, StatusFault } from './faults.js';
-import { ask, MOST_BYTES, patiently, type Answer, type Report } from './requests.js';
+import { request, MOST_BYTES, patiently, type Answer, type Report } from './requests.js';
 
-/** Gives a file the address that it is fetched from, a presigned one for example. */
+/** Returns the address that a file is fetched from, for example a presigned one. */
 export type SignAddress = (url: string) => string | Promise<string>;
 
 /** Options of all requests for a character. */
@@ -18,7 +18,6 @@ export interface RequestOptions {
   signer?: { readonly sign: SignAddress | null };
 }
 
-// The page's function gives addresses by any means, the network for example.
 async function signedAddress(sign: SignAddress, url: string): Promise<string> {
   try {
     const address = await sign(url);
@@ -37,18 +36,17 @@ export class Transport {
   #base: string; // of the names in the manifest
   readonly #report: Report;
   readonly #options: RequestOptions;
-  readonly #signed = new Map<string, Promise<string>>(); // addresses by the page's function
-  readonly #aliases = new Map<string, string>(); // whole addresses by the names that the player has for them
+  readonly #signed = new Map<string, Promise<string>>(); // addresses by the page's `sign`
+  readonly #aliases = new Map<string, string>(); // absolute addresses by the names that the player uses
   #early: Promise<{ url: string; bytes: Uint8Array }> | null = null; // a start file, by a guessed name
   readonly #running = new Map<number, AbortController>();
   readonly #whole = new Map<string, Promise<Uint8Array>>();
   readonly #lengths = new Map<string, number>(); // of files, in bytes, by the manifest
   readonly #abort = new AbortController();
   #waiting = 0; // fetches that wait for the network
-  // The ranges of the first seconds: a second player on another upload path gets them without downloading them again.
+  // Ranges of the first seconds, kept for a second player on another upload path.
   #replay: Map<string, Uint8Array> | null = new Map();
 
-  /** `report` hears when waiting for the network begins, and when nothing waits any more. */
   constructor(manifestUrl: string, report: Report = () => undefined, options: RequestOptions = {}) {
     this.#src = this.#base = manifestUrl;
     this.#report = report;
@@ -59,7 +57,7 @@ export class Transport {
   async manifest(): Promise<unknown> {
     const { signal } = this.#abort, src = this.#src;
     const bytes = await patiently(src, async () => {
-      const answer = await this.#ask(src, signal), bytes = await answer.read();
+      const answer = await this.#request(src, signal), bytes = await answer.read();
       this.#base = answer.redirectedTo || src;
       return bytes;
     }, this.#count, signal).catch((reason: unknown) => {
@@ -79,7 +77,7 @@ export class Transport {
     const url = this.#src.replace(/^(https?:[^?#]*)\.gltf(?=$|[?#])/, '$1.start.bin');
     if (url !== this.#src) this.#early = this.#fetchStart(url);
   }
-  /** The bytes of the start file that the manifest names. None if it cannot be had at once: all can do without. */
+  /** The bytes of the start file that the manifest names. Empty if the first attempt fails: it is optional. */
   async start(uri: string): Promise<Uint8Array> {
     const url = this.#locate(uri), early = await this.#early;
     const { bytes } = early && pathOf(early.url) === pathOf(url) ? early : await this.#fetchStart(url);
@@ -87,7 +85,7 @@ export class Transport {
   }
   async #fetchStart(url: string): Promise<{ url: string; bytes: Uint8Array }> {
     try {
-      const answer = await this.#ask(url, this.#abort.signal), bytes = await answer.read();
+      const answer = await this.#request(url, this.#abort.signal), bytes = await answer.read();
       return { url: answer.redirectedTo || url, bytes };
     } catch {
       return { url, bytes: new Uint8Array() };
@@ -148,10 +146,10 @@ export class Transport {
     return sign ? keep(this.#signed, url, () => signedAddress(sign, url)) : this.#signed.get(url) ?? Promise.resolve(url);
   }
 
-  // An address that the page has signed and the server refuses is signed anew, once: signatures expire.
-  async #ask(url: string, signal: AbortSignal, headers: Record<string, string> = {}): Promise<Answer> {
+  // A signed address that the server refuses is signed again, once: signatures expire.
+  async #request(url: string, signal: AbortSignal, headers: Record<string, string> = {}): Promise<Answer> {
     const { cache, credentials } = this.#options, signed = this.#sign(url);
-    const send = async (address: string): Promise<Answer> => ask({ url, address, init: { cache: cache!, credentials: credentials!, headers }, signal });
+    const send = async (address: string): Promise<Answer> => request({ url, address, init: { cache: cache!, credentials: credentials!, headers }, signal });
     return send(await signed).catch(async (reason: unknown) => {
       if (!(reason instanceof StatusFault) || this.#signed.get(url) !== signed) throw reason;
       this.#signed.delete(url);
@@ -161,7 +159,7 @@ export class Transport {
 
   #invalid(problem: string): ViewerError { return new ViewerError('manifest-invalid', `${shortened(this.#base)}: ${problem}`); }
 
-  // The second check of a file's name, behind the manifest's reader. Escaped dots and slashes may lead out of the folder on a
+  // Checks a file's name a second time, after the manifest's reader. Escaped dots and slashes may lead out of the folder on a
   // server. Some URL parsers, that of Node 20 for one, do not resolve every "..".
   #locate(uri: string): string {
     const alias = this.#aliases.get(uri);
@@ -173,7 +171,7 @@ export class Transport {
     throw this.#invalid(`"${uri}" is not in the character's folder; bake it again`);
   }
 
-  // A manifest without a folder has whole addresses in place of names; the player gets a plain name for each.
+  // Names an absolute address of a manifest that has no folder.
   #nameFor(uri: string): string {
     let url: URL;
     try {
@@ -188,7 +186,7 @@ export class Transport {
     return name;
   }
 
-  // A value of the manifest: checks where it leads if it names a file, and remembers the file's length.
+  // Checks the address of a manifest's value that names a file, and keeps the file's length.
   #note(value: { uri?: string; byteOffset?: number; byteLength?: number } | null): unknown {
     if (!value?.uri) return value;
     if (/^(blob|data):/.test(this.#base)) value.uri = this.#nameFor(value.uri);
@@ -202,7 +200,7 @@ export class Transport {
   async #fetchRange(url: string, offset: number, bytes: number, signal: AbortSignal): Promise<Uint8Array> {
     let whole = this.#whole.get(url);
     if (!whole) {
-      const answer = await this.#ask(url, signal, { Range: `bytes=${offset}-${offset + bytes - 1}` });
+      const answer = await this.#request(url, signal, { Range: `bytes=${offset}-${offset + bytes - 1}` });
       if (answer.status === 206) return this.#readPart(answer, url, offset, bytes);
       // Several answers may bring the same file at the same time; only the first is read to its end.
       if (this.#whole.has(url)) answer.drop();

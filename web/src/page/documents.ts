@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Window and style sheets of the document that an element is in, which may be another one than its script's: it was moved into a frame or a
-// picture-in-picture window. The sheets are constructable, so that the page can have a strict style-src policy.
+// Window and style sheets of an element's document. It differs from the script's after a move into a frame or a picture-in-picture
+// window. The sheets are constructable, so that the page can have a strict style-src policy.
 
 const sheets = new WeakMap<Document, Map<string, CSSStyleSheet>>();
 
-/** The window that shows the node: its observers, its frames and its pixel ratio are those that count. */
+/** The window that shows the node, whose observers, animation frames and pixel ratio apply. */
 export const viewOf = (node: Node): typeof globalThis => (node.ownerDocument?.defaultView as typeof globalThis | null | undefined) ?? globalThis;
 
 /** Adds the style to the node's tree, once; trees of one document share the sheet. A tree that is adopted by another document loses its styles. */

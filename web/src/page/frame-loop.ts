@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Takes one turn per animation frame of the page, as long as something moves and the element is on screen. What a turn
-// does is its owner's.
+// Calls back once per animation frame of the page, as long as something moves and the element is on screen.
 
 const SLOW_S = 0.045;    // of a turn with a draw: then there is no time for all; displays of 30 Hz take 0.033
 const MAX_STEP_S = 0.5;  // longer pauses of the page are not caught up
 const IDLE_TURNS = 12;   // turns without change after which the loop sleeps
 
-/** Which turns draw: where a draw takes long, the camera's moves alone get every second turn, and pictures all they need. */
+/** Chooses turns that draw. If drawing is slow, moves of the camera alone are drawn every second turn, new pictures always. */
 export class DrawPace {
   #drawS = 0; // from a turn that draws to the next, mean
   #drew = false;
@@ -39,7 +38,7 @@ export class FrameLoop {
 
   wake(): void {
     this.#idle = 0;
-    if (this.#active) this.#ask();
+    if (this.#active) this.#schedule();
   }
   /** False: the element is off-screen, and the clock stands still. */
   setActive(active: boolean): void {
@@ -52,7 +51,7 @@ export class FrameLoop {
     this.#request = this.#lastMs = 0;
   }
 
-  #ask(): void {
+  #schedule(): void {
     this.#request ||= this.#view.requestAnimationFrame((nowMs) => this.#frame(nowMs));
   }
 
@@ -64,7 +63,7 @@ export class FrameLoop {
     this.#clockS += stepS;
     this.#idle = this.#turn(this.#clockS, stepS) ? 0 : this.#idle + 1;
     if (!this.#active || !this.#lastMs) return; // the turn has stopped the loop
-    if (this.#idle < IDLE_TURNS) this.#ask();
+    if (this.#idle < IDLE_TURNS) this.#schedule();
     else this.#lastMs = 0;
   }
 }

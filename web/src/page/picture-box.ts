@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Geometry of a viewer's picture. The canvas fills the viewer's content box. Everything that relates the element, the canvas, the figure
-// in it and points of the page to each other does so here: the canvas's size, pointers, drags, hotspots.
+// Geometry of a viewer's picture: canvas size, and points of the page in the picture, for pointers, drags and hotspots. The canvas fills
+// the viewer's content box.
 import { viewOf } from './documents.js';
 
 const MAX_PIXEL_RATIO = 2;
@@ -16,7 +16,7 @@ export interface Point {
 /** Corners of a box as the page shows it: upper left, upper right, lower left. */
 export type Corners = readonly [Point, Point, Point];
 
-/** Pixels of a canvas that fills a box of so many CSS pixels. */
+/** Size in pixels of a canvas that fills a box of CSS pixels. */
 export function canvasSize({ width, height }: Size, pixelRatio: number): Size {
   const ratio = Math.min(pixelRatio, MAX_PIXEL_RATIO);
   return { width: Math.round(width * ratio), height: Math.round(height * ratio) };

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which rendition an element plays, as its attribute `quality` says: 'auto', 'highest', or a number, 0 for the lowest.
-// Anything else is 'auto': what the network carries, but no finer texels than a thumbnail shows, and the lowest rendition
-// for visitors who save data.
-/** Which rendition is played; see fdvt_set_quality in wasm/abi.txt. */
+// Rendition by an element's attribute `quality`: 'auto', 'highest', or a number, 0 for the lowest. Any other text is 'auto': the
+// network's throughput decides, limited to the texels that are visible at the element's size; the lowest one if the visitor saves data.
+
+/** Arguments of fdvt_set_quality, wasm/abi.txt. */
 export interface Quality {
   rendition: number;
   mostTexels: number;
 }
 
-const HIGHEST = -1, AUTOMATIC = -2; // as fdvt_set_quality of wasm/abi.txt takes them
+const HIGHEST = -1, AUTOMATIC = -2; // of fdvt_set_quality
 const TEXELS_PER_PIXEL = 4; // of layer 1, per pixel of the element's height: more are not seen
 
-/** The visitor wants little to be transferred. */
+/** The visitor has asked for little traffic. */
 export const savesData = (): boolean =>
   (navigator as { connection?: { saveData?: boolean } }).connection?.saveData === true || matchMedia('(prefers-reduced-data: reduce)').matches;
 

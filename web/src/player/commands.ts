@@ -13,7 +13,7 @@ export interface Instance {
   run(action: (player: WasmPlayer) => void): boolean;
 }
 
-/** As render::MethodOptions begins; no name: the character's own. */
+/** Defaults of render::MethodOptions; no name: the character's own. */
 export const DEFAULT_METHOD: Method = { name: '', closest: 4, visibility: 'offset' };
 // Settings of a player that has just read its manifest, in the order in which they are applied.
 const NEW_PLAYER: Settings = {

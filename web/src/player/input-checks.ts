@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks of what a page sets by hand, before it reaches the player. Throws a TypeError for another kind of value, a
-// RangeError for a number out of range.
+// Checks render options and snapshots of a page. Errors: a TypeError for a value of another type, a RangeError for a number out of range.
 import { DEBUG_VIEWS } from '../wasm/generated/abi.js';
 import type { OrbitPose, RenderOptions } from './wasm-player.js';
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a character from cameras is drawn, as an element's attributes say: method, cameras, visibility. What they do not
-// say, or say wrongly, is the default; only the player knows which methods there are.
+// Drawing method of a character from cameras by an element's attributes method, cameras, visibility. A missing or invalid value is
+// the default; the player checks the method's name.
 import { DEFAULT_METHOD } from './commands.js';
 import { VISIBILITIES, type Method, type Visibility } from './wasm-player.js';
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compiles each wasm file once per page, and makes instances. The module comes in two parts (wasm/more.txt): the first is all
 // that a first picture of a layered character needs; the second, with optical flow, characters from cameras, scenes and
-// looks, is put into it afterwards.
+// looks, is linked into it afterwards.
 import createPlayer from 'fourdvt-wasm';
 
 import { keep } from '../page/promises.js';
@@ -24,7 +24,7 @@ const firstParts = new WeakMap<WasmModule, WebAssembly.Exports>();
 const secondParts = new WeakMap<WasmModule, Promise<More>>();
 const complete = new WeakSet<WasmModule>();
 
-// A browser's refusal: by the page's policy, for want of memory, or of a file that is no wasm.
+// Error where the browser does not compile a module: policy of the page, memory, or a file that is no wasm.
 function refusal(url: string, reason: unknown): ViewerError {
   const text = String(reason);
   return reason instanceof RangeError || /memory/i.test(text)
@@ -32,7 +32,7 @@ function refusal(url: string, reason: unknown): ViewerError {
     : new ViewerError('wasm-refused', `${url}: the browser refuses the player's wasm (${text}); allow 'wasm-unsafe-eval' in the page's policy, and serve the file as it was built`);
 }
 
-// A file of another build may come from a cache: it is fetched again, past it, once.
+// Compiles a file of this build. One of another build may come from a cache, and is fetched again past it, once.
 async function compileNew(url: string, report: Report, cache: RequestCache = 'default'): Promise<WebAssembly.Module> {
   const module = await compileFile(url, report, cache).catch((reason: unknown) => {
     if (!(reason instanceof ViewerError)) throw refusal(url, reason);
@@ -43,10 +43,10 @@ async function compileNew(url: string, report: Report, cache: RequestCache = 'de
   throw new ViewerError('wasm-refused', `${url}: is of another build than the player's script; reload the page, or upload all files of the player again`);
 }
 
-// The first caller's `report` is the one that is called while the network is waited for; all share the download.
+// All callers share the download; the first one's `report` is called.
 const compile = (url: string, report: Report): Promise<WebAssembly.Module> => keep(compiled, url, () => compileNew(url, report));
 
-// In place of the second part's functions until it is there.
+// Stands for the second part's functions until it is loaded.
 const absent = (): never => { throw new Error("the player's second part is not there yet"); };
 const ABSENT = new Proxy({}, { get: () => absent });
 
@@ -94,8 +94,8 @@ export function loadMore(module: WasmModule, files: SecondPart, report: Report):
   return keep(secondParts, module, () => addSecond(module, files, report));
 }
 
-// Browsers say nothing of why a script does not load, and may not load an address again that has failed: a fetch of the file waits for
-// the network, or says what is wrong with it; then another address of the same file is tried.
+// Browsers do not report the cause of a script that does not load, and may not load a failed address again: a fetch of the file waits for
+// the network or fails with the cause; then another address of the same file is tried.
 async function importScript(script: string, report: Report): Promise<More> {
   const load = (address: string): Promise<More> => import(address) as Promise<More>;
   return load(script).catch(async () => {

@@ -11,11 +11,11 @@ import {
 import type { Planes } from '../decode/frame-decoder.js';
 import { Reader } from '../wasm/records.js';
 import type { Quality } from '../page/quality-attribute.js';
-import type { TellPlayer, TurnHook, WasmModule } from '../wasm/wasm-abi.js';
+import type { PlayerCall, TurnHook, WasmModule } from '../wasm/wasm-abi.js';
 import { hasMore } from './wasm-module.js';
 
 export { ALIGN_MODES, VISIBILITIES };
-export type { PictureKind, Quality, TellPlayer, Visibility };
+export type { PictureKind, Quality, PlayerCall, Visibility };
 /** Only the fields that its kind needs are filled in; see wasm/abi.txt. */
 export type PlayerRequest = RequestRecord;
 export type PlayerEvent = EventRecord;
@@ -54,11 +54,11 @@ export interface SceneMesh {
   occluderOnly?: boolean;
 }
 
-/** How a character from cameras is drawn. */
+/** Drawing method of a character from cameras. */
 export interface Method {
-  /** Empty: as the character says. */
+  /** Empty: the character's own. */
   name: string;
-  /** From how many cameras, the nearest to the view; 0: as many as can be. */
+  /** Number of cameras, nearest to the view first; 0: the maximum. */
   closest: number;
   visibility: Visibility;
 }
@@ -153,7 +153,7 @@ export class WasmPlayer {
 
   /**
    * `on`: the context, registered in the module, or another character of the same canvas, which must outlive this one. readable:
-   * textures can be read back; else pictures count as what their timestamps say.
+   * textures can be read back; else pictures are paired by their timestamps.
    */
   constructor(module: WasmModule, on: number | WasmPlayer, kind: PictureKind, readable: boolean, slots: number) {
     this.#m = module;
@@ -175,7 +175,7 @@ export class WasmPlayer {
   }
 
   /** start: the bytes of the start file, none if the page does not have them. */
-  loadManifest(json: unknown, start: Uint8Array, load?: TellPlayer): void {
+  loadManifest(json: unknown, start: Uint8Array, load?: PlayerCall): void {
     flattenJson(json, (pointer, value) => {
       const key = encoder.encode(pointer);
       if (typeof value === 'string') {
@@ -223,7 +223,7 @@ export class WasmPlayer {
     return this.#m._fdvt_acquire_slot(this.#h, decoder, timestampUs);
   }
 
-  /** Gives the planes, in a block of the player's memory that is the player's from now on, and commits the slot. */
+  /** Hands over the planes, in a block of the player's memory that it owns from now on, and commits the slot. */
   upload(slot: number, block: number, { width, height, layout }: Planes): void {
     const [y, u, v] = layout;
     if (!y || !u) throw new ViewerError('video-invalid', 'a decoded picture has no planes');
@@ -235,11 +235,11 @@ export class WasmPlayer {
   slotTexture(slot: number): WebGLTexture | null {
     return this.#m.GL.textures[this.#m._fdvt_slot_texture(this.#h, slot)] ?? null;
   }
-  /** To be called when the page has filled the slot's texture with a picture of this size. */
+  /** The page has filled the slot's texture with a picture of this size. */
   commitSlot(slot: number, width: number, height: number): void {
     this.#m._fdvt_commit_slot(this.#h, slot, width, height);
   }
-  /** Pictures a second that a decoder should give that keeps time itself; 0: none but one that is sought. Needs the second part. */
+  /** Pictures a second wanted of a decoder with a clock of its own; 0: only one that is sought. Needs the second part. */
   pace(decoder: number): number { return this.#m._fdvt_pace(this.#h, decoder); }
   invalidateState(): void { this.#m._fdvt_invalidate_state(this.#h); }
 
@@ -269,8 +269,8 @@ export class WasmPlayer {
     this.#m._fdvt_judge_rendition(this.#h, sequence, rendition, plays ? 1 : 0);
   }
   lookAhead(atOnce: boolean): void { this.#m._fdvt_look_ahead(this.#h, atOnce ? 1 : 0); }
-  /** Runs one of the functions of the second part, when that is there. */
-  tell(action: TellPlayer): void { this.#check(action(this.#m, this.#h)); }
+  /** Calls a function of the module; those of the second part once it is loaded. */
+  call(action: PlayerCall): void { this.#check(action(this.#m, this.#h)); }
   // Takes effect when the second part is there (`moreCame`).
   #setScene(meshes: SceneMesh[]): void {
     this.#scene = hasMore(this.#m) ? null : meshes;
@@ -300,7 +300,7 @@ export class WasmPlayer {
     const m = this.#m, h = this.#h;
     return {
       ...state, x: state.xM, z: state.zM, heading: state.headingRad / RADIANS,
-      get heapBytes() { return hasMore(m) ? m._fdvt_heap_bytes(h) : 0; }, // not every turn: it walks all blocks
+      get heapBytes() { return hasMore(m) ? m._fdvt_heap_bytes(h) : 0; }, // on demand: it walks all blocks
     };
   }
 

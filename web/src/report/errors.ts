@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Detail of the element's `error` event. The IDs are those of native/base/result.h, and three that only a page meets
+// Detail of the element's `error` event. The IDs are those of native/base/result.h and three of the page alone
 // ("ID: meaning; remedy", from which site/docs/errors.mjs makes the documents' table). Compare IDs, never messages.
 //   insecure-context: this browser decodes video only on https pages and on localhost; serve the page over https
 //   wasm-refused: the browser refuses the player's WebAssembly, or it is of another build than the script; add
@@ -11,7 +11,7 @@ export interface ErrorDetail {
   message: string;
 }
 
-/** An error, with the code that MediaError has for it. */
+/** An error with the code of MediaError. */
 export interface MediaFault extends ErrorDetail {
   readonly code: number;
 }
@@ -32,10 +32,10 @@ export class ViewerError extends Error {
   }
 }
 
-/** What the files of two bakes bring when a new one was put in place of the one that is playing. */
+/** True of errors that follow where a new bake has replaced the one that is playing. */
 export const mayBeOfTwoBakes = ({ id }: ErrorDetail): boolean => id === 'files-differ' || id === 'fetch-failed';
 
-/** Dispatches an event of an element; an error is written to the console, too, for pages that listen to none. */
+/** Dispatches an event of an element; an error is written to the console, too, for pages without a listener. */
 export function dispatch(element: Element, name: string, detail?: unknown): void {
   if (name === 'error') {
     const { id, message } = detail as ErrorDetail;
@@ -44,7 +44,7 @@ export function dispatch(element: Element, name: string, detail?: unknown): void
   element.dispatchEvent(new CustomEvent(name, { detail }));
 }
 
-/** The whole address that `src` names. Errors: ViewerError 'invalid-argument'. */
+/** Absolute address of `src`. Errors: ViewerError 'invalid-argument'. */
 export function characterAddress(src: string, base: string): string {
   try {
     return new URL(src, base).href;
@@ -56,10 +56,10 @@ export function characterAddress(src: string, base: string): string {
 export function asViewerError(reason: unknown): ViewerError {
   if (reason instanceof ViewerError) return reason;
   const text = reason instanceof Error ? `${reason.name}: ${reason.message}` : String(reason);
-  return /\bOOM\b|enlarge memory|allocation failed/i.test(text) // as Emscripten and the browsers put it
+  return /\bOOM\b|enlarge memory|allocation failed/i.test(text) // messages of Emscripten and of browsers
     ? new ViewerError('out-of-memory', `the browser has no memory left for the character (${text}); close other tabs`)
     : new ViewerError('internal', text);
 }
 
-/** On a server there are no elements, but the script can be imported. */
+/** Base of the elements; an empty class on a server, where the script can be imported. */
 export const PageElement = globalThis.HTMLElement ?? (class {} as typeof HTMLElement);

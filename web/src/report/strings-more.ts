@@ -58,5 +58,5 @@ export function addStrings(languages: Languages): void {
   for (const [name, texts] of Object.entries({ en: EN, de: DE })) languages[name] = { ...texts, ...languages[name] };
 }
 
-/** The text with values in place of what stands in braces. */
+/** Replaces names in braces by their values. */
 export const fill = (text: string, values: Record<string, string>): string => text.replace(/\{(\w+)\}/g, (_, name: string) => values[name] ?? '');

@@ -11,7 +11,7 @@ export interface Strings {
   network: string;
   /** The player's second part cannot be loaded: the character plays without it. */
   incomplete: string;
-  /** Before one of the names that follow: what a picture waits for, where nothing comes for long. */
+  /** Precedes one of the names that follow: the step that a picture has waited for too long. */
   waiting: string;
   'on-manifest': string;
   'on-player': string;
@@ -69,7 +69,7 @@ function languageOf(element: Element): string {
   return root instanceof ShadowRoot ? languageOf(root.host) : navigator.language;
 }
 
-/** All texts for the language that the element is in; in English where there is no other. */
+/** All texts in the element's language; English where one is missing. */
 export function stringsOf(element: Element, languages: Languages): Record<string, string> {
   const [language = ''] = languageOf(element).toLowerCase().split('-');
   return { ...languages['en'], ...languages[language] };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Notices that nothing comes of what a viewer waits for, whatever the cause, and names the step that is missing. Counts seconds one
-// by one: a page that stood still, or was asleep, gets a chance to go on first.
+// Detects a step that a viewer waits for too long, whatever the cause. Counts seconds one by one, so that a page that was suspended
+// can go on first.
 
 const PATIENCE_S = 20;
 
@@ -27,7 +27,7 @@ const CAUSES: Record<Step, string> = {
 
 export const stallOf = (step: Step): Stall => ({ step, message: `${PATIENCE_S} s without progress: ${CAUSES[step]}; if it stays so, reload the page` });
 
-/** progress: changes with all that comes of the step. */
+/** progress: differs after any progress of the step. */
 export interface Awaited {
   step: Step;
   progress: string;
@@ -42,8 +42,8 @@ export class Watchdog {
   #stalled = false;
 
   /**
-   * awaited: null while nothing is to come that the visitor would see. report: gets the step once nothing has come for 20 s, and each
-   * 20 s again; null when it goes on.
+   * awaited: null while no visible change is due. report: called with the step after 20 s without progress, and every 20 s again; with
+   * null when it progresses.
    */
   constructor(awaited: () => Awaited | null, report: (step: Step | null) => void) {
     this.#awaited = awaited;

@@ -12,14 +12,14 @@ import { kindOf, uploadPicture, type UploadPath } from '../decode/upload-path.js
 import type { Step } from '../report/watchdog.js';
 import type { TurnHook, WasmModule } from '../wasm/wasm-abi.js';
 import {
-  WasmPlayer, type CharacterInfo, type PlayerRequest, type PlayerState, type TellPlayer,
+  WasmPlayer, type CharacterInfo, type PlayerRequest, type PlayerState, type PlayerCall,
 } from '../player/wasm-player.js';
 
 // One is on screen, the others are ready or being filled. Planes take memory each, of the player's module.
 const PICTURE_SLOTS = 4;
 const PLANE_SLOTS = 3;
 
-/** What one character shares with others: the page's stage, and the canvas with those beside it. */
+/** Shared by characters: the page's stage, and the canvas. */
 export interface ActorContext {
   stage: { readonly module: WasmModule; readonly gl: WebGL2RenderingContext; readonly context: number };
   path: UploadPath;
@@ -34,15 +34,15 @@ export interface ActorContext {
   beside: Actor | null;
 }
 
-/** What a character's files come by. */
+/** Source of a character's files. */
 export type Files = Pick<Transport, 'manifest' | 'address' | 'range' | 'busy' | 'cancel' | 'cancelAll' | 'stopReplay' | 'dispose'>;
 
-/** What one character is loaded from; start: the bytes of its start file, or none; load: of a live stream. */
+/** Source of one character. start: the bytes of its start file, or none; load: begins a live stream. */
 export interface Source {
   transport: Files;
   manifest: unknown;
   start: Uint8Array;
-  load?: TellPlayer | undefined;
+  load?: PlayerCall | undefined;
 }
 
 export class Actor implements Instance {
@@ -53,15 +53,15 @@ export class Actor implements Instance {
   #decoders: (PictureDecoder | undefined)[] = [];
   #player: WasmPlayer | null;
   #character: CharacterInfo | null = null;
-  #ready: Promise<unknown> = Promise.resolve(); // what fetches bring can be decoded
+  #ready: Promise<unknown> = Promise.resolve(); // resolves once answers of fetches can be decoded
   #taken: ((frame: VideoFrame) => void) | null = null; // gets the next decoded picture, too
   #subVideo: boolean | null = null; // how a <video> element's pictures are uploaded; null: to be measured
   #hook: TurnHook | null = null;
   #mustWait = false; // until fetches can be answered
   #checked = -1; // pictures whose barcodes had been read when the last one was uploaded
-  #stuck = false; // after an error, until the next command: what is awaited will not come
+  #stuck = false; // after an error, until the next command: no picture comes
 
-  /** Obeys the commands until it is disposed of. Throws a ViewerError if the manifest cannot be used. */
+  /** Applies the commands until dispose(). Errors: ViewerError if the manifest cannot be used. */
   constructor(context: ActorContext, source: Source, commands: Commands, host: ActorHost) {
     this.#context = context;
     this.#transport = source.transport;
@@ -115,7 +115,7 @@ export class Actor implements Instance {
   parameter(name: string): number { return this.#guard((p) => p.parameter(name)) ?? NaN; }
   /** True while a picture is to come. */
   awaits(state: PlayerState): boolean { return (!state.paused || state.seeking) && !this.#stuck; }
-  /** True while something is under way that needs the frame loop. */
+  /** True while the frame loop is needed. */
   busy(state: PlayerState): boolean {
     return this.awaits(state) || this.#decoders.some((d) => d?.busy);
   }
@@ -128,7 +128,7 @@ export class Actor implements Instance {
   }
   /** Pictures that its decoders have given so far. */
   get decoded(): number { return this.#decoders.reduce((sum, decoder) => sum + (decoder?.given ?? 0), 0); }
-  /** Opens those of its decoders anew from which a picture is awaited. */
+  /** Opens decoders again that a picture is awaited from. */
   replaceDecoders(reason: string): void {
     this.#decoders.forEach((decoder, index) => { if (decoder?.missing) this.#onDecoderFault(index, 'taken-away', reason); });
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How <fourdvt-character> joins the <fourdvt-viewer> around it although neither file imports the other: it dispatches a
-// bubbling event whose detail is a Companion. It leaves by an abort signal.
+// Joining of <fourdvt-character> and the <fourdvt-viewer> around it, of which neither imports the other: the character dispatches a
+// bubbling event whose detail is a Companion, and leaves by an abort signal.
 import type { Commands } from '../player/commands.js';
 
 export const JOIN_EVENT = 'fourdvt-join';

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pictures of one viewer: when its characters are drawn, at which size, and snapshots of them. Takes the turns of a frame loop.
-// Does not load or decode anything.
+// Draws the characters of one viewer in the turns of a frame loop, and makes snapshots. Does not load or decode anything.
 import type { Actor } from './actor.js';
 import { DrawPace } from '../page/frame-loop.js';
 import { checkSnapshot, MAX_CANVAS_SIDE } from '../player/input-checks.js';
@@ -62,9 +61,9 @@ export class Drawing {
     const serial = states.map((s) => s && [s.framesShown, s.frame, s.x, s.z, s.heading]).join();
     const changed = moved || this.#redraw || serial !== this.#drawn;
     if (changed) this.#changedS = clockS;
-    // What follows with time takes the time since the last tick for that since the last picture: it is drawn every turn.
+    // Methods with a state in time take the time since the last tick for that since the last picture: they are drawn every turn.
     const following = this.#view.element.matches('[method^=montage4d]') && clockS - this.#changedS < FOLLOW_S;
-    // One a turn, after the first picture: neither that nor the first use of a slider has to wait for them.
+    // One a turn after the first picture, which does not wait for them, nor does the first use of a slider.
     if (this.shown && state.hasFrame && this.programsMissing) this.programsMissing = actors[0]!.makeNextProgram();
     if ((changed || following) && state.hasFrame) {
       const picture = this.#redraw || following || serial !== this.#drawn;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The second part of the player in a session: loads it after the first picture, or when something needs it, and hands to it what it
-// does: effects, companions, live streams, another bake, advice, the choice of the upload path. What fails is tried again when it
-// is needed.
+// Loads the second part of the player in a session, after the first picture or once it is needed, and calls its functions: effects,
+// companions, live streams, renewal by another bake, advice, choice of the upload path. Failed ones are retried at their next use.
 import { isOn } from '../page/attributes.js';
 import type { Companion } from './companion.js';
 import { deferred } from '../page/promises.js';
@@ -13,12 +12,12 @@ import type { Align } from '../player/wasm-player.js';
 
 export const needsFlow = (align: string): boolean => align.startsWith('flow');
 
-// Motion comes before the rest, which would share network and processor with it.
+// The rest waits for motion, which would share network and processor with it.
 const MOVED_PICTURES = 10, LONGEST_REST_MS = 1500;
 
 type Effect = 'useFlow' | 'useLook' | 'useRoom';
 
-/** The session, as far as it is used here. */
+/** The session: the members that are used here. */
 export interface LaterSession extends SessionSide {
   readonly host: SessionSide['host'] & { readonly companions: Iterable<Companion>; more(more: More): void; incomplete(error: ErrorDetail): void };
   readonly ended: boolean;
@@ -32,12 +31,12 @@ export class Later {
   #companions: InstanceType<More['Companions']> | null = null;
   #looked = false; // a look has been set
   #unproven = false; // it was loaded anew and could not play yet
-  #held: ErrorDetail[] | null = null; // errors that wait for what #renew finds
-  readonly #rest = deferred(); // settles when what comes after the first motion is there, or cannot be had
+  #held: ErrorDetail[] | null = null; // errors that wait for the result of #renew
+  readonly #rest = deferred(); // settles once the rest is loaded, or has failed
   #measures = false;
   #picturesLeft = 0; // of motion, before the rest is loaded; 0: it has been, or does not wait
   #restTimer = 0;
-  #missing = ''; // reason for which the second part is not there, of the last event
+  #missing = ''; // reason in the last event of a second part that did not load
   /** The page's side of the second part, once it is there. */
   loaded: More | null = null;
 
@@ -63,7 +62,7 @@ export class Later {
   firstPicture(): void {
     if (needsFlow(this.#session.align)) this.#apply('useFlow');
   }
-  /** Once it can play: the rest is loaded when the character stands, or has moved. measures: the upload path. */
+  /** It can play: the rest is loaded once the character stands or has moved. measures: the upload path, too. */
   onCanPlay(measures: boolean): void {
     this.#unproven = false;
     this.#measures = measures;
@@ -89,7 +88,7 @@ export class Later {
     this.#picturesLeft = 0;
   }
 
-  // Without the second part the character plays on; one event has the reason, an effect's or this one.
+  // Without the second part the character plays on; the reason is dispatched once, here or by an effect.
   #loadRest(): void {
     const session = this.#session;
     this.#forgetWait();
@@ -109,7 +108,7 @@ export class Later {
 
   get hasLook(): boolean { return this.#session.host.element.matches('[look]:not([look=""],[look=none]),[method=montage4d]'); }
 
-  /** Optical flow takes effect when its module is loaded; if it does not load, an error event says why. */
+  /** Optical flow takes effect when its module is loaded; if it does not load, an error event has the reason. */
   setAlign(align: Align): void {
     const session = this.#session;
     session.align = align;
@@ -117,13 +116,13 @@ export class Later {
     if (!needsFlow(align)) session.host.commands.set('align', align);
     else if (session.drawing.shown) this.#apply('useFlow'); // else it is loaded after the first picture
   }
-  /** The room takes effect when its picture is loaded; if it does not load, an error event says why. */
+  /** The room takes effect when its picture is loaded; if it does not load, an error event has the reason. */
   setRoom(on: boolean): void {
     this.#session.room = on;
     this.#session.main?.player?.hideRoom();
     this.#apply('useRoom');
   }
-  /** The element's look takes effect when it is loaded; if it does not load, an error event says why. */
+  /** The element's look takes effect when it is loaded; if it does not load, an error event has the reason. */
   useLook(): void {
     if (this.#looked || this.hasLook) this.#apply('useLook'); // else as filmed
   }
@@ -147,7 +146,7 @@ export class Later {
 
   get others(): readonly SideActor[] { return this.#companions?.actors ?? []; }
 
-  /** Nothing happens before the main character can play: then all are added. */
+  /** Adds a companion; before the main character can play it waits, then all are added. */
   add(companion: Companion): void {
     const session = this.#session;
     if (!session.main) return;
@@ -166,13 +165,13 @@ export class Later {
 
   // --- another source for the same session ---
 
-  /** src is a live stream: what it comes by, in place of files. */
+  /** Opens the live stream that src names. */
   async connect(): Promise<LiveStream> {
     const { connectLive } = await this.more();
     return connectLive(this.#session);
   }
 
-  /** True if an error waits: there may be another bake to go on with. Without one it becomes an event. */
+  /** True if the error waits for another bake to go on with; without one it is dispatched. */
   renews(error: ErrorDetail): boolean {
     if (!this.#session.main || !mayBeOfTwoBakes(error) || (!this.#held && this.#unproven)) return false;
     if (this.#held) this.#held.push(error);

@@ -24,7 +24,7 @@ export interface SessionOptions {
 }
 
 export interface SessionHost {
-  /** Its attributes say how the characters look. */
+  /** Its attributes have the look of the characters. */
   readonly element: Element;
   readonly camera: OrbitCamera;
   /** The main character's. */
@@ -41,7 +41,7 @@ export interface SessionHost {
   sharper(): void;
   /** Called when waiting for the network begins, and when it ends. */
   network(waiting: boolean): void;
-  /** Called where nothing comes of a step for long; null: it goes on. */
+  /** Called if a step takes long; null: it goes on. */
   stalled(step: Step | null): void;
   /** The player's second part is there. Called once or more. */
   more(more: More): void;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A character on the page's stage: loads and opens it, hands on what its player reports, and loads it anew where it must be. Its pictures:
-// drawing.ts; what comes after the first one: later.ts. One for each src and stage; nothing of it runs after dispose().
+// A character on the page's stage: loads and opens it, hands on its player's events, and reopens it where necessary. drawing.ts draws
+// it, later.ts has the second part. One for each src and stage; nothing of it runs after dispose().
 import { Actor } from './actor.js';
 import type { Commands } from '../player/commands.js';
 import { viewOf } from '../page/documents.js';
@@ -68,7 +68,7 @@ export class Session implements SessionSide, StageSlot {
     });
   }
 
-  /** Loads the character. Never rejects: what goes wrong becomes an error event. */
+  /** Loads the character. Never rejects: errors are dispatched. */
   async start(): Promise<void> {
     try {
       const { src, uploadPath, files } = this.options;
@@ -76,7 +76,7 @@ export class Session implements SessionSide, StageSlot {
       const path = choosePath(uploadPath, live);
       const early = live || path !== 'i420' || needsFlow(this.align) || this.later.hasLook;
       if (early) expectMore(files, this.network);
-      if (!live) this.#files.expectStart(); // beside the others, whether the manifest names it or not
+      if (!live) this.#files.expectStart(); // at once, although the manifest may not name it
       const join = this.#during('player', Stage.join(files, this, this.network).then((stage) => {
         this.#stage = stage;
         if (this.ended) stage.leave(this);
@@ -91,7 +91,7 @@ export class Session implements SessionSide, StageSlot {
       if (this.ended) return;
       // Paths other than 'i420' need the second part: it reads the pictures' numbers back.
       if (isFromCameras(manifest) || path !== 'i420') await this.more();
-      // If it does not load, the character begins with 'baked' and as filmed; these try again and report it.
+      // Without it the character begins with 'baked' and without a look, which load it again and report errors.
       else if (early) await this.more().catch(() => undefined);
       if (this.ended) return;
       this.manifest = manifest;
@@ -111,19 +111,19 @@ export class Session implements SessionSide, StageSlot {
     this.#stage?.leave(this);
   }
 
-  /** It was disposed of, or an error has ended it. */
+  /** After dispose(), or an error that has ended it. */
   get ended(): boolean { return this.signal.aborted; }
   get signal(): AbortSignal { return this.#abort.signal; }
   get module(): WasmModule { return this.#stage!.module; }
   get gl(): WebGL2RenderingContext { return this.#stage!.gl; }
-  /** If src is one, once the player is there. */
+  /** The stream, if src is one, once the player is loaded. */
   get live(): LiveStream | null { return this.#live; }
   get character(): CharacterInfo | null { return this.main?.character ?? null; }
   /** A start file has come: the first picture is near. */
   get started(): boolean { return this.#start.length > 0; }
-  // Some browsers give back noise, or nothing, to protect their visitors. Planes show it by themselves (#mistrustsPlanes).
+  // Some browsers return noise, or nothing, to protect their visitors. Planes show that by themselves (#mistrustsPlanes).
   get #readable(): boolean { return this.path === 'i420' || (!this.#distrusted && this.later.loaded!.canReadBack(this.gl)); }
-  /** Of the loaded character; undefined before, and for one from cameras. */
+  /** Layer count of the loaded character; undefined before, and for one from cameras. */
   get layers(): number | undefined { return this.main ? extensionOf(this.manifest)?.layerCount : undefined; }
   // The main character first, if there is one.
   get #actors(): Actor[] { return this.main ? [this.main, ...(this.later.others as Actor[])] : []; }
@@ -152,7 +152,7 @@ export class Session implements SessionSide, StageSlot {
     if (this.main) this.#loop.wake();
   }
 
-  // --- what it waits for ---
+  // --- steps that it waits for ---
 
   async #during<T>(step: Step, work: Promise<T>): Promise<T> {
     this.#steps.add(step);
@@ -167,7 +167,7 @@ export class Session implements SessionSide, StageSlot {
     const state = this.main?.state(), received = /manifest|player|more|files/.test(step ?? '') && partsReceived();
     return step && { step, progress: [received, state?.framesShown, state?.barcodeChecked, this.main?.decoded].join() };
   }
-  // Null: there is nothing to come.
+  // Null: no step is missing.
   #missing(): Step | null {
     const { main, drawing: { shown } } = this, state = main?.state(), [step = null] = this.#steps;
     if (!main || !state) return step;
@@ -176,7 +176,7 @@ export class Session implements SessionSide, StageSlot {
     if (performance.now() - this.#loop.turnedMs > LATE_TURN_MS) return 'display';
     return !state.hasFrame && this.#steps.has('more') ? 'more' : main.missing(state);
   }
-  // Goes on in another way where there is one.
+  // Switches to another way where there is one.
   #onStall(step: Step | null): void {
     this.host.stalled(step);
     if (this.ended) return;
@@ -269,7 +269,7 @@ export class Session implements SessionSide, StageSlot {
     }
   }
 
-  /** The upload path that the main character's pictures have shown to be the best. */
+  /** Goes on with the upload path that was measured as the fastest. */
   async settle(path: UploadPath): Promise<void> {
     this.#deciding = false;
     if (path !== this.path) await this.reopenOn(path);
@@ -291,12 +291,12 @@ export class Session implements SessionSide, StageSlot {
     } else if (name === 'playing' || name === 'pause') {
       this.later.setPlaying(name === 'playing');
     }
-    // The first events come while the actor is being made, but the element's listeners ask for it: they get them later.
+    // The first events come while the actor is being made, which the element's listeners use: they are dispatched later.
     if (this.main) this.host.emit(name, detail);
     else queueMicrotask(() => { if (!this.ended) this.host.emit(name, detail); });
   }
 
-  // Planes with other pictures' numbers: a damaged file, or a browser that alters them. The GPU gets the pictures without them.
+  // Planes with other pictures' numbers are of a damaged file, or of a browser that alters them: pictures are uploaded without them.
   #mistrustsPlanes({ id }: ErrorDetail): boolean {
     if (id !== 'video-invalid' || this.path !== 'i420' || !this.main?.state()?.barcodeMismatches) return false;
     void this.reopenOn('rgba');

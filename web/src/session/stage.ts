@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page's share in GPU and memory, common to all its viewers: one instance of the player and one WebGL2 context. A viewer that is alone shows the context's
-// canvas itself. Several are drawn one after the other, and have canvases of their own that get the pictures: as bitmaps out of
-// an OffscreenCanvas; copied out of the first one's canvas where the others came later, or there are no such canvases. When the
-// context is lost or the player has trapped, all hear of it and begin anew on another stage. Does not load or draw characters.
+// One instance of the player and one WebGL2 context, shared by all viewers of the page. A single viewer shows the context's canvas
+// itself. Several are drawn one after the other and show canvases of their own, into which pictures are transferred as bitmaps of an
+// OffscreenCanvas, or copied from the first one's canvas if the others came later or there is no OffscreenCanvas. After a lost context
+// or a trap of the player all viewers begin again on another stage. Does not load or draw characters.
 import { keep } from '../page/promises.js';
 import { ViewerError } from '../report/errors.js';
 import type { Report } from '../net/requests.js';
@@ -15,7 +15,7 @@ const LINGER_MS = 2000; // after the last viewer has left: the next one may come
 export interface StageSlot {
   /** Shows this canvas, in place of any before. */
   show(canvas: HTMLCanvasElement): void;
-  /** Draws once more, at once: the canvas that it shows is about to be used for others, too. */
+  /** Draws again at once: the canvas that it shows is about to be shared. */
   redraw(): void;
   /** In use on the GPU and in the player's memory, by all viewers of its stage. */
   bytes(): number;
@@ -103,7 +103,7 @@ export class Stage {
     this.#timer = setTimeout(() => this.#end(), LINGER_MS);
   }
 
-  /** A call of a viewer, which has left, has trapped: nothing of the player can be used any more. */
+  /** A viewer that has left has trapped in a call: the player cannot be used any more. */
   fail(): void {
     this.#end();
     for (const slot of [...this.#slots]) slot.trapped();
@@ -145,7 +145,7 @@ export class Stage {
     to.drawImage(this.#canvas, 0, this.#canvas.height - height, width, height, 0, 0, width, height);
   }
 
-  // --- who is there ---
+  // --- viewers ---
 
   #add(slot: StageSlot): void {
     const canvas = this.#canvas;
@@ -154,7 +154,7 @@ export class Stage {
     if (this.#slots.size || !('style' in canvas)) {
       this.#giveCanvas(slot);
     } else {
-      canvas.width = canvas.width; // forgets the last viewer's picture
+      canvas.width = canvas.width; // clears the last viewer's picture
       slot.show(canvas);
     }
     this.#slots.add(slot);
@@ -179,7 +179,7 @@ export class Stage {
     this.#canvas.removeEventListener('webglcontextlost', this.#onLost);
   }
   readonly #onLost = (e: Event): void => {
-    e.preventDefault(); // asks the browser to restore it
+    e.preventDefault(); // lets the browser restore it
     this.#close();
     const slots = [...this.#slots], canvas = this.#canvas;
     canvas.addEventListener('webglcontextrestored', () => {

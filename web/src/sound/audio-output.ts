@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page's one AudioContext, and its clock against the page's. It rests while nobody uses it. Part of fourdvt-more.js.
-const UNLOCKING = ['pointerup', 'keydown', 'touchend', 'click'] as const; // after which browsers let a page be heard
+// The page's AudioContext, suspended while it has no user, and its clock against the page's. Part of fourdvt-more.js.
+const UNLOCKING = ['pointerup', 'keydown', 'touchend', 'click'] as const; // browsers allow sound after these
 const UNTIMED_S = 1; // a device without times of what it plays by then never has any
 const REST_MS = 5000; // without a user
 
@@ -61,7 +61,7 @@ export class AudioOutput {
     signal.addEventListener('abort', () => this.#changed.delete(run));
   }
 
-  /** The context's time of what is heard at a time of the page's clock, milliseconds. NaN: not known yet. */
+  /** The context's time that is audible at a time of the page's clock, milliseconds. NaN: not known yet. */
   heardAt(pageMs: number): number {
     const { context } = this, { contextTime, performanceTime } = context.getOutputTimestamp?.() ?? {};
     if (contextTime && performanceTime) return contextTime + (pageMs - performanceTime) / 1000;

@@ -12,7 +12,7 @@ export interface DecodedSound {
   fromS: number;
 }
 
-/** Some decoders give what the encoder needed to begin; they are known by the length. */
+/** Samples of the encoder's priming that some decoders return, by the length. */
 export function primingIn(decodedS: number, segment: SoundSegment, primingS: number): number {
   return decodedS > segment.durationS + primingS / 2 ? primingS : 0;
 }

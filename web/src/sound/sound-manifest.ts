@@ -22,7 +22,7 @@ export interface SoundTrack {
   /** Segment i begins at i times this. */
   segmentS: number;
   encodings: SoundEncoding[];
-  /** Of a class: phases in 0..1 at which a foot comes down, and the sound is heard. Null: it is heard all the time. */
+  /** Class of motions: phases in 0..1 at which a foot comes down and the sound plays. Null: it plays all the time. */
   steps: number[] | null;
 }
 
@@ -43,7 +43,7 @@ function readEncoding(given: Record<string, unknown>, rate: number): SoundEncodi
   return { uri, type, primingS: priming / rate, segments: list };
 }
 
-/** Null if the motion has none. Errors: TypeError, if what the manifest says is no sound. */
+/** Null if the motion has none. Errors: TypeError, if the manifest's sound is invalid. */
 export function readSound(manifest: unknown, sequence: string): SoundTrack | null {
   const { sequences } = (extensionOf(manifest) ?? {}) as { sequences?: { name?: unknown; sound?: unknown }[] };
   const sound = sequences?.find(({ name }) => name === sequence)?.sound as Record<string, unknown> | undefined;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sound of the motion that a viewer shows, in step with its pictures: at its rate, round its loops, after seeks. Part of fourdvt-more.js.
-// Nothing is fetched before it is heard. The pictures' clock leads: where the sound is off by more than the tolerance, it begins anew; where
-// the pictures do not keep up with their own time, it is silent until they do.
+// Nothing is fetched before it is audible. The pictures' clock leads: sound that is off by more than the tolerance begins anew; while the
+// pictures do not keep up with their own time, it is silent.
 import { AudioOutput } from './audio-output.js';
 import { viewOf } from '../page/documents.js';
 import type { SideFiles, SidePlayer } from '../more/session-side.js';
@@ -22,7 +22,7 @@ const REST_MS = 700; // without a turn of the page's loop: the viewer does not r
 const MOST_RATE = 4;
 const STEPS_AHEAD_S = 0.25; // a step is scheduled so much before it is due
 
-/** The element, as far as it is used here. */
+/** The element: the members that are used here. */
 export interface Audible extends HTMLElement {
   readonly paused: boolean;
   readonly ended: boolean;
@@ -41,8 +41,8 @@ function turnMs(viewer: Element): number {
   return Number(document.timeline?.currentTime ?? clock.now()) + clock.timeOrigin - performance.timeOrigin;
 }
 
-/** State of what it shows; null while there is nothing. */
-export interface Heard {
+/** Character and motion that are shown; null while there are none. */
+export interface SoundSource {
   readonly session: { readonly manifest: unknown; readonly transport: SideFiles; readonly wholePlayer: SidePlayer | null } | null;
   /** The motion. */
   readonly current: { readonly name: string; readonly loop: boolean } | null;
@@ -51,7 +51,7 @@ export interface Heard {
 // Seconds in the motion by the pictures' clock, with the fraction of a frame.
 function clockTime(player: SidePlayer | null): number {
   let timeS = 0;
-  player?.tell((module, handle) => {
+  player?.call((module, handle) => {
     timeS = module._fdvt_clock_time(handle);
     return 1;
   });
@@ -65,7 +65,7 @@ interface Playing {
 
 export class Sound {
   readonly #viewer: Audible;
-  readonly #heard: () => Heard;
+  readonly #source: () => SoundSource;
   readonly #changed: () => void;
   readonly #abort = new AbortController();
   #manifest: unknown = null;
@@ -75,7 +75,7 @@ export class Sound {
   #steps: StepSchedule | null = null;
   #volume: GainNode | null = null;
   #playing: Playing[] = [];
-  #anchor: { contextS: number; mediaS: number; rate: number } | null = null; // what is heard: media time at the context's time
+  #anchor: { contextS: number; mediaS: number; rate: number } | null = null; // audible: media time at the context's time
   #scheduledS = 0; // media time, going on over loops' ends
   #driftS = NaN; // context's time since which it is off by more than the tolerance
   #unsteady: { contextS: number; mediaS: number } | null = null; // when pictures were last found not to keep up
@@ -83,9 +83,9 @@ export class Sound {
   #watch: ReturnType<typeof setInterval> | undefined;
 
   /** changed: called when the motion shown gains or loses sound, and when the browser allows sound or stops it. */
-  constructor(viewer: Audible, heard: () => Heard, changed: () => void) {
+  constructor(viewer: Audible, source: () => SoundSource, changed: () => void) {
     this.#viewer = viewer;
-    this.#heard = heard;
+    this.#source = source;
     this.#changed = changed;
     const { signal } = this.#abort;
     for (const name of ['pause', 'waiting', 'seeking', 'emptied', 'suspend', 'ended']) viewer.addEventListener(name, () => this.#stop(), { signal });
@@ -105,7 +105,7 @@ export class Sound {
     this.#look();
     return this.#track !== null;
   }
-  /** The visitor has not let the page be heard yet. */
+  /** The browser waits for the visitor's first touch. */
   get blocked(): boolean { return this.present && AudioOutput.blocked; }
 
   /** A turn of the page's loop. */
@@ -131,8 +131,8 @@ export class Sound {
   }
 
   // Reads what is shown, and takes the track of another motion.
-  #look(): Heard {
-    const { session, current } = this.#heard(), shown = { session, current }; // `current` is read from the player each time
+  #look(): SoundSource {
+    const { session, current } = this.#source(), shown = { session, current }; // `current` is read from the player each time
     if (!session?.manifest || !current || (session.manifest === this.#manifest && current.name === this.#motion)) return shown;
     const { manifest } = session, motion = current.name, had = this.#track !== null;
     this.#stop();
@@ -152,7 +152,7 @@ export class Sound {
     this.#buffers = this.#track = this.#steps = null;
   }
 
-  // Prepares what is needed once there is something to be heard. Null: the browser has no sound.
+  // Opens the output once something is audible. Null: the browser has no sound.
   #output(): AudioOutput | null {
     const output = AudioOutput.ofPage();
     if (!output) return null;
@@ -164,7 +164,7 @@ export class Sound {
       output.onChange(this.#changed, this.#abort.signal);
       this.#changed();
     }
-    this.#buffers ??= new SoundBuffers(this.#track!, (bytes) => context.decodeAudioData(bytes), () => this.#heard().session?.transport ?? null, (reason) => {
+    this.#buffers ??= new SoundBuffers(this.#track!, (bytes) => context.decodeAudioData(bytes), () => this.#source().session?.transport ?? null, (reason) => {
       console.warn(`fourdvt-viewer: "${this.#motion}" goes on without sound:`, reason);
     });
     return output;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// When a foot comes down next, from the phase that a class of motions is at: its speed follows from the phases before, as the visitor
-// may change it at any time. Part of fourdvt-more.js.
+// Predicts the times at which feet come down from the phase of a class of motions. Its speed is measured, since the visitor may change
+// it at any time. Part of fourdvt-more.js.
 const JUMP = 0.2; // of the phase between two turns: a seek
 const BACK_S = 0.1; // by which a clock may be corrected
 const MEASURED_S = 0.1; // over which the speed is measured, at least

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Addresses of the player's files. Each is written out, so that bundlers find the file and take it along.
+// Addresses of the player's files, written out so that bundlers find them.
 
 export interface PlayerFiles {
   readonly wasm: string;

@@ -14,10 +14,10 @@ export interface WasmModule extends PlayerExports {
   };
 }
 
-/** One of the functions of wasm/abi.txt that answer `ok`. */
-export type TellPlayer = (module: WasmModule, handle: number) => number;
+/** Calls a function of wasm/abi.txt that returns `ok`. */
+export type PlayerCall = (module: WasmModule, handle: number) => number;
 
-/** Has a part in each turn of a player. */
+/** Runs before and after each tick of a player. */
 export interface TurnHook {
   beforeTick(module: WasmModule, handle: number): void;
   afterTick(module: WasmModule, handle: number): void;
