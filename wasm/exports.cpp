@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // The player as a page sees it: plain C functions on an opaque handle, results as plain records in wasm memory. The
-// list abi.txt says what each function takes and gives; abi.h declares them. Motion: motion_exports.cpp.
+// list abi.txt says what each function takes and gives; abi.h declares them. Motion: motion_exports.cpp; geometry in a
+// worker: geometry_exports.cpp; methods, looks and scenes: appearance_exports.cpp; live streams: live_exports.cpp.
 //
 // A returned record is owned by the handle and valid until the next fdvt_* call on it.
 // Several handles may share a canvas (fdvt_create_beside). Every function that may touch GL makes the handle's own
 // context current first, so handles of several canvases may coexist.
+#include <malloc.h>
+
 #include <cstdlib>
 #include <string>
 #include <vector>
 
+#include "base/later.h"
 #include "instance.h"
-#include "more.h"
 
 using namespace fourdvt;
 
@@ -196,7 +199,8 @@ void fdvt_manifest_bool(Instance* h, const char* pointer, uint32_t size, int32_t
 int32_t fdvt_load(Instance* h, const uint8_t* start, uint32_t size) {
   makeCurrent(h);
   int ok = keep(h, h->player->loadManifest(h->manifest, {start, size}));
-  if (ok && h->player->character()->appearance == package::AppearanceKind::Cameras) ok = useMethodOfCharacter(h);
+  if (ok && h->player->character()->appearance == package::AppearanceKind::Cameras)
+    ok = later<&useMethodOfCharacter>(h);
   h->manifest = {};
   return ok;
 }
@@ -217,6 +221,17 @@ int32_t fdvt_select(Instance* h, const char* name, uint32_t size) {
   makeCurrent(h);
   return keep(h, h->player->selectSequence({name, size}));
 }
+
+void fdvt_expect_throughput(Instance* h, double bits_per_second) { h->player->expectThroughput(bits_per_second); }
+void fdvt_set_quality(Instance* h, int32_t rendition, uint32_t most_texels) {
+  static_assert(kHighestRendition == uint32_t(-1) && kAutomaticRendition == uint32_t(-2));
+  makeCurrent(h);
+  h->player->setQuality(static_cast<uint32_t>(rendition), most_texels);
+}
+void fdvt_judge_rendition(Instance* h, uint32_t sequence, uint32_t rendition, int32_t plays) {
+  h->player->judgeRendition(sequence, rendition, plays != 0);
+}
+void fdvt_look_ahead(Instance* h, int32_t at_once) { h->player->lookAhead(at_once != 0); }
 
 void fdvt_tick(Instance* h, double now_s) {
   makeCurrent(h);
@@ -263,6 +278,7 @@ void fdvt_set_in_sight(Instance* h, int32_t in_sight) {
   h->player->setInSight(in_sight != 0);
 }
 
+double fdvt_pace(Instance* h, int32_t decoder) { return h->player->pace(decoder); }
 int32_t fdvt_acquire_slot(Instance* h, int32_t decoder, double timestamp_us) {
   makeCurrent(h);
   return h->player->acquireSlot(decoder, static_cast<int64_t>(timestamp_us));
@@ -299,6 +315,10 @@ void fdvt_set_options(Instance* h, const abi::Options* options) {
   h->options.samples = options->samples;
   h->options.debug = static_cast<render::DebugView>(options->debug);
   h->options.debug_layer = options->debug_layer;
+}
+int32_t fdvt_make_next_program(Instance* h) {
+  makeCurrent(h);
+  return h->player->makeNextProgram(h->options) ? 1 : 0;
 }
 int32_t fdvt_draw(Instance* const* characters, uint32_t count, const abi::View* view) {
   Instance* h = characters[0];
@@ -371,3 +391,26 @@ const abi::Sequence* fdvt_sequence(Instance* h, uint32_t index) {
                          s.isClass() ? static_cast<int32_t>(s.members.size()) : 0};
   return &h->records.sequence;
 }
+
+const abi::TimeRange* fdvt_buffered(Instance* h, uint32_t number) {
+  const std::optional<TimeRange> range = h->player->buffered(number);
+  if (!range) return nullptr;
+  h->records.range = {range->start_s, range->end_s};
+  return &h->records.range;
+}
+double fdvt_clock_time(Instance* h) { return h->player->clockTime(); }
+const abi::SurfacePoint* fdvt_surface_point(Instance* h, uint32_t vertex, const abi::View* view) {
+  const std::optional<SurfacePoint> point = h->player->surfacePoint(vertex);
+  if (!point) return nullptr;
+  const PinholeCamera camera = cameraOf(*view);
+  const glm::dvec3 pixel = camera.project(point->position);
+  if (pixel.z <= 0) return nullptr;
+  const bool facing = glm::dot(point->normal, camera.centreInWorld() - point->position) > 0;
+  h->records.point = {pixel.x, pixel.y, facing};
+  return &h->records.point;
+}
+int32_t fdvt_vertex_at(Instance* h, const abi::View* view, double x_px, double y_px) {
+  const std::optional<uint32_t> vertex = h->player->vertexAt(cameraOf(*view), x_px, y_px);
+  return vertex ? static_cast<int32_t>(*vertex) : -1;
+}
+double fdvt_heap_bytes(Instance*) { return static_cast<double>(static_cast<uint32_t>(mallinfo().uordblks)); }

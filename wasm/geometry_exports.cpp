@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C ABI's functions for geometry that is decoded in a worker. Ownership of records: exports.cpp.
+// The C ABI's functions for decoding of geometry: in slices, or in a worker. Ownership of records: exports.cpp.
+#include <emscripten.h>
+
 #include "instance.h"
 
 using namespace fourdvt;
@@ -20,6 +22,11 @@ const abi::GeometryMesh* fdvt_geometry_mesh(Instance* h) {
   return &h->records.mesh;
 }
 
+int32_t fdvt_slice_decoding(Instance* h, double seconds) {
+  h->player->sliceDecoding(
+      {.steps = UINT32_MAX, .seconds = seconds, .now_s = [] { return emscripten_get_now() / 1000; }});
+  return 1;
+}
 void fdvt_decode_elsewhere(Instance* h, int32_t on) { h->player->decodeElsewhere(on != 0); }
 
 const abi::DecodeJob* fdvt_decode_job(Instance* h, uint32_t number) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "gpu/gles_platform.h"
+
 #include <GLES3/gl3.h>
 #include <emscripten.h>
 #include <webgl/webgl2.h>
-
-#include "gpu/gles_platform.h"
 
 namespace fourdvt::gpu {
 namespace {

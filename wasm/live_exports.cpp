@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C ABI's functions for live streams. exports.cpp says who owns what.
 #include "instance.h"
-#include "more.h"
 #include "player/live_player.h"
 
 using namespace fourdvt;

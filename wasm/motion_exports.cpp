@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C ABI's functions for motion: parameters, transitions, placement, alignment. exports.cpp says who owns
 // what.
+#include "base/later.h"
 #include "instance.h"
-#include "more.h"
 #include "motion/blend.h"
 
 using namespace fourdvt;
@@ -25,6 +25,7 @@ int32_t fdvt_goto(Instance* h, const char* name, uint32_t size) {
   makeCurrent(h);
   return keep(h, h->player->goTo({name, size}));
 }
+void fdvt_allow_transitions(Instance* h) { h->player->allowTransitions(); }
 void fdvt_set_travel(Instance* h, int32_t on) { h->player->setTravel(on != 0); }
 void fdvt_place(Instance* h, double x_m, double z_m, double heading_rad) {
   h->player->setPlacement({{x_m, z_m}, static_cast<float>(heading_rad)});
@@ -35,19 +36,11 @@ int32_t fdvt_set_align(Instance* h, abi::AlignMode mode) {
   if (mode < abi::AlignMode::None || mode > abi::AlignMode::FlowOpencv)
     return fail(h, ErrorId::InvalidArgument, "no such alignment");
   makeCurrent(h);
-  if (mode >= abi::AlignMode::FlowGpu && !useFlow(h, mode)) return 0;
+  if (mode >= abi::AlignMode::FlowGpu && !later<&useFlow>(h, mode)) return 0;
   h->player->setAlign(mode == abi::AlignMode::None    ? render::Align::None
                       : mode == abi::AlignMode::Baked ? render::Align::Baked
                                                       : render::Align::Flow);
   return 1;
-}
-
-void fdvt_expect_throughput(Instance* h, double bits_per_second) { h->player->expectThroughput(bits_per_second); }
-
-void fdvt_set_quality(Instance* h, int32_t rendition, uint32_t most_texels) {
-  static_assert(kHighestRendition == uint32_t(-1) && kAutomaticRendition == uint32_t(-2));
-  makeCurrent(h);
-  h->player->setQuality(static_cast<uint32_t>(rendition), most_texels);
 }
 
 const abi::Parameter* fdvt_sequence_parameter(Instance* h, uint32_t sequence, uint32_t index) {

@@ -129,7 +129,7 @@ function symbolsOf(nm, files) {
 export function moveNamed(names, first, more) {
   more.forwards = new Set();
   return names.filter((wanted) => {
-    const isTemplate = wanted.endsWith('<'), isNamed = (readable) => readable.startsWith(wanted) && (isTemplate || wanted.endsWith('::') || readable[wanted.length] === '(');
+    const isTemplate = wanted.endsWith('<'), isNamed = (readable) => readable.startsWith(wanted) && (isTemplate || wanted.endsWith('::') || /^[( ]/.test(readable.slice(wanted.length)));
     const found = [...first.plain].filter(([, readable]) => isNamed(readable));
     for (const [name, readable] of found) {
       first.plain.delete(name), more.plain.set(name, readable);

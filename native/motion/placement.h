@@ -15,7 +15,7 @@ struct Placement {
 glm::mat4 worldFromCharacter(const Placement& placement);
 // `step`: metres along x and z and radians about y, in the character's frame before the step.
 Placement moved(const Placement& placement, const glm::vec3& step);
-// The step that leads from one root value to the next (both as of mesh_blend.h rootOf, in the frame of frame 0),
+// The step that leads from one root value to the next (both as of blend.h rootOf, in the frame of frame 0),
 // seen from the character's own frame at `from`.
 glm::vec3 stepBetween(const glm::vec3& from, const glm::vec3& to);
 float wrapAngle(float radians);  // to -π…π

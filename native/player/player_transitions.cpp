@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the player does at each step of a transition (parts/transitions.h): a second track is prepared at the entry, and
+// What the player does at each step of a transition (parts/motion.h): a second track is prepared at the entry, and
 // the two cross-fade.
 #include "player/player_impl.h"
 

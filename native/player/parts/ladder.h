@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Chooses the rendition that a sequence's next GOPs are fetched in: the lowest at first, then the highest that the
 // network's measured throughput carries and that is decoded in time. Pure logic on steps of the player's time. Does NOT
-// fetch and does NOT switch anything (loading.h, feeding.h).
+// fetch and does NOT switch anything (loading.h, pictures.h).
 #pragma once
 
 #include <cstdint>

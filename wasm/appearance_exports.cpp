@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "more.h"
-
+// The C ABI's functions for how characters look: methods, looks, montage, flow, scene and room. Ownership of records:
+// exports.cpp.
 #include <emscripten.h>
-#include <malloc.h>
 
 #include <cmath>
 
@@ -142,44 +141,4 @@ uint32_t fdvt_show_room(Instance* h, const uint8_t* picture, uint32_t size) {
   if (!keep(h, render::setRoom(*h->canvas->device, c->room, scene))) return 0;
   scene.ground_y_m = static_cast<float>(c->ground_y_m);
   return h->canvas->device->nativeTexture(scene.room_picture.id());
-}
-
-double fdvt_pace(Instance* h, int32_t decoder) { return h->player->pace(decoder); }
-double fdvt_heap_bytes(Instance*) { return static_cast<double>(static_cast<uint32_t>(mallinfo().uordblks)); }
-void fdvt_judge_rendition(Instance* h, uint32_t sequence, uint32_t rendition, int32_t plays) {
-  h->player->judgeRendition(sequence, rendition, plays != 0);
-}
-void fdvt_look_ahead(Instance* h, int32_t at_once) { h->player->lookAhead(at_once != 0); }
-
-const abi::TimeRange* fdvt_buffered(Instance* h, uint32_t number) {
-  const std::optional<TimeRange> range = h->player->buffered(number);
-  if (!range) return nullptr;
-  h->records.range = {range->start_s, range->end_s};
-  return &h->records.range;
-}
-double fdvt_clock_time(Instance* h) { return h->player->clockTime(); }
-const abi::SurfacePoint* fdvt_surface_point(Instance* h, uint32_t vertex, const abi::View* view) {
-  const std::optional<SurfacePoint> point = h->player->surfacePoint(vertex);
-  if (!point) return nullptr;
-  const PinholeCamera camera = cameraOf(*view);
-  const glm::dvec3 pixel = camera.project(point->position);
-  if (pixel.z <= 0) return nullptr;
-  const bool facing = glm::dot(point->normal, camera.centreInWorld() - point->position) > 0;
-  h->records.point = {pixel.x, pixel.y, facing};
-  return &h->records.point;
-}
-int32_t fdvt_vertex_at(Instance* h, const abi::View* view, double x_px, double y_px) {
-  const std::optional<uint32_t> vertex = h->player->vertexAt(cameraOf(*view), x_px, y_px);
-  return vertex ? static_cast<int32_t>(*vertex) : -1;
-}
-
-void fdvt_allow_transitions(Instance* h) { h->player->allowTransitions(); }
-int32_t fdvt_slice_decoding(Instance* h, double seconds) {
-  h->player->sliceDecoding(
-      {.steps = UINT32_MAX, .seconds = seconds, .now_s = [] { return emscripten_get_now() / 1000; }});
-  return 1;
-}
-int32_t fdvt_make_next_program(Instance* h) {
-  makeCurrent(h);
-  return h->player->makeNextProgram(h->options) ? 1 : 0;
 }
