@@ -16,6 +16,7 @@
 #include "bake/stages/stages.h"
 #include "bake/stages/survey.h"
 #include "base/hash.h"
+#include "base/watch.h"
 #include "capture/input_files.h"
 #include "platform/files.h"
 #include "platform/folders.h"
@@ -265,14 +266,14 @@ Result<BakeReport> finishBake(const std::string& job_folder, const jobs::Plan& p
 Result<BakeReport> bake(const BakeOptions& given, const BakeEnvironment& environment) {
   BakeOptions options = withoutTrailingSlash(given);
   dropOtherBuilds(options, environment);
-  const auto started = std::chrono::steady_clock::now();
+  const Watch watch;
   auto job = validate(options, environment);
   if (!job) {
     platform::removeIfEmpty(options.character_folder + ".work");
     return job.error();
   }
   BakeRun run(job.take(), environment);
-  run.clock.add(Stage::Validate, std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count());
+  run.clock.add(Stage::Validate, watch.seconds());
   auto report = runStages(run);
   if (report) return report;
   return cleanedUp(report.error(), run.job);

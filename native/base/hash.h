@@ -4,9 +4,7 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <span>
-#include <string>
 #include <string_view>
 
 namespace fourdvt {
@@ -21,13 +19,6 @@ inline uint64_t fnv1a(std::span<const uint8_t> bytes, uint64_t hash = kFnv1aStar
 
 inline uint64_t fnv1a(std::string_view text, uint64_t hash = kFnv1aStart) {
   return fnv1a(std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()), hash);
-}
-
-// 16 hexadecimal digits.
-inline std::string hashText(uint64_t hash) {
-  char digits[17];
-  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
-  return digits;
 }
 
 }  // namespace fourdvt

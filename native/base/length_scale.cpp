@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/robust.h"
+
 namespace fourdvt {
 namespace {
 
@@ -18,10 +20,8 @@ double longestSide(const Positions& positions) {
 }
 
 double lengthScale(std::vector<double> longest_sides_m) {
-  if (longest_sides_m.empty()) return 1;
-  const auto middle = longest_sides_m.begin() + ptrdiff_t(longest_sides_m.size() / 2);
-  std::nth_element(longest_sides_m.begin(), middle, longest_sides_m.end());
-  return *middle > 0 ? std::exp2(std::round(std::log2(*middle / kPerson_m))) : 1;
+  const double usual_m = median(std::move(longest_sides_m));
+  return usual_m > 0 ? std::exp2(std::round(std::log2(usual_m / kPerson_m))) : 1;
 }
 
 }  // namespace fourdvt

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/picture_marks.h"
 
-#include <cstdio>
+#include "base/text.h"
 
 namespace fourdvt {
 
@@ -10,9 +10,7 @@ std::string describe(const PictureMarks& marks) {
   const auto add = [&](const std::string& more) { out += (out.empty() ? "" : " and ") + more; };
   if (marks.quarter_turns != 0) add("turned by " + std::to_string(90 * marks.quarter_turns) + "°");
   if (marks.stretches()) {
-    char text[48];
-    std::snprintf(text, sizeof text, "with pixels of %.4g to 1", marks.pixel_aspect);
-    add(text);
+    add(printed("with pixels of %.4g to 1", marks.pixel_aspect));
   }
   return out;
 }

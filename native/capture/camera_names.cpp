@@ -6,6 +6,8 @@
 #include <map>
 #include <set>
 
+#include "base/text.h"
+
 namespace fourdvt::capture {
 namespace {
 
@@ -33,12 +35,6 @@ Parts partsOf(const std::string& path) {
       part.clear();
     }
   }
-  return out;
-}
-
-std::string joined(const Parts& parts, const char* between) {
-  std::string out;
-  for (const std::string& part : parts) out += (out.empty() ? "" : between) + part;
   return out;
 }
 

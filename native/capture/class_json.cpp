@@ -5,6 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/text.h"
+
 namespace fourdvt::capture {
 namespace {
 
@@ -113,9 +115,7 @@ class ClassParser {
   }
 
   std::string known() const {
-    std::string names;
-    for (const DeclaredSequence& declared : sequences_) names += (names.empty() ? "" : ", ") + declared.sequence.name;
-    return names;
+    return joined(sequences_, ", ", [](const DeclaredSequence& declared) { return declared.sequence.name; });
   }
 
   const std::vector<DeclaredSequence>& sequences_;

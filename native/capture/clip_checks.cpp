@@ -2,8 +2,8 @@
 #include "capture/clip_checks.h"
 
 #include <algorithm>
-#include <cstdio>
 
+#include "base/text.h"
 #include "capture/picture_clock.h"
 #include "capture/pictures.h"
 
@@ -35,8 +35,7 @@ int64_t stepsTo(const Clip& clip, size_t frame) {
 
 Error lacksPicture(const Clip& clip, size_t frame, const std::string& other, double fps) {
   const size_t before = clip.first + frame - 1;
-  char time[32];
-  std::snprintf(time, sizeof time, "%.3f", double(clip.clock.instants[before] + 1) * clip.clock.step_s);
+  const std::string time = printed("%.3f", double(clip.clock.instants[before] + 1) * clip.clock.step_s);
   return {ErrorId::VideoTooShort,
           clip.path + ": lacks a picture at " + time + " s, after picture " + std::to_string(before) + ", which " +
               other + " has: later ones would be out of step; fill the gap (" + constantRateCommand(clip.path, fps) +

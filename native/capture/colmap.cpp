@@ -3,11 +3,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <glm/gtc/quaternion.hpp>
 #include <map>
 
+#include "base/text.h"
 #include "capture/capture.h"
 #include "capture/colmap_model.h"
 #include "capture/text.h"
@@ -169,24 +169,18 @@ ColmapText colmapText(const std::vector<CaptureCamera>& cameras, double metres_p
       "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[] (PINHOLE: fx fy cx cy; OPENCV: and k1 k2 p1 p2; "
       "FULL_OPENCV: and k3 k4 k5 k6; OPENCV_FISHEYE: and k1 k2 k3 k4)\n",
       "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME / POINTS2D[] (empty)\n"};
-  char line[400];
   for (size_t c = 0; c < cameras.size(); ++c) {
     const PinholeCamera& p = cameras[c].pinhole;
     const auto [model, coefficients] = modelAndCoefficients(cameras[c].distortion);
     const glm::dquat q = glm::normalize(glm::quat_cast(glm::dmat3(p.cam_from_world)));
     const glm::dvec3 t = glm::dvec3(p.cam_from_world[3]) / metres_per_unit;
-    std::snprintf(line, sizeof line, "%zu %s %d %d %.9f %.9f %.9f %.9f", c + 1, model, p.width, p.height, p.fx, p.fy,
-                  p.cx, p.cy);
-    out.cameras += line;
-    for (const double coefficient : coefficients) {
-      std::snprintf(line, sizeof line, " %.12g", coefficient);
-      out.cameras += line;
-    }
+    out.cameras += printed("%zu %s %d %d %.9f %.9f %.9f %.9f", c + 1, model, p.width, p.height, p.fx, p.fy, p.cx, p.cy);
+    for (const double coefficient : coefficients) out.cameras += printed(" %.12g", coefficient);
     out.cameras += "\n";
-    std::snprintf(line, sizeof line, "%zu %.15f %.15f %.15f %.15f %.12f %.12f %.12f %zu ", c + 1, q.w, q.x, q.y, q.z,
-                  t.x, t.y, t.z, c + 1);
+    out.images +=
+        printed("%zu %.15f %.15f %.15f %.15f %.12f %.12f %.12f %zu ", c + 1, q.w, q.x, q.y, q.z, t.x, t.y, t.z, c + 1);
     const bool has_point = p.name.find('.') != std::string::npos;  // what stands behind one is left out as an extension
-    out.images += line + p.name + (has_point ? ".png\n\n" : "\n\n");
+    out.images += p.name + (has_point ? ".png\n\n" : "\n\n");
   }
   return out;
 }

@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
+
+#include "base/text.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -14,11 +15,7 @@ constexpr double kRounding_s = 1e-4;  // of key times, which are stored as float
 
 enum class Interpolation { Step, Linear, CubicSpline };
 
-std::string seconds(double s) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g s", s);
-  return text;
-}
+std::string seconds(double s) { return printed("%.4g s", s); }
 
 // One property of one node over time: `width` numbers a key.
 class Channel {

@@ -2,9 +2,9 @@
 // openCapture: reads the descriptions and checks every file cheaply before long work starts.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 
+#include "base/text.h"
 #include "capture/capture_json.h"
 #include "capture/clip_checks.h"
 #include "capture/mesh_folder.h"
@@ -37,8 +37,7 @@ void dropIncompleteClasses(DeclaredCapture& declared) {
 
 Status keepOnly(const std::vector<std::string>& only, DeclaredCapture& declared) {
   if (only.empty()) return {};
-  std::string known;
-  for (const auto& s : declared.sequences) known += (known.empty() ? "" : ", ") + s.sequence.name;
+  const std::string known = joined(declared.sequences, ", ", [](const auto& s) { return s.sequence.name; });
   std::vector<DeclaredSequence> kept;
   for (const std::string& name : only) {
     if (std::any_of(kept.begin(), kept.end(), [&](const auto& s) { return s.sequence.name == name; })) continue;
@@ -163,8 +162,7 @@ Status checkOffsets(const Capture& capture, const CaptureSequence& sequence) {
     const double frames = entry.second;
     const auto known = std::any_of(capture.cameras.begin(), capture.cameras.end(),
                                    [&](const CaptureCamera& c) { return c.pinhole.name == name; });
-    char text[32];
-    std::snprintf(text, sizeof text, "%g", frames);
+    const std::string text = printed("%g", frames);
     if (!known) {
       return Error{ErrorId::CaptureJson, where + " names the camera \"" + name + "\", which " + capture.cameras_folder +
                                              " has not; take it out"};

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
+
+#include "base/text.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -61,8 +62,7 @@ std::vector<ClockGap> gapsOf(const PictureClock& clock, size_t begin, size_t end
 }
 
 std::string constantRateCommand(const std::string& path, double fps) {
-  char rate[32];
-  std::snprintf(rate, sizeof rate, "%.6g", fps);
+  const std::string rate = printed("%.6g", fps);
   const std::filesystem::path file(path);
   const bool webm = file.extension() == ".webm";  // which may have alpha
   const std::string name = file.filename().string(),

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/picture_report.h"
 
-#include <cstdio>
 #include <filesystem>
 #include <utility>
 
+#include "base/text.h"
 #include "capture/matted_pictures.h"
 #include "capture/mesh_sequence.h"
 #include "capture/picture_clock.h"
@@ -22,11 +22,8 @@ void addListing(const VideoListing& listing, PictureReport& out) {
   if (!listing.timecode.empty()) out.done.push_back("time code " + listing.timecode);
   const auto clock = clockOf(listing.times_s);
   if (!listing.times_s.empty() && !clock) out.done.push_back("the frame rate is variable");
-  for (const ClockGap& gap : clock ? gapsOf(*clock, 0, clock->instants.size()) : std::vector<ClockGap>()) {
-    char text[64];
-    std::snprintf(text, sizeof text, "lacks %llu at %.3f s", static_cast<unsigned long long>(gap.lost), gap.time_s);
-    out.done.push_back(text);
-  }
+  for (const ClockGap& gap : clock ? gapsOf(*clock, 0, clock->instants.size()) : std::vector<ClockGap>())
+    out.done.push_back(printed("lacks %llu at %.3f s", static_cast<unsigned long long>(gap.lost), gap.time_s));
   for (const std::string& track : listing.other_tracks) out.done.push_back("not read: " + track);
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/bytes.h"
+#include "base/text.h"
 #include "capture/mesh_readers.h"
 #include "capture/polygon.h"
 #include "capture/text.h"
@@ -161,9 +162,8 @@ class PlyParser {
   Error truncated() const { return error("the PLY ends before all that its header announces (truncated)"); }
 
   Error noFaces() const {
-    std::string elements;
-    for (const Element& element : header_.elements)
-      elements.append(elements.empty() ? "" : ", ").append(element.name.substr(0, 40));
+    const std::string elements =
+        joined(header_.elements, ", ", [](const Element& element) { return element.name.substr(0, 40); });
     return {ErrorId::MeshIndex, path_ + ": no faces in it" + (elements.empty() ? "" : ", but " + elements) +
                                     "; export the mesh with its faces, not as points"};
   }

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <vector>
 
+#include "base/text.h"
 #include "encode/tile.h"
 
 namespace fourdvt::encode {
@@ -134,14 +135,11 @@ std::string checkCameraLayout(const CameraLayout& layout, double tile_scale, dou
   // Sides shrink with the scale, but not those that are rounded up to cells: a little less than it takes.
   const double fits = std::sqrt(std::min(1.0, allowed / layout.pictureTexels()));
   const double scale = std::max(0.01, std::floor(tile_scale * std::min(fits * 0.97, 0.99) * 100) / 100);
-  char text[240];
-  std::snprintf(
-      text, sizeof text,
+  return printed(
       "the cameras' pictures of the performer need a tiled picture of %d x %d texels (%.2f million), more than "
       "%.2f million or %d a side; use --tile-scale %.2f%s",
       layout.picture_width, layout.picture_height, layout.pictureTexels() / 1e6, max_texels / 1e6,
       package::kMaxPictureSide, scale, accepted(layout) ? ", or a larger --tile-texels" : "");
-  return text;
 }
 
 namespace {

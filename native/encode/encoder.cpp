@@ -10,6 +10,8 @@ extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavutil/imgutils.h>
 #include <libavutil/opt.h>
+
+#include "base/text.h"
 }
 
 namespace fourdvt::encode {
@@ -311,11 +313,7 @@ Status AvEncoder::checkGop() const {
 
 }  // namespace
 
-std::string codecNames() {
-  std::string out;
-  for (const CodecInfo& info : kCodecInfos) out += (out.empty() ? "" : ", ") + std::string(info.name);
-  return out;
-}
+std::string codecNames() { return joined(kCodecInfos, ", ", &CodecInfo::name); }
 
 bool parseCodec(const std::string& name, Codec& codec) {
   for (size_t i = 0; i < kCodecs; ++i) {

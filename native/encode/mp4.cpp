@@ -7,6 +7,8 @@
 #include <iterator>
 #include <memory>
 
+#include "base/text.h"
+
 extern "C" {
 #include <libavcodec/codec_desc.h>
 #include <libavformat/avformat.h>
@@ -137,18 +139,14 @@ std::string vp9Codec(const AVCodecParameters& p, double fps, double bits_per_s) 
     level = l.level;
     break;
   }
-  char codec[40];
-  std::snprintf(codec, sizeof codec, "vp09.00.%02d.08.01.01.01.01.00", level);
-  return codec;
+  return printed("vp09.00.%02d.08.01.01.01.01.00", level);
 }
 
 // Reads profile, level, tier and chroma from the av1C box; BT.709 and limited range are ours.
 std::string av1Codec(const AVCodecParameters& p) {
   const uint8_t *box = p.extradata, chroma = box[2];
-  char codec[48];
-  std::snprintf(codec, sizeof codec, "av01.%d.%02d%c.08.0.%d%d%d.01.01.01.0", box[1] >> 5, box[1] & 31,
-                chroma & 0x80 ? 'H' : 'M', (chroma >> 3) & 1, (chroma >> 2) & 1, chroma & 3);
-  return codec;
+  return printed("av01.%d.%02d%c.08.0.%d%d%d.01.01.01.0", box[1] >> 5, box[1] & 31, chroma & 0x80 ? 'H' : 'M',
+                 (chroma >> 3) & 1, (chroma >> 2) & 1, chroma & 3);
 }
 
 // Sets the codec string, and the decoder description where WebCodecs needs one.
@@ -166,9 +164,7 @@ Status describeCodec(const AVCodecParameters& p, const std::string& path, double
   }
   if (p.codec_id != AV_CODEC_ID_H264 || p.extradata_size < 8 || p.extradata[0] != 1) return broken(path, "no avcC");
   out.table.decoder_description.assign(p.extradata, p.extradata + p.extradata_size);
-  char codec[16];
-  std::snprintf(codec, sizeof codec, "avc1.%02x%02x%02x", p.extradata[1], p.extradata[2], p.extradata[3]);
-  out.codec = codec;
+  out.codec = printed("avc1.%02x%02x%02x", p.extradata[1], p.extradata[2], p.extradata[3]);
   return {};
 }
 

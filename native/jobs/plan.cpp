@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "base/hash.h"
+#include "base/text.h"
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
 #include "platform/folders.h"
@@ -56,7 +57,7 @@ Plan planFrom(const Json& json) {
 
 }  // namespace
 
-std::string Piece::done() const { return "done/" + id + "." + hashText(hash) + ".json"; }
+std::string Piece::done() const { return "done/" + id + "." + hexDigits(hash) + ".json"; }
 
 const Piece* Plan::find(const std::string& id) const {
   const auto found = std::find_if(pieces.begin(), pieces.end(), [&](const Piece& p) { return p.id == id; });
@@ -109,8 +110,8 @@ std::string planJson(const Plan& plan) {
                         {"seconds", p.seconds},
                         {"memory_mb", p.memory_mb},
                         {"threads", 2},
-                        {"inputs", hashText(p.inputs)},
-                        {"hash", hashText(p.hash)}};
+                        {"inputs", hexDigits(p.inputs)},
+                        {"hash", hexDigits(p.hash)}};
     text += separator + piece.dump();
     separator = ",\n  ";
   }

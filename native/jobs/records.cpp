@@ -9,10 +9,12 @@
 #include "platform/process.h"
 
 namespace fourdvt::jobs {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Record, id, kind, host, seconds, cpu_s, peak_mb, read_mb, written_mb, attempt)
+
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 // "done/gop-walk-3.0123456789abcdef.json" → "gop-walk-3.0123456789abcdef"
 std::string stemOf(const Piece& piece) { return fs::path(piece.done()).stem().string(); }
@@ -20,11 +22,10 @@ std::string stemOf(const Piece& piece) { return fs::path(piece.done()).stem().st
 std::optional<Record> recordIn(const std::string& path) {
   const auto bytes = platform::readFile(path);
   if (!bytes) return std::nullopt;
-  const Json json = Json::parse(bytes.value().begin(), bytes.value().end(), nullptr, false);
+  const auto json = nlohmann::json::parse(bytes.value().begin(), bytes.value().end(), nullptr, false);
   if (!json.is_object()) return std::nullopt;
   try {
-    return Record{json.at("id"),      json.at("kind"),    json.at("host"),       json.at("seconds"), json.at("cpu_s"),
-                  json.at("peak_mb"), json.at("read_mb"), json.at("written_mb"), json.at("attempt")};
+    return json.get<Record>();
   } catch (const std::exception&) {
     return std::nullopt;
   }
@@ -62,15 +63,11 @@ Result<Record> Attempt::finish() {
   if (const auto earlier = recordIn(path)) return *earlier;
   Record r;
   r.id = piece_.id, r.kind = piece_.kind, r.host = platform::hostName(), r.attempt = number_;
-  r.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
+  r.seconds = watch_.seconds();
   const platform::ProcessUsage usage = platform::processUsage();
   r.cpu_s = usage.cpu_s, r.peak_mb = double(usage.peak_bytes) / 1e6;
   r.read_mb = double(usage.read_bytes) / 1e6, r.written_mb = double(usage.written_bytes) / 1e6;
-  const Json json = {
-      {"id", r.id},          {"kind", r.kind},       {"host", r.host},       {"seconds", r.seconds},
-      {"cpu_s", r.cpu_s},    {"peak_mb", r.peak_mb}, {"read_mb", r.read_mb}, {"written_mb", r.written_mb},
-      {"attempt", r.attempt}};
-  FOURDVT_TRY(platform::writeFileAtomic(path, json.dump() + "\n"));
+  FOURDVT_TRY(platform::writeFileAtomic(path, nlohmann::json(r).dump() + "\n"));
   return r;
 }
 

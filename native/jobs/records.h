@@ -3,11 +3,11 @@
 // every piece that is finished, with its cost. Modification times mean nothing: clocks of machines differ.
 #pragma once
 
-#include <chrono>
 #include <map>
 #include <optional>
 #include <string>
 
+#include "base/watch.h"
 #include "jobs/plan.h"
 
 namespace fourdvt::jobs {
@@ -32,7 +32,7 @@ class Attempt {
   std::string folder_;
   Piece piece_;
   uint32_t number_ = 1;
-  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+  Watch watch_;
 };
 
 struct Progress {

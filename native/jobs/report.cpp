@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <set>
 
+#include "base/text.h"
 #include "report/text.h"
 #include "report/values.h"
 
@@ -20,12 +20,8 @@ constexpr size_t kListed = 20;  // slowest pieces, and pieces that were started 
 std::string durationText(double seconds) {
   if (seconds < 60) return report::secondsText(seconds);
   const auto whole = static_cast<long long>(std::llround(seconds));
-  char text[40];
-  if (whole < 3600)
-    std::snprintf(text, sizeof text, "%lld min %02lld s", whole / 60, whole % 60);
-  else
-    std::snprintf(text, sizeof text, "%lld h %02lld min", whole / 3600, whole / 60 % 60);
-  return text;
+  return whole < 3600 ? printed("%lld min %02lld s", whole / 60, whole % 60)
+                      : printed("%lld h %02lld min", whole / 3600, whole / 60 % 60);
 }
 
 struct Kind {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/hash.h"
+#include "base/text.h"
 #include "platform/files.h"
 
 namespace fourdvt::jobs {
@@ -82,7 +83,7 @@ const Tool& thisTool() {
     std::error_code ignored;
     out.program = std::filesystem::read_symlink("/proc/self/exe", ignored).string();
     if (const auto bytes = platform::readFile("/proc/self/exe"))
-      out.build = hashText(fnv1a(kLibraries, fnv1a(bytes.value())));
+      out.build = hexDigits(fnv1a(kLibraries, fnv1a(bytes.value())));
     return out;
   }();
   return tool;

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "base/text.h"
 #include "capture/pictures.h"
 #include "mattes/matrices.h"
 
@@ -45,8 +46,7 @@ Status readCamera(const fs::path& folder, const capture::CaptureCamera& camera,
     const bool is_number = !number.empty() && number.size() < 9 &&
                            std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; });
     if (file.extension() != ".png" || !is_number || std::stoul(number) > frame_of.rbegin()->first) {
-      char last[16];
-      std::snprintf(last, sizeof last, "%06u.png", frame_of.rbegin()->first);
+      const std::string last = printed("%06u.png", frame_of.rbegin()->first);
       return Error{ErrorId::InvalidArgument, file.string() +
                                                  ": hints are PNG files named after their picture, 000000.png to " +
                                                  last + "; rename it, or take it out"};

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "base/text.h"
+
 #define TINYGLTF_NO_INCLUDE_JSON
 #include <tiny_gltf.h>
 
@@ -30,7 +32,7 @@ Value numbers(const Range& values) {
   return Value(out);
 }
 
-Value hashValue(uint64_t hash) { return Value(hashText(hash)); }
+Value hashValue(uint64_t hash) { return Value(hexDigits(hash)); }
 
 Value vec3(const glm::dvec3& v) { return numbers(std::initializer_list<double>{v.x, v.y, v.z}); }
 Value rect(const Rect& r) {

@@ -10,6 +10,7 @@
 
 #include "base/bytes.h"
 #include "base/hash.h"
+#include "base/text.h"
 #include "platform/files.h"
 
 extern "C" {
@@ -166,7 +167,7 @@ std::string stampsPath(const std::string& video, const std::string& folder) {
   const auto time = std::chrono::floor<std::chrono::seconds>(fs::last_write_time(video, failed).time_since_epoch());
   const std::string key = fs::absolute(video, failed).lexically_normal().string() + " " +
                           std::to_string(fs::file_size(video, failed)) + " " + std::to_string(time.count());
-  return folder + "/" + hashText(fnv1a(key)) + ".times";
+  return folder + "/" + hexDigits(fnv1a(key)) + ".times";
 }
 
 int pictureTrack(const AVFormatContext& format) {

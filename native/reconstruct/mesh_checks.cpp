@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <numbers>
 #include <numeric>
 #include <vector>
 
+#include "base/text.h"
 #include "reconstruct/triangle_crossing.h"
 
 namespace fourdvt::reconstruct {
@@ -143,13 +143,11 @@ MeshReport checkMesh(const TriangleMesh& mesh, double tolerance_m) {
 }
 
 std::string describe(const MeshReport& r) {
-  char text[256];
-  std::snprintf(text, sizeof text,
-                "%zu bad indices, %zu open edges, %zu inverted of %d components, %zu crossing pairs, %zu degenerate "
-                "faces, Euler characteristic %d, %.6g m3",
-                r.bad_indices, r.open_edges, r.inverted_components, r.components, r.crossing_pairs, r.degenerate_faces,
-                r.euler, r.volume_m3);
-  return text;
+  return printed(
+      "%zu bad indices, %zu open edges, %zu inverted of %d components, %zu crossing pairs, %zu degenerate "
+      "faces, Euler characteristic %d, %.6g m3",
+      r.bad_indices, r.open_edges, r.inverted_components, r.components, r.crossing_pairs, r.degenerate_faces, r.euler,
+      r.volume_m3);
 }
 
 }  // namespace fourdvt::reconstruct

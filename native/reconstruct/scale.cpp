@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/robust.h"
 #include "reconstruct/components.h"
 
 namespace fourdvt::reconstruct {
@@ -51,10 +52,7 @@ double medianFootprint(std::span<const CarvingView> views, const glm::dvec3& cen
     const double depth = camera.project(centre).z;
     if (depth > 0) footprints.push_back(depth * 2 / (camera.fx + camera.fy));
   }
-  if (footprints.empty()) return 0;
-  const auto middle = footprints.begin() + ptrdiff_t(footprints.size() / 2);
-  std::nth_element(footprints.begin(), middle, footprints.end());
-  return *middle;
+  return median(std::move(footprints));
 }
 
 // The surface of a carving with voxels that suit the bounds.

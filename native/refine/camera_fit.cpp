@@ -8,7 +8,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <map>
 
-#include "refine/robust.h"
+#include "base/robust.h"
 
 namespace fourdvt::refine {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "refine/robust.h"
+#include "base/robust.h"
 
 namespace fourdvt::refine {
 namespace {

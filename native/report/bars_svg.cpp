@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cstdio>
 
+#include "base/text.h"
 #include "report/document.h"
 
 namespace fourdvt::report {
@@ -10,16 +10,12 @@ namespace {
 constexpr int kRow = 30, kLabel = 120, kWidth = 640, kValue = 120;
 
 std::string textAt(const char* style, double x, int y, const std::string& text) {
-  char place[80];
-  std::snprintf(place, sizeof place, "<text class=\"%s\" x=\"%.1f\" y=\"%d\">", style, x, y);
-  return place + htmlEscaped(text) + "</text>";
+  return printed("<text class=\"%s\" x=\"%.1f\" y=\"%d\">", style, x, y) + htmlEscaped(text) + "</text>";
 }
 
 std::string barSvg(const Bar& bar, double length, int y) {
-  char rectangle[100];
-  std::snprintf(rectangle, sizeof rectangle, "<rect x=\"%d\" y=\"%d\" width=\"%.1f\" height=\"18\" rx=\"3\"/>", kLabel,
-                y + 5, length);
-  return textAt("label", kLabel - 12, y + 19, bar.label) + rectangle +
+  return textAt("label", kLabel - 12, y + 19, bar.label) +
+         printed("<rect x=\"%d\" y=\"%d\" width=\"%.1f\" height=\"18\" rx=\"3\"/>", kLabel, y + 5, length) +
          textAt("value", kLabel + length + 8, y + 19, bar.text) + "\n";
 }
 

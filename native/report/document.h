@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/html_text.h"
+#include "base/text.h"
 
 namespace fourdvt::report {
 

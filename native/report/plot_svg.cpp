@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "base/text.h"
 #include "report/document.h"
 
 namespace fourdvt::report {
@@ -15,28 +15,14 @@ constexpr const char* kDashes[] = {"", "7 4", "2 3", "10 3 2 3", "5 2", "1 4", "
 constexpr int kStyles = 8, kShapes = 4;
 constexpr double kBelow = 52, kRight = 18, kLegendRow = 22, kLetter = 7.3;
 
-std::string number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.2f", value);
-  return text;
-}
-
 // As few digits as tell the ticks apart.
 std::string tickText(double value, double step) {
-  char text[40];
   const double size = std::abs(value);
-  if (size >= 1e9) {
-    std::snprintf(text, sizeof text, "%.4gG", value / 1e9);
-  } else if (size >= 1e6) {
-    std::snprintf(text, sizeof text, "%.4gM", value / 1e6);
-  } else if (size >= 1e4) {
-    std::snprintf(text, sizeof text, "%.4gk", value / 1e3);
-  } else if (step > 0 && step < 1) {
-    std::snprintf(text, sizeof text, "%.*f", static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), value);
-  } else {
-    std::snprintf(text, sizeof text, "%.4g", value);
-  }
-  return text;
+  if (size >= 1e9) return printed("%.4gG", value / 1e9);
+  if (size >= 1e6) return printed("%.4gM", value / 1e6);
+  if (size >= 1e4) return printed("%.4gk", value / 1e3);
+  if (step > 0 && step < 1) return printed("%.*f", static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), value);
+  return printed("%.4g", value);
 }
 
 double niceStep(double span, int wanted) {
@@ -88,13 +74,12 @@ bool drawable(const Plot& plot, const std::pair<double, double>& p) {
 }
 
 std::string textAt(double x, double y, const char* anchor, const std::string& text, const char* extra = "") {
-  return "<text x=\"" + number(x) + "\" y=\"" + number(y) + "\" text-anchor=\"" + anchor + "\"" + extra + ">" +
-         htmlEscaped(text) + "</text>\n";
+  return printed("<text x=\"%.2f\" y=\"%.2f\" text-anchor=\"%s\"%s>", x, y, anchor, extra) + htmlEscaped(text) +
+         "</text>\n";
 }
 
 std::string line(double x0, double y0, double x1, double y1, const char* style) {
-  return "<line x1=\"" + number(x0) + "\" y1=\"" + number(y0) + "\" x2=\"" + number(x1) + "\" y2=\"" + number(y1) +
-         "\" style=\"" + style + "\"/>\n";
+  return printed("<line x1=\"%.2f\" y1=\"%.2f\" x2=\"%.2f\" y2=\"%.2f\" style=\"%s\"/>\n", x0, y0, x1, y1, style);
 }
 
 std::string colour(size_t index) {
@@ -109,15 +94,13 @@ std::string dash(size_t index) {
 // A filled circle, square, diamond or triangle.
 std::string marker(size_t index, double x, double y) {
   const std::string style = "\" style=\"fill:" + colour(index) + "\"/>";
-  if (index % kShapes == 0) return "<circle cx=\"" + number(x) + "\" cy=\"" + number(y) + "\" r=\"3.6" + style;
+  if (index % kShapes == 0) return printed("<circle cx=\"%.2f\" cy=\"%.2f\" r=\"3.6", x, y) + style;
   static constexpr double kCorners[3][4][2] = {{{-3.2, -3.2}, {3.2, -3.2}, {3.2, 3.2}, {-3.2, 3.2}},
                                                {{0, -4.6}, {4.6, 0}, {0, 4.6}, {-4.6, 0}},
                                                {{0, -4.4}, {4.2, 3.2}, {-4.2, 3.2}, {0, -4.4}}};
   std::string points;
-  for (const auto& corner : kCorners[index % kShapes - 1]) {
-    if (!points.empty()) points += ' ';
-    points += number(x + corner[0]) + "," + number(y + corner[1]);
-  }
+  for (const auto& corner : kCorners[index % kShapes - 1])
+    points += printed("%s%.2f,%.2f", points.empty() ? "" : " ", x + corner[0], y + corner[1]);
   return "<polygon points=\"" + points + style;
 }
 
@@ -136,11 +119,12 @@ class Drawing {
   std::string svg() const {
     const Legend legend = empty_ ? Legend{} : legendAt(kPlotTop + kPlotHeight + kBelow + 12);
     const double height = kPlotTop + kPlotHeight + kBelow + kLegendRow * legend.rows;
-    std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " +
-                      number(kPlotLeft + kPlotWidth + kRight) + " " + number(height) +
-                      "\" role=\"img\" class=\"plot\" style=\"font:13px system-ui,sans-serif;fill:var(--ink,#1d2126)\">"
-                      "\n<title>" +
-                      htmlEscaped(plot_.title) + "</title>\n<desc>" + htmlEscaped(description()) + "</desc>\n";
+    std::string out =
+        printed(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.2f %.2f\" role=\"img\" class=\"plot\" "
+            "style=\"font:13px system-ui,sans-serif;fill:var(--ink,#1d2126)\">\n<title>",
+            kPlotLeft + kPlotWidth + kRight, height) +
+        htmlEscaped(plot_.title) + "</title>\n<desc>" + htmlEscaped(description()) + "</desc>\n";
     out += empty_ ? textAt(kPlotLeft + kPlotWidth / 2, kPlotTop + kPlotHeight / 2, "middle", "not measured") : grid();
     out += labels();
     if (!empty_)
@@ -157,11 +141,7 @@ class Drawing {
     for (const Curve& curve : plot_.curves) {
       out += " " + curve.name + ":";
       for (const auto& p : curve.points)
-        if (drawable(plot_, p)) {
-          char text[80];
-          std::snprintf(text, sizeof text, " %.4g at %.4g;", p.second, p.first);
-          out += text;
-        }
+        if (drawable(plot_, p)) out += printed(" %.4g at %.4g;", p.second, p.first);
     }
     return out;
   }
@@ -183,8 +163,7 @@ class Drawing {
 
   std::string labels() const {
     const double bottom = kPlotTop + kPlotHeight, middle = kPlotTop + kPlotHeight / 2;
-    const std::string turned =
-        " transform=\"rotate(-90 15 " + number(middle) + ")\" style=\"fill:var(--soft,#68717c)\"";
+    const std::string turned = printed(" transform=\"rotate(-90 15 %.2f)\" style=\"fill:var(--soft,#68717c)\"", middle);
     return line(kPlotLeft, bottom, kPlotLeft + kPlotWidth, bottom, "stroke:var(--soft,#68717c)") +
            textAt(kPlotLeft + kPlotWidth / 2, bottom + 42, "middle", plot_.x_label,
                   " style=\"fill:var(--soft,#68717c)\"") +
@@ -199,8 +178,7 @@ class Drawing {
         pen_down = false;
         continue;
       }
-      path += pen_down ? 'L' : 'M';
-      path += number(px(p.first)) + " " + number(py(p.second));
+      path += printed("%c%.2f %.2f", pen_down ? 'L' : 'M', px(p.first), py(p.second));
       markers += marker(index, px(p.first), py(p.second)) + "\n";
       pen_down = true;
     }

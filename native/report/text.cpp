@@ -2,27 +2,18 @@
 #include "report/text.h"
 
 #include <cmath>
-#include <cstdio>
+
+#include "base/text.h"
 
 namespace fourdvt::report {
-namespace {
-
-std::string printed(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
-}  // namespace
 
 std::string fixedText(double value, int decimals) {
   if (std::isnan(value)) return "–";
   if (std::isinf(value)) return value > 0 ? "∞" : "−∞";
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, std::abs(value));
+  const std::string text = printed("%.*f", decimals, std::abs(value));
   // A negative value that rounds to zero has no sign.
-  const bool zero = std::string(text).find_first_not_of("0.") == std::string::npos;
-  return (value < 0 && !zero ? "−" : "") + std::string(text);
+  const bool zero = text.find_first_not_of("0.") == std::string::npos;
+  return (value < 0 && !zero ? "−" : "") + text;
 }
 
 std::string percentText(double percent) {

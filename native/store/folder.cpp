@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "base/hash.h"
+#include "base/text.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 
@@ -27,7 +28,7 @@ Status setKey(const std::string& folder, const std::string& key) {
 void removeFolder(const std::string& folder) { platform::removeFolder(folder, kKeyFile); }
 
 std::string keyedPath(const std::string& folder, const std::string& what, const std::string& key) {
-  return folder + "/" + what + "_" + hashText(fnv1a(key)) + ".bin";
+  return folder + "/" + what + "_" + hexDigits(fnv1a(key)) + ".bin";
 }
 
 Error damagedFile(const std::string& path) {

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <tuple>
 
+#include "base/text.h"
 #include "tools/log.h"
 #include "tools/session.h"
 
@@ -57,11 +58,7 @@ void appendWrapped(std::string& out, std::string_view text, size_t indent) {
   out += '\n';
 }
 
-std::string shortNumber(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
+std::string shortNumber(double value) { return printed("%g", value); }
 
 void appendOption(std::string& out, const std::string& form, const std::string& meaning) {
   std::string left = "  " + form;

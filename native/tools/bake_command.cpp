@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <chrono>
 
 #include "bake/bake.h"
 #include "bake/quality.h"
 #include "bake/run/renditions.h"
+#include "base/watch.h"
 #include "render/cameras/camera_method.h"
 #include "tools/args.h"
 #include "tools/bake_arguments.h"
@@ -226,12 +226,11 @@ int bakeCommand(int argc, char** argv, BakeExtension extension) {
   auto gpu = openGpu();
   if (!gpu.ok()) return fail(gpu.error());
   ProgressLine line;
-  const auto start = std::chrono::steady_clock::now();
+  const Watch watch;
   auto report = bake::bake(options, bakeEnvironment(gpu.value(), line));
   line.end();
   if (!report.ok()) return fail(report.error());
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  printBakeSummary(options.character_folder, report.value(), seconds.count());
+  printBakeSummary(options.character_folder, report.value(), watch.seconds());
   return kOk;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "base/text.h"
 #include "capture/capture.h"
 #include "capture/mesh_sequence.h"
 #include "capture/picture_report.h"
@@ -13,12 +14,6 @@
 
 namespace fourdvt::tools {
 namespace {
-
-std::string joined(const std::vector<std::string>& parts) {
-  std::string out;
-  for (const std::string& part : parts) out += (out.empty() ? "" : "; ") + part;
-  return out;
-}
 
 std::string meshesOf(const std::string& folder) {
   const auto with = capture::openDescription(folder, {}, capture::MeshNeed::AnySurface);
@@ -40,10 +35,9 @@ bool printCamera(const capture::Capture& capture, const capture::CaptureSequence
   const capture::PictureReport& r = report.value();
   std::string line = std::filesystem::path(r.path).lexically_relative(capture.folder).string() + ", " +
                      std::to_string(r.width) + "x" + std::to_string(r.height);
-  char rate[32] = "";
-  if (r.fps) std::snprintf(rate, sizeof rate, " at %.4g/s", *r.fps);
-  if (r.pictures) line += ", " + std::to_string(*r.pictures) + " pictures" + rate;
-  if (!r.done.empty()) line += "; " + joined(r.done);
+  if (r.pictures)
+    line += ", " + std::to_string(*r.pictures) + " pictures" + (r.fps ? printed(" at %.4g/s", *r.fps) : "");
+  if (!r.done.empty()) line += "; " + joined(r.done, "; ");
   std::printf("  %-10s %s; mattes: %s\n", name, line.c_str(),
               capture::matteSource(capture, sequence, camera, videoOpener()).c_str());
   const Status mattes = capture::checkMattes(sequence, camera, videoOpener());

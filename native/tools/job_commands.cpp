@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // piece, finish, job: pieces of a plan, the result of them all, and how far they are.
-#include <chrono>
 #include <cstdio>
 
+#include "base/watch.h"
 #include "jobs/records.h"
 #include "jobs/report.h"
 #include "platform/process.h"
@@ -79,12 +79,11 @@ Status finishBakeOf(const std::string& job_folder, const jobs::Plan& plan) {
   FOURDVT_ASSIGN(const auto gpu, openGpu());
   ProgressLine line;
   const bake::BakeEnvironment environment = inJob(job_folder, bakeEnvironment(gpu, line));
-  const auto start = std::chrono::steady_clock::now();
+  const Watch watch;
   const auto report = bake::finishBake(job_folder, plan, environment);
   line.end();
   if (!report) return report.error();
-  printBakeSummary(plan.result, report.value(),
-                   std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  printBakeSummary(plan.result, report.value(), watch.seconds());
   return {};
 }
 

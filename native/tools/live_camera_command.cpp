@@ -10,6 +10,7 @@
 #include <optional>
 #include <thread>
 
+#include "base/text.h"
 #include "live/camera/camera_worker.h"
 #include "live/net/websocket.h"
 #include "tools/args.h"
@@ -130,16 +131,14 @@ class LiveCamera {
   std::string statusLine(double passed_s) {
     const std::shared_ptr<live::CameraWorker> worker = presentWorker();
     const live::WorkerStats stats = worker ? worker->stats() : live::WorkerStats{};
-    char text[240];
-    std::snprintf(text, sizeof text, "%s %s  %.1f pictures/s  %.1f ms to key  %.0f kB/s  dropped %llu  left out %llu",
-                  arguments_.camera.c_str(),
-                  has_ended_ ? "has no source"
-                  : isOpen() ? "sends"
-                             : "is not connected",
-                  static_cast<double>(sent_.exchange(0)) / passed_s, stats.keyed_ms,
-                  static_cast<double>(sent_bytes_.exchange(0)) / passed_s / 1e3,
-                  static_cast<unsigned long long>(dropped_.load()), static_cast<unsigned long long>(stats.left_out));
-    return text;
+    return printed("%s %s  %.1f pictures/s  %.1f ms to key  %.0f kB/s  dropped %llu  left out %llu",
+                   arguments_.camera.c_str(),
+                   has_ended_ ? "has no source"
+                   : isOpen() ? "sends"
+                              : "is not connected",
+                   static_cast<double>(sent_.exchange(0)) / passed_s, stats.keyed_ms,
+                   static_cast<double>(sent_bytes_.exchange(0)) / passed_s / 1e3,
+                   static_cast<unsigned long long>(dropped_.load()), static_cast<unsigned long long>(stats.left_out));
   }
 
  private:

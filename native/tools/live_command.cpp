@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <thread>
 
+#include "base/text.h"
 #include "live/service.h"
 #include "tools/args.h"
 #include "tools/commands.h"
@@ -84,16 +85,14 @@ std::string statusLine(const LiveStatus& status) {
     lost += camera.connected && camera.lost;
     late += camera.late;
   }
-  char text[400];
-  std::snprintf(text, sizeof text,
-                "%.1f frames/s  %.0f ms  %.0f triangles  %.2f px  contours %.0f kB/s  pictures %.0f kB/s  stream %.0f "
-                "kB/s  cameras %d of %zu%s  viewers %llu  late %llu  skipped %llu",
-                p.frames_per_s, p.latency_ms, p.triangles, p.tolerance_px, contours / 1e3, pictures / 1e3,
-                (p.surface_bytes_per_s + p.picture_bytes_per_s) / 1e3, there, p.cameras.size(),
-                lost > 0 ? (" (" + std::to_string(lost) + " lost)").c_str() : "",
-                static_cast<unsigned long long>(status.viewers.viewers), static_cast<unsigned long long>(late),
-                static_cast<unsigned long long>(p.skipped + status.viewers.frames_skipped));
-  return text;
+  return printed(
+      "%.1f frames/s  %.0f ms  %.0f triangles  %.2f px  contours %.0f kB/s  pictures %.0f kB/s  stream %.0f "
+      "kB/s  cameras %d of %zu%s  viewers %llu  late %llu  skipped %llu",
+      p.frames_per_s, p.latency_ms, p.triangles, p.tolerance_px, contours / 1e3, pictures / 1e3,
+      (p.surface_bytes_per_s + p.picture_bytes_per_s) / 1e3, there, p.cameras.size(),
+      lost > 0 ? (" (" + std::to_string(lost) + " lost)").c_str() : "",
+      static_cast<unsigned long long>(status.viewers.viewers), static_cast<unsigned long long>(late),
+      static_cast<unsigned long long>(p.skipped + status.viewers.frames_skipped));
 }
 
 }  // namespace

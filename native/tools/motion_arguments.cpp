@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "base/text.h"
 #include "edge/opencv_flow.h"
 
 namespace fourdvt::tools {
@@ -66,8 +67,7 @@ std::optional<Sweep> parseSweep(const std::string& text) {
 Result<const package::Sequence*> findState(const package::Character& character, const std::string& name,
                                            const std::string& folder) {
   if (const package::Sequence* found = character.find(name)) return found;
-  std::string known;
-  for (const auto& s : character.sequences) known += (known.empty() ? "" : ", ") + s.name;
+  const std::string known = joined(character.sequences, ", ", &package::Sequence::name);
   return Error{ErrorId::InvalidArgument, folder + ": has no sequence \"" + name + "\"; it has " + known};
 }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // plan: cuts a bake or a reconstruction into pieces, for an engine that runs them on many machines.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 
+#include "base/watch.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "reconstruct/run/pieces.h"
@@ -69,13 +69,13 @@ void printPlan(const std::string& job_folder, const jobs::Plan& plan, double sec
 // Makes the plan with `make`, and what runs it, in the job folder.
 template <class Make>
 int planned(ProgressLine& line, const Make& make) {
-  const auto start = std::chrono::steady_clock::now();
+  const Watch watch;
   const auto plan = make();
   line.end();
   if (!plan.ok()) return fail(plan.error());
   const std::string job_folder = plan.value().result + ".work";
   if (const Status written = writeClusterFiles(job_folder); !written.ok()) return fail(written.error());
-  printPlan(job_folder, plan.value(), std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  printPlan(job_folder, plan.value(), watch.seconds());
   return kOk;
 }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/program.h"
 
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <new>
 
+#include "base/watch.h"
 #include "tools/args.h"
 #include "tools/log.h"
 
@@ -22,10 +22,9 @@ void printUsage(std::FILE* out, std::span<const Command> commands) {
 // Libraries throw where memory runs out, or on input that nothing before them refused.
 int runGuarded(const Command& command, int argc, char** argv) {
   try {
-    const auto start = std::chrono::steady_clock::now();
+    const Watch watch;
     const int code = command.run(argc - 2, argv + 2);
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    detail("%s: %.1f s in all", command.name, seconds.count());
+    detail("%s: %.1f s in all", command.name, watch.seconds());
     return code;
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "%s: %s: out of memory; reduce the detail or --jobs\n", programName(), command.name);

@@ -6,19 +6,15 @@
 #include <cctype>
 #include <cstdio>
 
+#include "base/text.h"
 #include "tools/log.h"
 
 namespace fourdvt::tools {
 namespace {
 
 std::string timeLeft(double seconds) {
-  char text[32];
   const int s = static_cast<int>(seconds + 0.5);
-  if (s < 60)
-    std::snprintf(text, sizeof text, "%d s", s);
-  else
-    std::snprintf(text, sizeof text, "%d min %02d s", s / 60, s % 60);
-  return text;
+  return s < 60 ? printed("%d s", s) : printed("%d min %02d s", s / 60, s % 60);
 }
 
 // "survey walk 12/28" → "survey walk", "outline 25 %" → "outline"
@@ -55,13 +51,9 @@ void ProgressLine::show(const FrameProgress& p) {
   shown_ = true;
   all_frames_ |= all_frames;
   line_ = p.stage;
-  char numbers[120] = "";
-  if (p.total > 0) std::snprintf(numbers, sizeof numbers, "  %u of %u frames", p.done, p.total);
-  std::string line = p.stage + numbers;
-  if (p.frames_per_s > 0) {
-    std::snprintf(numbers, sizeof numbers, "  %.2f frames/s", p.frames_per_s);
-    line += numbers;
-  }
+  std::string line = p.stage;
+  if (p.total > 0) line += printed("  %u of %u frames", p.done, p.total);
+  if (p.frames_per_s > 0) line += printed("  %.2f frames/s", p.frames_per_s);
   if (p.left_s > 0) line += "  " + timeLeft(p.left_s) + " left";
   std::fprintf(stderr, tty_ ? "\r\033[K%s" : "%s\n", line.c_str());
   std::fflush(stderr);

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <filesystem>
 
+#include "base/text.h"
 #include "capture/capture.h"
 #include "platform/files.h"
 #include "render/cameras/camera_method.h"
@@ -20,11 +21,7 @@ bool isMethod(const std::string& name, MethodGroup group) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-std::string listed(MethodGroup group) {
-  std::string out;
-  for (const std::string& name : render::cameraMethodNames(group)) out += (out.empty() ? "" : ", ") + name;
-  return out;
-}
+std::string listed(MethodGroup group) { return joined(render::cameraMethodNames(group)); }
 
 std::string methodMeaning() {
   return "for characters from cameras: " + listed(MethodGroup::Textured) + " (default: the character's own, else " +

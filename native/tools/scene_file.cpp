@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "base/text.h"
 #include "capture/capture.h"
 #include "capture/json_text.h"
 #include "capture/text.h"
@@ -56,11 +57,8 @@ class SceneReader {
   void known(const Json& node, const std::string& what, std::initializer_list<const char*> keys) {
     if (!node.is_object()) return complain(what + " must be a JSON object");
     for (const auto& [key, value] : node.items())
-      if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
-        std::string list;
-        for (const char* k : keys) list += std::string(list.empty() ? "" : ", ") + k;
-        complain(what + " has no \"" + key + "\"; it may have " + list);
-      }
+      if (std::find(keys.begin(), keys.end(), key) == keys.end())
+        complain(what + " has no \"" + key + "\"; it may have " + joined(keys));
   }
   std::string text(const Json& node, const char* key) {
     if (!node.is_object() || !node.contains(key)) return {};
@@ -85,8 +83,7 @@ class SceneReader {
   }
   double checked(const Json& value, const std::string& key, double low, double high) {
     if (value.is_number() && value.get<double>() >= low && value.get<double>() <= high) return value.get<double>();
-    char range[80];
-    std::snprintf(range, sizeof range, " from %g to %g", low, high);
+    const std::string range = printed(" from %g to %g", low, high);
     complain("\"" + key + "\" must be a number" + range);
     return low;
   }

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <map>
 #include <mutex>
 #include <span>
 
 #include "bake/labels/expansion.h"
 #include "bake/labels/schedule.h"
+#include "base/watch.h"
 #include "package/character.h"
 
 namespace fourdvt::bake {
@@ -60,9 +60,9 @@ class Solver {
 
   Status load(const LabelWindow& window) {
     for (uint32_t t = window.fresh_first; t < window.fresh_end; ++t) {
-      const auto started = Clock::now();
+      const Watch watch;
       auto costs = exchange_.costs(t);
-      outside_ += Clock::now() - started;
+      outside_s_ += watch.seconds();
       if (!costs) return costs.error();
       std::lock_guard lock(mutex_);
       frames_[t].costs = costs.take();
@@ -101,10 +101,10 @@ class Solver {
     std::vector<uint8_t> labels(options_.layers * faces);
     for (int l = 0; l < options_.layers; ++l)
       for (size_t f = 0; f < faces; ++f) labels[l * faces + f] = frame.labels[f].ranks[l];
-    const auto started = Clock::now();
+    const Watch watch;
     meter_.add(frame.costs, labels);
     FOURDVT_TRY(exchange_.sink(t, labels));
-    outside_ += Clock::now() - started;
+    outside_s_ += watch.seconds();
     std::lock_guard lock(mutex_);
     frames_.erase(t);
     return {};
@@ -114,12 +114,11 @@ class Solver {
 
   LabelStatistics statistics() const {
     LabelStatistics out = meter_.statistics();
-    out.seconds = std::chrono::duration<double>(Clock::now() - started_ - outside_).count();
+    out.seconds = watch_.seconds() - outside_s_;
     return out;
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
   struct Frame {
     FaceCosts costs;
     std::vector<LabelTuple> labels;
@@ -132,8 +131,8 @@ class Solver {
   std::mutex mutex_;  // frames_ as a map; every frame belongs to one window at a time
   std::map<uint32_t, Frame> frames_;
   Status keeping_;
-  Clock::time_point started_ = Clock::now();
-  Clock::duration outside_{};  // spent in source, sink and meter
+  const Watch watch_;
+  double outside_s_ = 0;  // spent in source, sink and meter
 };
 
 }  // namespace

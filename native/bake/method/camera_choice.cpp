@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/robust.h"
+#include "base/text.h"
+
 namespace fourdvt::bake {
 namespace {
 
@@ -47,9 +50,8 @@ std::vector<Shown> shownBy(const std::vector<PinholeCamera>& cameras, const Posi
 void judge(std::vector<Shown>& shown) {
   std::vector<double> fine;
   for (const Shown& s : shown) fine.push_back(s.pixels_per_metre);
-  std::sort(fine.begin(), fine.end());
-  const double median = fine[fine.size() / 2];
-  for (Shown& s : shown) s.worth = s.share * std::min(1.0, s.pixels_per_metre / median);
+  const double usual = median(std::move(fine));
+  for (Shown& s : shown) s.worth = s.share * std::min(1.0, s.pixels_per_metre / usual);
 }
 
 }  // namespace
@@ -87,8 +89,7 @@ Result<std::vector<size_t>> camerasByName(const std::vector<PinholeCamera>& came
       out.push_back(size_t(found - cameras.begin()));
       continue;
     }
-    std::string known;
-    for (const PinholeCamera& camera : cameras) known += (known.empty() ? "" : ", ") + camera.name;
+    const std::string known = joined(cameras, ", ", &PinholeCamera::name);
     return Error{ErrorId::InvalidArgument, "--cameras: there is no camera \"" + name + "\"; the capture has " + known};
   }
   std::sort(out.begin(), out.end());

@@ -3,21 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 #include <limits>
+
+#include "base/text.h"
 
 namespace fourdvt::bake {
 namespace {
 
 constexpr const char* kLinear = "linear";
 constexpr double kSmallGap_deg = 30;
-
-std::string text(const char* format, double value) {
-  char out[64];
-  std::snprintf(out, sizeof out, format, value);
-  return out;
-}
 
 double squaredError(double psnr_db) { return std::pow(10, -psnr_db / 10); }
 
@@ -51,11 +46,11 @@ MethodChoice chooseMethod(const std::vector<MethodScore>& scores, const LeftOut&
   MethodVerdict* best = nullptr;
   for (MethodVerdict& v : out.verdicts) {
     if (v.score.cost > rule.most_cost)
-      v.verdict = text("costs %.1f × FVVR's frame", v.score.cost);
+      v.verdict = printed("costs %.1f × FVVR's frame", v.score.cost);
     else if (shift_px > rule.most_shift_px && trustsCalibration(v.score.method))
-      v.verdict = text("the cameras' pictures lie %.1f pixels off", shift_px);
+      v.verdict = printed("the cameras' pictures lie %.1f pixels off", shift_px);
     else if (linear != out.verdicts.end() && v.judged_db < linear->judged_db - rule.below_linear_db)
-      v.verdict = text("%.2f dB below linear", linear->judged_db - v.judged_db);
+      v.verdict = printed("%.2f dB below linear", linear->judged_db - v.judged_db);
     else if (!best || v.judged_db > best->judged_db)
       best = &v;
   }
@@ -68,7 +63,7 @@ MethodChoice chooseMethod(const std::vector<MethodScore>& scores, const LeftOut&
   }
   out.method = taken->score.method;
   for (MethodVerdict& v : out.verdicts)
-    if (v.verdict.empty() && &v != taken) v.verdict = text("%.2f dB below the best", best->judged_db - v.judged_db);
+    if (v.verdict.empty() && &v != taken) v.verdict = printed("%.2f dB below the best", best->judged_db - v.judged_db);
   taken->verdict = taken == best ? "taken" : "taken: as good as " + best->score.method + " and no dearer";
   return out;
 }

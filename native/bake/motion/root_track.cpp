@@ -8,6 +8,8 @@
 #include <numeric>
 #include <set>
 
+#include "base/robust.h"
+
 namespace fourdvt::bake {
 namespace {
 
@@ -98,11 +100,6 @@ glm::dvec2 usualStep(const std::vector<std::vector<ContactCandidate>>& candidate
       z.push_back(-c.moved.z);
     }
   }
-  if (x.empty()) return glm::dvec2(0);
-  const auto median = [](std::vector<double>& values) {
-    std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
-    return values[values.size() / 2];
-  };
   return {median(x), median(z)};
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "bake/run/stage_table.h"
+#include "base/text.h"
 #include "report/text.h"
 #include "report/values.h"
 
@@ -14,9 +15,6 @@ using report::bytesText, report::fixedText, report::percentText, report::seconds
 using report::Document, report::Json, report::Section, report::Value, report::Values;
 
 std::string count(uint64_t n) { return std::to_string(n); }
-std::string joined(const std::string& list, const std::string& next) {
-  return list.empty() ? next : list + ", " + next;
-}
 std::string textureSize(int width, int height) { return count(width) + " × " + count(height); }
 Value bytesValue(const char* key, const char* title, uint64_t bytes) { return {key, title, bytes, bytesText(bytes)}; }
 
@@ -160,15 +158,12 @@ Values classValues(const ReportSequence& s, const ClassSummary& c) {
   const auto error = [](const char* key, const char* title, double error_m) {
     return Value(key, title, error_m * 1e3, fixedText(error_m * 1e3, 2) + " mm");
   };
-  std::string members, ranges;
-  for (const std::string& name : c.members) members = joined(members, name);
   Json parameters = Json::array();
-  for (const auto& p : c.parameters) {
-    parameters.push_back({{"name", p.name}, {"min", p.min}, {"max", p.max}});
-    ranges = joined(ranges, p.name + " " + fixedText(p.min, 2) + "…" + fixedText(p.max, 2));
-  }
+  for (const auto& p : c.parameters) parameters.push_back({{"name", p.name}, {"min", p.min}, {"max", p.max}});
+  const std::string ranges = joined(
+      c.parameters, ", ", [](const auto& p) { return p.name + " " + fixedText(p.min, 2) + "…" + fixedText(p.max, 2); });
   return {{"", "class", s.name},
-          {"members", "members", c.members, members},
+          {"members", "members", c.members, joined(c.members)},
           {"parameters", "parameter", parameters, ranges},
           {"", "phases", s.frames},
           playedSeconds(s),
@@ -216,10 +211,8 @@ std::string refinementText(const ReportInput& in, const refine::Refinement& r) {
             fixedText(r.offset_low_m * 1e3, 2) + " mm, 5 % by more than " + fixedText(r.offset_high_m * 1e3, 2) +
             " mm (negative: inwards).";
   if (!r.note.empty()) text += "\n\n" + r.note;
-  std::string slow;
-  for (const std::string& sequence : r.slow) slow = joined(slow, sequence);
-  if (!slow.empty())
-    text += " They also vary slowly with time in " + slow + ".";
+  if (!r.slow.empty())
+    text += " They also vary slowly with time in " + joined(r.slow) + ".";
   else if (r.offsets)
     text += " The offsets are the same in all frames.";
   if (!in.refined_cameras.empty())

@@ -2,7 +2,6 @@
 // One bake while it runs.
 #pragma once
 
-#include <chrono>
 #include <future>
 #include <string>
 
@@ -10,6 +9,7 @@
 #include "bake/run/options.h"
 #include "bake/run/stage_table.h"
 #include "bake/run/work_folder.h"
+#include "base/watch.h"
 
 namespace fourdvt::bake {
 
@@ -17,14 +17,13 @@ namespace fourdvt::bake {
 // print.
 class ProgressReporter {
  public:
-  using Now = std::chrono::steady_clock;
   explicit ProgressReporter(const BakeEnvironment& environment) : environment_(environment) {}
   uint32_t frames_done = 0, frames_total = 0;  // of the streams; frames_done includes those of earlier runs
 
   void expect(double work) { left_ += work; }
   void skip(double work) { left_ -= work; }
   void worked(double work) { done_ += work, left_ -= work; }
-  double seconds() const { return std::chrono::duration<double>(Now::now() - started_).count(); }
+  double seconds() const { return watch_.seconds(); }
   void tell(const std::string& stage, double frames_per_s = 0) const {
     if (!environment_.progress) return;
     const double left = done_ > 0 && left_ > 0 ? seconds() * left_ / done_ : 0;
@@ -33,7 +32,7 @@ class ProgressReporter {
 
  private:
   const BakeEnvironment& environment_;
-  Now::time_point started_ = Now::now();
+  const Watch watch_;
   double done_ = 0, left_ = 0;
 };
 

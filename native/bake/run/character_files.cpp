@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/hash.h"
+#include "base/text.h"
 #include "package/character.h"
 #include "platform/files.h"
 #include "platform/folders.h"
@@ -339,9 +340,7 @@ Result<uint64_t> hashOf(const std::string& path) {
 }  // namespace
 
 std::string contentName(const std::string& name, uint64_t hash) {
-  char digits[10];
-  std::snprintf(digits, sizeof digits, ".%08x", static_cast<unsigned>(hash >> 32));
-  return std::string(name).insert(name.rfind('.'), digits);
+  return std::string(name).insert(name.rfind('.'), "." + hexDigits(hash).substr(0, 8));
 }
 
 Result<std::string> writeNamed(const std::string& folder, const std::string& name, std::span<const uint8_t> bytes) {

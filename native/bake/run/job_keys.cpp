@@ -7,6 +7,7 @@
 
 #include "bake/run/renditions.h"
 #include "base/hash.h"
+#include "base/text.h"
 #include "capture/input_files.h"
 #include "capture/mesh_sequence.h"
 #include "platform/files.h"
@@ -63,7 +64,7 @@ std::string measuredCaptureKey(const Job& job, const capture::CaptureSequence& s
   key.append(job.mesh.bytes.begin(), job.mesh.bytes.end());
   if (job.length_scale != 1) key += " lengths " + std::to_string(job.length_scale);
   if (job.refinement) key += " refined " + std::to_string(refine::changeHash(*job.refinement));
-  return hashText(fnv1a(key));
+  return hexDigits(fnv1a(key));
 }
 
 }  // namespace
@@ -112,7 +113,7 @@ std::string labelKey(const BakeOptions& o) {
   for (const int number :
        {int(chosen.use_partial), int(chosen.label_unseen), chosen.window_frames, chosen.hop_frames, chosen.sweeps})
     all += std::to_string(number) + " ";
-  const std::string hash = hashText(fnv1a(all));
+  const std::string hash = hexDigits(fnv1a(all));
   return std::string(" labels ") + o.labels->name + " penalty " + std::to_string(static_cast<int>(o.penalty)) +
          " layers " + std::to_string(o.layers) + " chosen " + hash;
 }
@@ -135,7 +136,7 @@ std::string settingsKey(const Job& job) {
     // With its terminating zero, so that keys do not run together.
     hash = fnv1a(std::string_view(key.c_str(), key.size() + 1), hash);
   }
-  std::string text = hashText(hash) + line;
+  std::string text = hexDigits(hash) + line;
   for (const LowerRendition& r : o.lower_renditions) text += fileSuffix(r, o) + "/" + r.preset;
   text += "\n";
   if (!job.fromCameras()) return text;

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 
 #include "bake/run/stage_table.h"
+#include "base/text.h"
 #include "package/chunk_counts.h"
 
 namespace fourdvt::bake {
@@ -17,15 +17,7 @@ constexpr int kLeastTexels = 64, kTexelStep = 32;  // sides of further layers ar
 bool isShare(double size) { return size <= 1; }
 bool fromCameras(const BakeOptions& o) { return o.appearance == package::AppearanceKind::Cameras; }
 
-std::string sizeText(double size) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", size);
-  return text;
-}
-
-std::string textOf(const LowerRendition& r) {
-  return sizeText(r.size) + ":" + std::to_string(r.crf) + ":" + encode::infoOf(r.codec).name;
-}
+std::string textOf(const LowerRendition& r) { return printed("%g:%d:%s", r.size, r.crf, encode::infoOf(r.codec).name); }
 
 bool parseNumber(const std::string& text, double& out) {
   char* end = nullptr;
@@ -140,8 +132,7 @@ std::string checkRenditions(const BakeOptions& o) {
 }
 
 std::string fileSuffix(const LowerRendition& r, const BakeOptions& o) {
-  return "." + sizeText(r.size) + "-" + std::to_string(r.crf) +
-         (r.codec == o.codec ? "" : std::string("-") + encode::infoOf(r.codec).name);
+  return printed(".%g-%d", r.size, r.crf) + (r.codec == o.codec ? "" : std::string("-") + encode::infoOf(r.codec).name);
 }
 
 void addLowerRenditions(const BakeOptions& options, StreamPlan& stream) {

@@ -7,11 +7,12 @@
 #pragma once
 
 #include <array>
-#include <chrono>
 #include <cstddef>
 #include <map>
 #include <mutex>
 #include <string>
+
+#include "base/watch.h"
 
 namespace fourdvt::bake {
 
@@ -79,16 +80,15 @@ class StageClock {
   // Counts the time from its construction to its destruction.
   class Span {
    public:
-    Span(StageClock& clock, Stage stage) : clock_(clock), stage_(stage), start_(Now::now()) {}
-    ~Span() { clock_.add(stage_, std::chrono::duration<double>(Now::now() - start_).count()); }
+    Span(StageClock& clock, Stage stage) : clock_(clock), stage_(stage) {}
+    ~Span() { clock_.add(stage_, watch_.seconds()); }
     Span(const Span&) = delete;
     Span& operator=(const Span&) = delete;
 
    private:
-    using Now = std::chrono::steady_clock;
     StageClock& clock_;
     const Stage stage_;
-    const Now::time_point start_;
+    const Watch watch_;
   };
 
   void add(Stage stage, double seconds) {

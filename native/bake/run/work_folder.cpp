@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "base/hash.h"
+#include "base/text.h"
 #include "platform/folders.h"
 
 namespace fourdvt::store {
@@ -47,7 +48,7 @@ Result<WorkFolder> WorkFolder::join(const std::string& path, const std::string& 
 }
 
 WorkFolder::WorkFolder(const std::string& path, const std::string& key)
-    : root_(path), path_(path + "/baked_" + hashText(fnv1a(key))) {}
+    : root_(path), path_(path + "/baked_" + hexDigits(fnv1a(key))) {}
 
 bool WorkFolder::holdsGops(const std::string& path) {
   std::error_code ignored;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
-
 #include "bake/run/job_keys.h"
 #include "bake/stages/stages.h"
 #include "base/hash.h"
+#include "base/text.h"
 #include "platform/folders.h"
 #include "refine/kept_refinement.h"
 #include "store/folder.h"
@@ -19,9 +18,8 @@ std::string refinementPath(const std::string& folder, const capture::Capture& ca
                            const refine::RefineOptions& options) {
   std::string key = kRefineVersion;
   for (const capture::CaptureSequence& sequence : capture.sequences) key += sequence.name + filesKey(capture, sequence);
-  char text[80];
-  std::snprintf(text, sizeof text, " outline %d cameras %d bias %.9g", int(options.outline), int(options.cameras),
-                options.matte_bias_pixels.value_or(1e9));
+  const std::string text = printed(" outline %d cameras %d bias %.9g", int(options.outline), int(options.cameras),
+                                   options.matte_bias_pixels.value_or(1e9));
   return store::keyedPath(folder, "refinement", key + text);
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <cstdio>
 
 #include "bake/room/room.h"
 #include "bake/stages/stages.h"
 #include "base/hash.h"
+#include "base/text.h"
 #include "capture/plates.h"
 #include "platform/files.h"
 
@@ -61,13 +61,12 @@ Status checkRoom(const Job& job) {
   const BoundingBox room = roomOf(job), &performer = job.bounds;
   const glm::vec3 lowest = room.min - glm::vec3(0, kSunk_m, 0);
   if (!glm::all(glm::lessThanEqual(lowest, performer.min)) || !glm::all(glm::lessThanEqual(performer.max, room.max))) {
-    char text[400];
-    std::snprintf(text, sizeof text,
-                  ": \"room\" does not contain the performer: it is x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f m, "
-                  "the meshes are x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f m; give it in the world and unit of "
-                  "the cameras, or take it out",
-                  room.min.x, room.max.x, room.min.y, room.max.y, room.min.z, room.max.z, performer.min.x,
-                  performer.max.x, performer.min.y, performer.max.y, performer.min.z, performer.max.z);
+    const std::string text = printed(
+        ": \"room\" does not contain the performer: it is x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f m, "
+        "the meshes are x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f m; give it in the world and unit of "
+        "the cameras, or take it out",
+        room.min.x, room.max.x, room.min.y, room.max.y, room.min.z, room.max.z, performer.min.x, performer.max.x,
+        performer.min.y, performer.max.y, performer.min.z, performer.max.z);
     return Error{ErrorId::CaptureJson, job.capture.folder + "/capture.json" + text};
   }
   FOURDVT_ASSIGN(const auto plates, readPlates(job, {}));

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "bake/motion/class_plan.h"
 #include "bake/motion/root_track.h"
@@ -9,6 +8,7 @@
 #include "bake/sound/segment_encoder.h"
 #include "bake/stages/stages.h"
 #include "base/hash.h"
+#include "base/text.h"
 #include "platform/audio_input.h"
 
 namespace fourdvt::bake {
@@ -217,8 +217,7 @@ Status checkSounds(Job& job, const BakeEnvironment& environment) {
                                              " is heard in \"" + sequence.name +
                                              "\": correct \"offset_ms\", or take \"audio\" out"};
     if (last_s + kShortfall_s < duration_s) {
-      char text[200];
-      std::snprintf(text, sizeof text, "' ends after %.2f s of %.2f s; the rest is silent.", last_s, duration_s);
+      const std::string text = printed("' ends after %.2f s of %.2f s; the rest is silent.", last_s, duration_s);
       addNote(job, environment, "the sound of '" + sequence.name + text);
     }
   }

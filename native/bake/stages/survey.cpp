@@ -2,12 +2,12 @@
 #include "bake/stages/survey.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <future>
 
 #include "bake/run/job_keys.h"
 #include "bake/stages/stages.h"
+#include "base/text.h"
 #include "package/character.h"
 #include "platform/folders.h"
 #include "store/record_file.h"
@@ -45,9 +45,7 @@ Status checkVisible(const Job& job, const capture::CaptureSequence& sequence, co
   const glm::dvec3 centre(0.5f * (low + high));
   double distance = 0;
   for (const PinholeCamera& camera : job.cameras) distance += glm::length(camera.centreInWorld() - centre);
-  char text[400];
-  std::snprintf(
-      text, sizeof text,
+  const std::string text = printed(
       ": no camera sees any face of frame 0. The mesh spans (%.3g, %.3g, %.3g) to (%.3g, %.3g, %.3g) m and the "
       "cameras are %.3g m away on average: check the axes and units of meshes and cameras, and the mattes",
       low.x, low.y, low.z, high.x, high.y, high.z, distance / job.cameras.size());

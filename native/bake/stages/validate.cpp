@@ -14,6 +14,7 @@
 #include "bake/run/renditions.h"
 #include "bake/stages/stages.h"
 #include "base/length_scale.h"
+#include "base/text.h"
 #include "capture/mesh_sequence.h"
 #include "platform/files.h"
 #include "platform/folders.h"
@@ -283,10 +284,9 @@ Status checkSpace(const Job& job, double character_bytes) {
   std::error_code error;
   const fs::space_info space = fs::space(job.workFolder(), error);
   if (error || double(space.available) >= needed) return {};
-  char text[160];
-  std::snprintf(text, sizeof text,
-                ": %.0f MB free, about %.0f MB needed; free disk space or choose another output folder",
-                space.available / 1e6, needed / 1e6);
+  const std::string text =
+      printed(": %.0f MB free, about %.0f MB needed; free disk space or choose another output folder",
+              space.available / 1e6, needed / 1e6);
   return Error{ErrorId::WriteFailed, job.options.character_folder + text};
 }
 

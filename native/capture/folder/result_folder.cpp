@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "base/hash.h"
+#include "base/text.h"
 #include "capture/folder/linked_capture.h"
 #include "platform/files.h"
 #include "platform/folders.h"
@@ -62,7 +63,7 @@ std::string inputsKey(const Capture& capture) {
     for (const auto& [camera, frames] : sequence.offset_frames) add(camera + " is off by " + std::to_string(frames));
     for (const std::string& file : filesOf(sequence.folder, true)) add(file);
   }
-  return hashText(hash);
+  return hexDigits(hash);
 }
 
 Result<std::string> checkedTarget(const std::string& folder, const std::string& capture_folder,

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <set>
 
+#include "base/text.h"
 #include "capture/colmap_model.h"
 #include "capture/import/readers.h"
 #include "capture/json_text.h"
@@ -292,11 +293,7 @@ Status checkNames(ImportedCalibration& calibration) {
 
 }  // namespace
 
-std::string knownCalibrations() {
-  std::string out;
-  for (const CalibrationKind& kind : kCalibrationKinds) out += (out.empty() ? "" : ", ") + std::string(kind.name);
-  return out;
-}
+std::string knownCalibrations() { return joined(kCalibrationKinds, ", ", &CalibrationKind::name); }
 
 Result<ImportedCalibration> readCalibration(const std::string& source) {
   std::error_code ignored;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <set>
 
+#include "base/text.h"
 #include "base/warning_lines.h"
 #include "capture/import/calibration_files.h"
 #include "capture/import/class_option.h"
@@ -24,11 +25,7 @@ constexpr double kAssumedFps = 25;
 constexpr const char* kOnlyTake = "take";  // where no sequences are named
 constexpr double kLargeRig = 50;           // metres between cameras: the unit is hardly a metre
 
-std::string shortNumber(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
+std::string shortNumber(double value) { return printed("%.6g", value); }
 
 // Into metres, with Y up.
 void turnAndScale(const glm::dmat3& turned_from_world, double metres_per_unit, ImportedCalibration& calibration) {
@@ -146,11 +143,9 @@ void describeTakes(const ImportOptions& options, const std::vector<Take>& takes,
   if (meshes == ImportedMeshes::PerFrame)
     summary.done.push_back(
         "meshes: another topology in every frame, or no UVs; the character will be made from cameras");
-  for (const CaptureClass& c : options.classes) {
-    std::string members;
-    for (const auto& member : c.members) members += (members.empty() ? "" : ", ") + member.sequence;
-    summary.done.push_back("class " + c.name + " of " + members);
-  }
+  for (const CaptureClass& c : options.classes)
+    summary.done.push_back("class " + c.name + " of " +
+                           joined(c.members, ", ", [](const auto& member) { return member.sequence; }));
 }
 
 Status writeAll(const ImportOptions& options, const ImportedCalibration& calibration, std::vector<Take>& takes,

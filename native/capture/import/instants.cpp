@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <set>
 
+#include "base/text.h"
 #include "capture/picture_clock.h"
 
 namespace fourdvt::capture {
@@ -14,12 +14,6 @@ namespace {
 
 constexpr double kDay_s = 24 * 3600;
 constexpr double kNotedOff = 0.1;  // steps that a picture lies off its instant
-
-std::string text(double value, const char* format = "%.3g") {
-  char out[40];
-  std::snprintf(out, sizeof out, format, value);
-  return out;
-}
 
 std::string fileName(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
@@ -33,8 +27,8 @@ Error variableRate(const Clip& clip, double fps) {
   const std::vector<double>& t = clip.listing.times_s;
   for (size_t i = 1; i < t.size(); ++i)
     least = std::min(least, t[i] - t[i - 1]), most = std::max(most, t[i] - t[i - 1]);
-  return {ErrorId::FileUnreadable, clip.view.video + ": its frame rate varies (its pictures are " + text(1000 * least) +
-                                       " to " + text(1000 * most) +
+  return {ErrorId::FileUnreadable, clip.view.video + ": its frame rate varies (its pictures are " +
+                                       printed("%.3g", 1000 * least) + " to " + printed("%.3g", 1000 * most) +
                                        " ms apart); make it constant: " + constantRateCommand(clip.view.video, fps)};
 }
 
@@ -49,7 +43,7 @@ Status setVideoInstants(Clip& clip, double fps, ClipNotes& notes) {
   clip.step_s = clock->step_s;
   for (size_t i = 0; i < clock->instants.size(); ++i) clip.shown.push_back({clock->instants[i], i});
   if (clock->most_off > std::max(kNotedOff, 2 * clip.listing.tick_s / std::max(clock->step_s, 1e-9)))
-    notes.done.push_back(clip.view.video + ": its pictures lie up to " + text(clock->most_off, "%.2f") +
+    notes.done.push_back(clip.view.video + ": its pictures lie up to " + printed("%.2f", clock->most_off) +
                          " frames off a constant rate; the nearest ones are paired");
   return {};
 }
@@ -62,11 +56,11 @@ Status checkRates(const std::vector<Clip*>& videos) {
     if (!first) first = clip;
     const double drift = (clip->step_s / first->step_s - 1) * double(clip->shown.back().instant);
     if (std::abs(drift) <= 0.5) continue;
-    return Error{ErrorId::FileUnreadable, clip->view.video + ": " + text(clip->fps, "%.5g") + " frames a second, but " +
-                                              first->view.video + " has " + text(first->fps, "%.5g") +
-                                              ", so that they are " + text(std::abs(drift)) +
-                                              " frames out of step at the end; give all clips one rate: " +
-                                              constantRateCommand(clip->view.video, first->fps)};
+    return Error{ErrorId::FileUnreadable,
+                 clip->view.video + ": " + printed("%.5g", clip->fps) + " frames a second, but " + first->view.video +
+                     " has " + printed("%.5g", first->fps) + ", so that they are " + printed("%.3g", std::abs(drift)) +
+                     " frames out of step at the end; give all clips one rate: " +
+                     constantRateCommand(clip->view.video, first->fps)};
   }
   return {};
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // OpenCV's FileStorage, one file a camera. World to camera, as solvePnP returns it.
+#include "base/text.h"
 #include "capture/import/camera_numbers.h"
 #include "capture/import/readers.h"
 #include "capture/import/storage.h"
@@ -46,10 +47,8 @@ void setStoredSize(const Storage& storage, PinholeCamera& camera) {
 
 Error lacks(const Storage& storage, const std::string& where, const char* what, const std::vector<std::string>& names,
             size_t wanted) {
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
   return {ErrorId::CameraPose,
-          where + ": no " + what + storage.problem(names, wanted) + "; its node must be called " + list};
+          where + ": no " + what + storage.problem(names, wanted) + "; its node must be called " + joined(names)};
 }
 
 }  // namespace

@@ -2,10 +2,10 @@
 #include "capture/import/pairing.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <set>
 
+#include "base/text.h"
 #include "capture/picture_clock.h"
 
 namespace fourdvt::capture {
@@ -65,11 +65,7 @@ std::vector<int64_t> longestStretch(const std::vector<Camera>& cameras, const st
   return {first, first + ptrdiff_t(most)};
 }
 
-std::string seconds(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.3f s", value);
-  return text;
-}
+std::string seconds(double value) { return printed("%.3f s", value); }
 
 // Those that all cameras have reached, and none has passed for good.
 std::vector<int64_t> commonSpan(const std::vector<Camera>& cameras, std::vector<int64_t> instants) {

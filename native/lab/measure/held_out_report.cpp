@@ -2,26 +2,21 @@
 // What people read of an evaluation: table, CSV, contact sheet of the worst views.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "base/text.h"
 #include "lab/measure/held_out.h"
 
 namespace fourdvt::measure {
 namespace {
 
 std::string row(const std::string& name, const MeanViewScore& m, bool yardstick) {
-  char text[200];
-  std::snprintf(text, sizeof text, "  %-10s %6zu %9.2f %8.4f %10.2f", name.c_str(), m.views, m.psnr_db, m.ssim,
-                m.common_psnr_db);
-  std::string out = text;
-  if (yardstick) {
-    std::snprintf(text, sizeof text, " %11.2f %8.4f %10.2f", m.yardstick_psnr_db, m.yardstick_ssim,
-                  m.yardstick_common_psnr_db);
-    out += text;
-  }
+  std::string out =
+      printed("  %-10s %6zu %9.2f %8.4f %10.2f", name.c_str(), m.views, m.psnr_db, m.ssim, m.common_psnr_db);
+  if (yardstick)
+    out += printed(" %11.2f %8.4f %10.2f", m.yardstick_psnr_db, m.yardstick_ssim, m.yardstick_common_psnr_db);
   return out + "\n";
 }
 
@@ -80,8 +75,7 @@ cv::Mat titled(const cv::Mat& picture, const std::string& title) {
 
 cv::Mat sheetRow(const WorstView& view, const std::string& baseline) {
   const cv::Rect part = shownPart(view);
-  char scores[80];
-  std::snprintf(scores, sizeof scores, "ours %.2f dB / %.3f", view.score.psnr_db, view.score.ssim);
+  const std::string scores = printed("ours %.2f dB / %.3f", view.score.psnr_db, view.score.ssim);
   cv::Mat difference;
   cv::absdiff(wrapped(view.truth), wrapped(view.character), difference);
   difference *= 4;
@@ -89,8 +83,8 @@ cv::Mat sheetRow(const WorstView& view, const std::string& baseline) {
                                                                      " frame " + std::to_string(view.score.frame)),
                                titled(wrapped(view.character)(part), scores)};
   if (!view.yardstick.empty()) {
-    std::snprintf(scores, sizeof scores, " %.2f dB / %.3f", view.score.yardstick_psnr_db, view.score.yardstick_ssim);
-    columns.push_back(titled(wrapped(view.yardstick)(part), baseline + scores));
+    const std::string theirs = printed(" %.2f dB / %.3f", view.score.yardstick_psnr_db, view.score.yardstick_ssim);
+    columns.push_back(titled(wrapped(view.yardstick)(part), baseline + theirs));
   }
   columns.push_back(titled(difference(part), "|truth - ours| x 4"));
   cv::Mat out;
@@ -108,10 +102,8 @@ std::string flickerSection(const std::vector<FlickerScore>& scores) {
     const auto pairs = std::count_if(scores.begin(), scores.end(), [&](const FlickerScore& other) {
       return other.sequence == sequence && other.camera == camera && !std::isnan(other.levels);
     });
-    char text[160];
-    std::snprintf(text, sizeof text, "%-12s %-10s %6d %8.3f\n", sequence.c_str(), camera.c_str(), int(pairs),
-                  meanFlicker(scores, sequence, camera));
-    out += text;
+    out += printed("%-12s %-10s %6d %8.3f\n", sequence.c_str(), camera.c_str(), int(pairs),
+                   meanFlicker(scores, sequence, camera));
   }
   return out;
 }
@@ -154,10 +146,8 @@ MeanViewScore meanViewScore(const std::vector<ViewScore>& scores, bool held_out,
 std::string scoreTable(const HeldOutReport& report) {
   std::string out = section(report, true) + section(report, false) + flickerSection(report.flicker);
   for (const WorstView& worst : report.worst) {
-    char text[160];
-    std::snprintf(text, sizeof text, "worst of %s: %s frame %u, %.2f dB / %.4f\n", worst.score.sequence.c_str(),
-                  worst.score.camera.c_str(), worst.score.frame, worst.score.psnr_db, worst.score.ssim);
-    out += text;
+    out += printed("worst of %s: %s frame %u, %.2f dB / %.4f\n", worst.score.sequence.c_str(),
+                   worst.score.camera.c_str(), worst.score.frame, worst.score.psnr_db, worst.score.ssim);
   }
   return out;
 }
@@ -167,25 +157,16 @@ std::string scoreCsv(const HeldOutReport& report) {
       "kind,sequence,camera,frame,psnr_db,ssim,common_psnr_db,yardstick_psnr_db,yardstick_ssim,yardstick_common_psnr_"
       "db,flicker_levels\n";
   for (const ViewScore& s : report.scores) {
-    char text[240];
-    std::snprintf(text, sizeof text, "%s,%s,%s,%u,%.4f,%.6f,%.4f,", s.held_out ? "held-out" : "input",
-                  s.sequence.c_str(), s.camera.c_str(), s.frame, s.psnr_db, s.ssim, s.common_psnr_db);
-    out += text;
-    if (!std::isnan(s.yardstick_psnr_db)) {
-      std::snprintf(text, sizeof text, "%.4f,%.6f,%.4f", s.yardstick_psnr_db, s.yardstick_ssim,
-                    s.yardstick_common_psnr_db);
-      out += text;
-    } else {
-      out += ",,";
-    }
+    out += printed("%s,%s,%s,%u,%.4f,%.6f,%.4f,", s.held_out ? "held-out" : "input", s.sequence.c_str(),
+                   s.camera.c_str(), s.frame, s.psnr_db, s.ssim, s.common_psnr_db);
+    out += std::isnan(s.yardstick_psnr_db)
+               ? ",,"
+               : printed("%.4f,%.6f,%.4f", s.yardstick_psnr_db, s.yardstick_ssim, s.yardstick_common_psnr_db);
     out += ",\n";
   }
   for (const FlickerScore& s : report.flicker) {
-    char text[160];
-    if (std::isnan(s.levels)) continue;
-    std::snprintf(text, sizeof text, "flicker,%s,%s,%u,,,,,,,%.4f\n", s.sequence.c_str(), s.camera.c_str(), s.frame,
-                  s.levels);
-    out += text;
+    if (!std::isnan(s.levels))
+      out += printed("flicker,%s,%s,%u,,,,,,,%.4f\n", s.sequence.c_str(), s.camera.c_str(), s.frame, s.levels);
   }
   return out;
 }

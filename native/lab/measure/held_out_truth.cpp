@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/measure/held_out_truth.h"
 
-#include <cstdio>
-
+#include "base/text.h"
 #include "platform/files.h"
 
 namespace fourdvt::measure {
 
 Result<Image> heldOutTruth(const capture::CaptureSequence& sequence, const PinholeCamera& camera, uint32_t frame) {
-  char name[32];
-  std::snprintf(name, sizeof name, "/%04u.png", sequence.first_frame + frame);
+  const std::string name = printed("/%04u.png", sequence.first_frame + frame);
   const std::string path = sequence.folder + "/" + camera.name + name;
   FOURDVT_ASSIGN(auto truth, platform::readImage(path));
   if (truth.channels != 4 || truth.width != camera.width || truth.height != camera.height)

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "base/text.h"
 #include "capture/pictures.h"
 #include "capture/undistort.h"
 
@@ -77,11 +78,9 @@ Result<std::vector<MatteScore>> scoreMattes(
 std::string matteTable(const std::vector<MatteScore>& scores) {
   std::string out = "sequence     camera     frames     IoU  beyond 2 pixels of the edge  edge distance pixels\n";
   for (const MatteScore& score : withTotal(scores)) {
-    char line[200];
     const MatteAgreement& a = score.agreement;
-    std::snprintf(line, sizeof line, "%-12s %-10s %6zu %7.4f %28.4f %21.3f\n", score.sequence.c_str(),
-                  score.camera.c_str(), a.pictures(), a.iou(), a.iouOutsideBand(), a.edgeDistance());
-    out += line;
+    out += printed("%-12s %-10s %6zu %7.4f %28.4f %21.3f\n", score.sequence.c_str(), score.camera.c_str(), a.pictures(),
+                   a.iou(), a.iouOutsideBand(), a.edgeDistance());
   }
   return out;
 }

@@ -2,11 +2,11 @@
 #include "lab/measure/surface_score.h"
 
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <optional>
 
 #include "base/length_scale.h"
+#include "base/text.h"
 #include "lab/measure/held_out_truth.h"
 #include "lab/measure/matte_agreement.h"
 #include "lab/measure/projective.h"
@@ -127,12 +127,10 @@ std::string surfaceTable(const std::vector<SurfaceScore>& scores) {
       "sequence      views  PSNR-FG dB  SSIM-FG  triangles  to reference mm: mean median   95 %  from it: mean   95 %"
       "  still change mm     IoU\n";
   for (const SurfaceScore& s : scores) {
-    char line[240];
-    std::snprintf(line, sizeof line, "%-12s %6zu %11.2f %8.4f %10.0f %22.2f %6.2f %6.2f %14.2f %6.2f %16.3f %7.4f\n",
-                  s.sequence.c_str(), s.views, s.picture.psnr_fg_db, s.picture.ssim_fg, s.triangles,
-                  s.to_reference_mean_m * 1e3, s.to_reference_median_m * 1e3, s.to_reference_p95_m * 1e3,
-                  s.from_reference_mean_m * 1e3, s.from_reference_p95_m * 1e3, s.still_change_m * 1e3, s.iou);
-    out += line;
+    out += printed("%-12s %6zu %11.2f %8.4f %10.0f %22.2f %6.2f %6.2f %14.2f %6.2f %16.3f %7.4f\n", s.sequence.c_str(),
+                   s.views, s.picture.psnr_fg_db, s.picture.ssim_fg, s.triangles, s.to_reference_mean_m * 1e3,
+                   s.to_reference_median_m * 1e3, s.to_reference_p95_m * 1e3, s.from_reference_mean_m * 1e3,
+                   s.from_reference_p95_m * 1e3, s.still_change_m * 1e3, s.iou);
   }
   return out;
 }

@@ -2,10 +2,10 @@
 #include "lab/studio/rig.h"
 
 #include <cmath>
-#include <cstdio>
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
 
+#include "base/text.h"
 #include "capture/capture.h"
 #include "lab/studio/random.h"
 #include "platform/files.h"
@@ -38,11 +38,7 @@ bool seesAll(const PinholeCamera& camera, const BoundingBox& box) {
   return true;
 }
 
-std::string numbered(const char* stem, size_t number) {
-  char name[40];
-  std::snprintf(name, sizeof name, "%s%02zu", stem, number);
-  return name;
-}
+std::string numbered(const char* stem, size_t number) { return printed("%s%02zu", stem, number); }
 
 }  // namespace
 

@@ -2,8 +2,8 @@
 #include "lab/studio/studio.h"
 
 #include <cmath>
-#include <cstdio>
 
+#include "base/text.h"
 #include "lab/studio/description.h"
 #include "lab/studio/filming.h"
 #include "lab/studio/truth.h"
@@ -125,8 +125,7 @@ class Run {
 Status roomIsLargeEnough(const StudioOptions& options, const Rig& rig) {
   const double least_m = (options.bystander ? 1.25 : 1) * Room::leastSize_m(rig);
   if (options.room_size_m == 0 || options.room_size_m >= least_m) return {};
-  char size[16];
-  std::snprintf(size, sizeof size, "%.1f", std::ceil(10 * least_m) / 10);
+  const std::string size = printed("%.1f", std::ceil(10 * least_m) / 10);
   return Error{
       ErrorId::InvalidArgument,
       std::string("the cameras (and the bystander behind them) do not fit into the room; its size must be at least ") +

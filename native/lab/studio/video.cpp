@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/studio/video.h"
 
-#include <cstdio>
-
+#include "base/text.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "platform/video_writer.h"
@@ -26,8 +25,7 @@ class Numbered final : public PictureFile {
  public:
   explicit Numbered(const std::string& folder) : folder_(folder) {}
   Status write(const Image& picture) override {
-    char name[24];
-    std::snprintf(name, sizeof name, "/%06u.png", next_++);
+    const std::string name = printed("/%06u.png", next_++);
     return platform::writeImage(folder_ + name, picture);
   }
   Status finish() override { return {}; }

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "base/text.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 
@@ -107,10 +108,6 @@ void appendPacked(const Positions& positions, double units_per_metre, std::vecto
     }
 }
 
-std::string numberedName(const char* format, uint32_t number) {
-  char name[32];
-  std::snprintf(name, sizeof name, format, number);
-  return name;
-}
+std::string numberedName(const char* format, uint32_t number) { return printed(format, number); }
 
 }  // namespace fourdvt::studio

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "base/text.h"
 #include "lab/study/run/context.h"
 
 namespace fourdvt::lab {
@@ -22,8 +23,7 @@ class StudyLine {
     if (shown_ && now - last_ < (tty_ ? std::chrono::milliseconds(100) : std::chrono::milliseconds(5000))) return;
     last_ = now;
     shown_ = true;
-    char numbers[64];
-    std::snprintf(numbers, sizeof numbers, "%3.0f %%  ", 100 * p.share);
+    const std::string numbers = printed("%3.0f %%  ", 100 * p.share);
     const std::string line = numbers + p.step + (p.detail.empty() ? "" : ": " + p.detail) + timeLeft(now, p.share);
     std::fprintf(stderr, tty_ ? "\r\033[K%s" : "%s\n", line.c_str());
     std::fflush(stderr);
@@ -39,12 +39,7 @@ class StudyLine {
     const double elapsed_s = std::chrono::duration<double>(now - *started_).count(), done = share - first_share_;
     if (elapsed_s < 3 || done < 0.01) return "";
     const int left_s = static_cast<int>(elapsed_s * (1 - share) / done + 0.5);
-    char text[48];
-    if (left_s < 60)
-      std::snprintf(text, sizeof text, "  %d s left", left_s);
-    else
-      std::snprintf(text, sizeof text, "  %d min %02d s left", left_s / 60, left_s % 60);
-    return text;
+    return left_s < 60 ? printed("  %d s left", left_s) : printed("  %d min %02d s left", left_s / 60, left_s % 60);
   }
   const bool tty_ = isatty(STDERR_FILENO) != 0;
   bool shown_ = false;

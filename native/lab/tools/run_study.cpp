@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/tools/run_study.h"
 
-#include <chrono>
 #include <cstdio>
 
+#include "base/watch.h"
 #include "lab/tools/progress.h"
 #include "tools/args.h"
 #include "tools/session.h"
@@ -26,14 +26,14 @@ int runStudyCommand(const study::StudyOptions& options, capture::MeshNeed need, 
   context.device = gpu.value().device.get();
   context.progress = [&](const study::StudyProgress& p) { line.show(p); };
   context.stop = stop;
-  const auto start = std::chrono::steady_clock::now();
+  const Watch watch;
   auto rows = run(context);
   line.end();
   if (!rows.ok()) return tools::fail(rows.error());
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  const double seconds = watch.seconds();
   const char* folder = options.report_folder.c_str();
-  std::printf("%zu rows in %.0f s\nrows: %s/%s.csv\nreport: %s/report.html\n", rows.value().size(), seconds.count(),
-              folder, options.stem.c_str(), folder);
+  std::printf("%zu rows in %.0f s\nrows: %s/%s.csv\nreport: %s/report.html\n", rows.value().size(), seconds, folder,
+              options.stem.c_str(), folder);
   return tools::kOk;
 }
 

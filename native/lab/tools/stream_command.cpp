@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "base/text.h"
 #include "lab/stage/recorded_stream.h"
 #include "lab/tools/commands.h"
 #include "platform/files.h"
@@ -30,8 +31,7 @@ Status writeSurfaces(const std::vector<TriangleMesh>& surfaces, const std::strin
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   for (size_t frame = 0; frame < surfaces.size(); ++frame) {
-    char name[32];
-    std::snprintf(name, sizeof name, "/%06zu.obj", frame);
+    const std::string name = printed("/%06zu.obj", frame);
     if (!surfaces[frame].faces.empty()) FOURDVT_TRY(platform::writeFileAtomic(folder + name, objOf(surfaces[frame])));
   }
   return {};

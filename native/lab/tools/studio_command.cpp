@@ -8,6 +8,7 @@
 #include <cstring>
 #include <optional>
 
+#include "base/watch.h"
 #include "lab/studio/studio.h"
 #include "lab/tools/commands.h"
 #include "tools/args.h"
@@ -195,14 +196,14 @@ int studioCommand(int argc, char** argv) {
   ProgressLine line;
   const studio::StudioEnvironment environment{gpu.value().device.get(),
                                               [&](const studio::StudioProgress& p) { line.show(p); }, stop};
-  const auto start = std::chrono::steady_clock::now();
+  const Watch watch;
   auto report = studio::runStudio(options, environment);
   line.end();
   if (!report.ok()) return tools::fail(report.error());
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  const double seconds = watch.seconds();
   const studio::StudioReport& r = report.value();
   std::printf("%s: %u frames of %d cameras, mesh of %u vertices and %u faces, %u pictures in %.1f s\n",
-              options.folder.c_str(), r.frames, options.cameras, r.vertices, r.faces, r.pictures, seconds.count());
+              options.folder.c_str(), r.frames, options.cameras, r.vertices, r.faces, r.pictures, seconds);
   return tools::kOk;
 }
 

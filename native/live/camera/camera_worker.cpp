@@ -10,6 +10,7 @@
 #include <mutex>
 #include <thread>
 
+#include "base/robust.h"
 #include "capture/undistort.h"
 #include "live/camera/keyer.h"
 #include "live/camera/outline_message.h"
@@ -62,10 +63,7 @@ class ThreadedWorker final : public CameraWorker {
     std::vector<double> recent;
     for (const auto& [when, ms] : keyed_)
       if (Clock::now() - when <= std::chrono::seconds(1)) recent.push_back(ms);
-    if (!recent.empty()) {
-      std::nth_element(recent.begin(), recent.begin() + long(recent.size() / 2), recent.end());
-      out.keyed_ms = recent[recent.size() / 2];
-    }
+    out.keyed_ms = median(std::move(recent), out.keyed_ms);
     return out;
   }
 

@@ -6,6 +6,7 @@
 #include <random>
 #include <thread>
 
+#include "base/watch.h"
 #include "live/net/http_text.h"
 #include "live/net/pump.h"
 
@@ -151,7 +152,7 @@ class ClientOnThread final : public Client {
   }
 
   void opened(const std::shared_ptr<Pump>& pump) {
-    opened_at_ = std::chrono::steady_clock::now();
+    since_open_ = {};
     PumpEvents events;
     events.on_message = [this](std::span<const uint8_t> bytes, bool text) {
       if (!is_stopping_ && events_.on_message) events_.on_message(bytes, text);
@@ -164,8 +165,7 @@ class ClientOnThread final : public Client {
 
   void ended(uint16_t code, const std::string& reason) {
     setPump(nullptr);
-    const auto lasted = std::chrono::steady_clock::now() - opened_at_;
-    if (std::chrono::duration<double>(lasted).count() > kStable) attempts_ = 0;
+    if (since_open_.seconds() > kStable) attempts_ = 0;
     const std::string why = code == 0 ? "the connection to " + url_.authority + " is lost: " + reason
                                       : url_.authority + " closes: " + std::to_string(code) + " " + reason;
     lost(why, code >= kFirstRefusal && code <= kLastRefusal);
@@ -200,7 +200,7 @@ class ClientOnThread final : public Client {
   std::weak_ptr<Attempt> attempt_;
   mutable std::mutex mutex_;
   std::shared_ptr<Pump> pump_;  // while open
-  std::chrono::steady_clock::time_point opened_at_;
+  Watch since_open_;
   std::mt19937 random_{std::random_device{}()};
   int attempts_ = 0;
   bool is_stopping_ = false;

@@ -4,6 +4,7 @@
 #include <strings.h>
 #include <sys/stat.h>
 
+#include "base/text.h"
 #include "live/net/http_text.h"
 
 namespace fourdvt::live {
@@ -21,10 +22,8 @@ OpenedFile openFile(const std::string& path) {
   struct stat about {};
   if (!out.handle || fstat(fileno(out.handle.get()), &about) != 0 || !S_ISREG(about.st_mode)) return {};
   out.bytes = static_cast<uint64_t>(about.st_size);
-  char tag[80];
-  std::snprintf(tag, sizeof tag, "\"%llx-%llx-%lx\"", static_cast<unsigned long long>(about.st_size),
-                static_cast<unsigned long long>(about.st_mtim.tv_sec), about.st_mtim.tv_nsec);
-  out.tag = tag;
+  out.tag = printed("\"%llx-%llx-%lx\"", static_cast<unsigned long long>(about.st_size),
+                    static_cast<unsigned long long>(about.st_mtim.tv_sec), about.st_mtim.tv_nsec);
   return out;
 }
 

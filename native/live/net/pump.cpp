@@ -9,6 +9,7 @@
 #include <deque>
 #include <optional>
 
+#include "base/watch.h"
 #include "live/net/http_text.h"
 
 namespace fourdvt::live {
@@ -76,9 +77,7 @@ class Allowance {
  public:
   explicit Allowance(double per_s) : per_s_(per_s), left_(2 * per_s) {}
   bool take() {
-    const auto now = std::chrono::steady_clock::now();
-    left_ = std::min(2 * per_s_, left_ + per_s_ * std::chrono::duration<double>(now - last_).count());
-    last_ = now;
+    left_ = std::min(2 * per_s_, left_ + per_s_ * watch_.lap_ms() / 1e3);
     if (left_ < 1) return false;
     left_ -= 1;
     return true;
@@ -86,7 +85,7 @@ class Allowance {
 
  private:
   double per_s_, left_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  Watch watch_;
 };
 
 class BeastPump final : public Pump, public std::enable_shared_from_this<BeastPump> {

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "base/text.h"
 #include "capture/pictures.h"
 #include "capture/plates.h"
 #include "capture/text.h"
@@ -222,9 +223,7 @@ class RigReader {
   }
 
   std::string names() const {
-    std::string out;
-    for (const RigCamera& c : rig_.cameras) out += (out.empty() ? "" : ", ") + c.camera.pinhole.name;
-    return out;
+    return joined(rig_.cameras, ", ", [](const RigCamera& c) { return c.camera.pinhole.name; });
   }
 
   Rig rig_;

@@ -2,8 +2,8 @@
 #include "live/server/live_encoder.h"
 
 #include <algorithm>
-#include <cstdio>
 
+#include "base/text.h"
 #include "live/server/ffmpeg.h"
 
 namespace fourdvt::live {
@@ -18,9 +18,7 @@ constexpr uint8_t kParameterSet = 7;       // NAL unit's type of a sequence para
 std::string codecOf(const std::vector<uint8_t>& sample) {
   for (size_t i = 0; i + 6 < sample.size(); ++i) {
     if (sample[i] != 0 || sample[i + 1] != 0 || sample[i + 2] != 1 || (sample[i + 3] & 31) != kParameterSet) continue;
-    char text[16];
-    std::snprintf(text, sizeof text, "avc1.%02X%02X%02X", sample[i + 4], sample[i + 5], sample[i + 6]);
-    return text;
+    return printed("avc1.%02X%02X%02X", sample[i + 4], sample[i + 5], sample[i + 6]);
   }
   return {};
 }

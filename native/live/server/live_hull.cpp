@@ -2,8 +2,8 @@
 #include "live/server/live_hull.h"
 
 #include <algorithm>
-#include <chrono>
 
+#include "base/watch.h"
 #include "reconstruct/components.h"
 #include "reconstruct/hull_planes.h"
 #include "reconstruct/polyhedral_hull.h"
@@ -79,17 +79,14 @@ class Attempts {
     cameras_.erase(cameras_.begin() + long(k));
   }
 
-  bool inTime() const {
-    const auto gone = std::chrono::steady_clock::now() - began_;
-    return std::chrono::duration<double, std::milli>(gone).count() < rules_.most_ms;
-  }
+  bool inTime() const { return watch_.ms() < rules_.most_ms; }
 
   const LiveHullRules& rules_;
   std::vector<SilhouetteCone> cones_;
   std::vector<size_t> cameras_;  // of the cones
   LiveHull out_;
   int attempts_ = 0;
-  const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+  const Watch watch_;
 };
 
 }  // namespace

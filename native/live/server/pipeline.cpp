@@ -3,11 +3,12 @@
 
 #include <chrono>
 #include <condition_variable>
-#include <cstdio>
 #include <mutex>
 #include <random>
 #include <thread>
 
+#include "base/text.h"
+#include "base/watch.h"
 #include "encode/surfaces.h"
 #include "live/server/camera_regions.h"
 #include "live/server/clock_offset.h"
@@ -26,8 +27,6 @@
 namespace fourdvt::live {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr int kJpegQuality = 85;
 constexpr double kFirstTolerance_px = 1, kWorthTelling = 0.1;  // share of a tolerance
 constexpr int kFewestFramesToKey = 3;  // from one to the next that viewers want, however often they join
@@ -38,24 +37,9 @@ int64_t now_us() {
   return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
 }
 
-class Watch {
- public:
-  double lap_ms() {
-    const auto now = Clock::now();
-    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
-    last_ = now;
-    return ms;
-  }
-
- private:
-  Clock::time_point last_ = Clock::now();
-};
-
 std::string randomSession() {
   std::random_device random;
-  char text[17];
-  std::snprintf(text, sizeof text, "%08x%08x", random(), random());
-  return text;
+  return printed("%08x%08x", random(), random());
 }
 
 std::vector<PinholeCamera> pinholesOf(const Rig& rig) {

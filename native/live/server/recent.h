@@ -7,6 +7,8 @@
 #include <deque>
 #include <vector>
 
+#include "base/robust.h"
+
 namespace fourdvt::live {
 
 class Recent {
@@ -19,9 +21,7 @@ class Recent {
     std::vector<double> values;
     for (const Value& v : values_)
       if (isRecent(v, now_us)) values.push_back(v.value);
-    if (values.empty()) return 0;
-    std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
-    return values[values.size() / 2];
+    return fourdvt::median(std::move(values));
   }
   double sum(int64_t now_us) const {
     double out = 0;

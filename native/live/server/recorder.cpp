@@ -12,6 +12,7 @@
 #include <optional>
 #include <thread>
 
+#include "base/text.h"
 #include "capture/pictures.h"
 #include "capture/undistort.h"
 #include "live/server/ring_coverage.h"
@@ -171,8 +172,7 @@ class FolderRecorder final : public Recorder {
     FOURDVT_TRY(platform::makeFolder(folder));
     for (size_t i = 0; i < read.size(); ++i) {
       const Image plate = undistorter.apply(std::move(read[i]));
-      char name[32];
-      std::snprintf(name, sizeof name, "/%06zu.png", i);
+      const std::string name = printed("/%06zu.png", i);
       FOURDVT_TRY(platform::writeImage(folder + name, plate));
       if (i == 0) plates_.back() = plate;
     }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/robust.h"
+
 namespace fourdvt::live {
 namespace {
 
@@ -12,11 +14,6 @@ constexpr double kTooBusy = 1.1, kTooIdle = 0.85;     // times the hull's share:
 constexpr double kMostRise = 1.8, kMostFall = 0.93;   // per step
 constexpr double kRisePower = 0.9, kFallPower = 0.3;  // of the ratio to the wanted share
 constexpr size_t kMostRatios = 1000;
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
 
 }  // namespace
 

@@ -2,9 +2,10 @@
 #include "mattes/run/mattes.h"
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 
+#include "base/text.h"
+#include "base/watch.h"
 #include "capture/folder/linked_capture.h"
 #include "capture/folder/result_folder.h"
 #include "mattes/agreement.h"
@@ -19,13 +20,10 @@
 namespace fourdvt::mattes {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 
 constexpr uint32_t kShownFrames = 6;          // of a sequence, in its contact sheets
 constexpr const char* kVersion = "mattes 1";  // raise it when the same options give other mattes
 const capture::FolderWriter kWriter{"mattes", kReportJson, "reconstruct.json"};
-
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // `count` frames spread evenly, all if there are fewer.
 std::vector<uint32_t> spread(uint32_t frames, uint32_t count) {
@@ -72,7 +70,7 @@ class Run {
     source_names_ = sourceNames();
     for (size_t c = 0; c < capture_.cameras.size(); ++c) out.sources.push_back(sourceName(c));
     out.frames = done_, out.frames_kept = kept_;
-    out.wall_s = since(started_);
+    out.wall_s = watch_.seconds();
     out.warnings = warningsOf(capture_, out);
     FOURDVT_TRY(writeReport(part_, cellsFolder(), capture_, options_, out));
     return out;
@@ -129,7 +127,7 @@ class Run {
         std::any_of(sources_.begin(), sources_.end(), [](const MatteSource& s) { return s.from_clip.has_value(); });
     if (joint.background_unseen) joint.demanded_nats = 0;  // colours alone hold little against it
     joint_ = std::make_unique<JointMattes>(capture_.cameras, capture_.ground_y_m, joint);
-    started_ = Clock::now();
+    watch_ = {};
     return {};
   }
 
@@ -229,7 +227,7 @@ class Run {
   void tell(const std::string& stage) const {
     if (!environment_.progress) return;
     MattesProgress p{stage, done_, total_, 0, 0};
-    p.frames_per_s = made_ / since(started_);
+    p.frames_per_s = made_ / watch_.seconds();
     p.left_s = (total_ - done_) / p.frames_per_s;
     environment_.progress(p);
   }
@@ -244,7 +242,7 @@ class Run {
   std::vector<std::vector<bool>> lacking_;  // [sequence][camera]
   std::unique_ptr<JointMattes> joint_;
   std::string agreed_;  // name of the last sequence whose silhouettes were judged
-  Clock::time_point started_ = Clock::now();
+  Watch watch_;
   uint32_t total_ = 0, done_ = 0, made_ = 0, kept_ = 0;
 };
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruct/run/frame_store.h"
 
-#include <cstdio>
 #include <filesystem>
 
 #include "base/hash.h"
+#include "base/text.h"
 #include "capture/folder/linked_capture.h"
 #include "capture/mesh_file.h"
 #include "platform/files.h"
@@ -31,12 +31,11 @@ constexpr const char* kVersion = "reconstruct 5";  // raise it when the same opt
 }  // namespace
 
 std::string settingsKey(const ReconstructOptions& o, const capture::Capture& capture) {
-  char line[200];
-  std::snprintf(line, sizeof line,
-                "%s times %d cameras %d hull %d tolerance %.9g voxel %.9g adaptivity %.9g stereo %d fairing %d planes "
-                "%d faces %d%s",
-                kVersion, int(o.synchronise), int(o.refine_cameras), int(o.hull), o.contour_tolerance_px, o.voxel_m,
-                o.adaptivity, int(o.stereo), o.fairing, o.planes, o.faces, o.mattes_alone ? " mattes alone" : "");
+  const std::string line = printed(
+      "%s times %d cameras %d hull %d tolerance %.9g voxel %.9g adaptivity %.9g stereo %d fairing %d planes "
+      "%d faces %d%s",
+      kVersion, int(o.synchronise), int(o.refine_cameras), int(o.hull), o.contour_tolerance_px, o.voxel_m, o.adaptivity,
+      int(o.stereo), o.fairing, o.planes, o.faces, o.mattes_alone ? " mattes alone" : "");
   return capture::inputsKey(capture) + " " + line + "\n";
 }
 
@@ -52,7 +51,7 @@ Status FrameStore::makeFolders(const std::string& sequence) const {
 }
 
 std::string FrameStore::figuresFolder(const std::string& sequence) const {
-  return folder_.workFolder() + "/figures_" + hashText(fnv1a(key_)) + "/" + sequence;
+  return folder_.workFolder() + "/figures_" + hexDigits(fnv1a(key_)) + "/" + sequence;
 }
 
 Status FrameStore::checkFolder() const {

@@ -1,33 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruct/run/reconstruct.h"
 
-#include <chrono>
-
+#include "base/watch.h"
 #include "reconstruct/run/finish.h"
 #include "reconstruct/run/sequence_frames.h"
 
 namespace fourdvt::reconstruct {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
 // All windows in one process, and the end.
 class Run {
  public:
-  Run(const Prepared& job, const ReconstructEnvironment& environment, SurfaceMaker& maker, Clock::time_point started)
+  Run(const Prepared& job, const ReconstructEnvironment& environment, SurfaceMaker& maker, const Watch& watch)
       : job_(job),
         environment_(environment),
         maker_(maker),
-        started_(started),
+        watch_(watch),
         store_(resultFolder(job.options), job.capture, job.settings_key) {}
 
   Result<ReconstructSummary> run() {
     for (const capture::CaptureSequence& sequence : job_.capture.sequences) total_ += sequence.frame_count;
     for (const capture::CaptureSequence& sequence : job_.capture.sequences) FOURDVT_TRY(runSequence(sequence));
     tell("report");
-    FOURDVT_ASSIGN(const auto summary, writeResult(job_, store_, pictures_, RunTime{done_ - made_, since(started_)}));
+    FOURDVT_ASSIGN(const auto summary, writeResult(job_, store_, pictures_, RunTime{done_ - made_, watch_.seconds()}));
     FOURDVT_TRY(resultFolder(job_.options).finish());
     return summary;
   }
@@ -57,7 +52,7 @@ class Run {
     if (!environment_.progress) return;
     ReconstructProgress p{stage, done_, total_, 0, 0};
     if (made_ > 0) {
-      p.frames_per_s = made_ / since(started_);
+      p.frames_per_s = made_ / watch_.seconds();
       p.left_s = (total_ - done_) / p.frames_per_s;
     }
     environment_.progress(p);
@@ -66,7 +61,7 @@ class Run {
   const Prepared& job_;
   const ReconstructEnvironment& environment_;
   SurfaceMaker& maker_;
-  const Clock::time_point started_;
+  const Watch watch_;
   const FrameStore store_;
   ReportPictures pictures_;
   uint32_t total_ = 0, done_ = 0, made_ = 0;
@@ -82,17 +77,17 @@ std::string ReconstructOptions::check() const {
 
 Result<ReconstructSummary> reconstruct(const ReconstructOptions& options, const ReconstructEnvironment& environment) {
   const Threads threads(options.jobs);
-  auto started = Clock::now();
+  Watch watch;
   Preparation preparation(options, environment);
   FOURDVT_TRY(preparation.link(options.resume ? Earlier::Kept : Earlier::Removed));
   // A device that will not do stops the run before mattes are made.
   FOURDVT_ASSIGN(auto maker, SurfaceMaker::create(options, preparation.capture().cameras, environment.device));
   if (preparation.wantsMattes()) {
     FOURDVT_TRY(preparation.addMattes());
-    started = Clock::now();
+    watch = {};
   }
   const Prepared job = preparation.take();
-  return Run(job, environment, maker, started).run();
+  return Run(job, environment, maker, watch).run();
 }
 
 }  // namespace fourdvt::reconstruct

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "base/text.h"
 #include "platform/files.h"
 #include "reconstruct/run/silhouette_match.h"
 #include "report/picture_sheets.h"
@@ -101,11 +102,7 @@ double meanOf(const ReconstructedSequence& sequence, std::vector<double> FrameFi
 }
 
 // With every digit that counts, of a figurine and of a hall.
-std::string volumeText(double m3) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g m³", m3);
-  return text;
-}
+std::string volumeText(double m3) { return printed("%.3g m³", m3); }
 
 // Share of the space that more than half of the cameras see; 0: unknown.
 double filledShare(const ReconstructedSequence& sequence) {

@@ -2,16 +2,14 @@
 #include "reconstruct/run/sequence_frames.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <opencv2/core.hpp>
 
+#include "base/watch.h"
 #include "mattes/agreement.h"
 
 namespace fourdvt::reconstruct {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr size_t kFewestJudged = 3;  // silhouettes; two hardly contradict each other
 
@@ -57,10 +55,10 @@ Status SequenceFrames::make(uint32_t frame, const Made& made) {
                  "stopped; finished frames are kept in " + resultFolder(job_.options).partFolder() + " for --resume"};
   }
   if (!reader_) FOURDVT_TRY(begin(frame));
-  const auto begun = Clock::now();
+  const Watch watch;
   reader_->skipTo(frame);
   FOURDVT_ASSIGN(const auto captured, reader_->next());
-  const double read_ms = std::chrono::duration<double, std::milli>(Clock::now() - begun).count();
+  const double read_ms = watch.ms();
   FOURDVT_TRY(checkAgreement(frame, captured.pictures));
   if (frame % kWindow == 0) maker_.forget();
   auto surface = maker_.make(captured.pictures);

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/face_buffer.h"
+#include "base/robust.h"
 #include "report/picture_sheets.h"
 #include "silhouette/silhouette.h"
 
@@ -89,9 +90,7 @@ double outlineDistance_px(const FaceBuffer& drawn, const silhouette::Silhouette&
   std::vector<float> beside;
   if (!surface.empty() && !surface.full())
     alongOutline(silhouette.coverage, [&](float x, float y) { beside.push_back(std::abs(surface.at(x, y))); });
-  if (beside.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::nth_element(beside.begin(), beside.begin() + std::ptrdiff_t(beside.size() / 2), beside.end());
-  return beside[beside.size() / 2];
+  return median(std::move(beside), std::numeric_limits<float>::quiet_NaN());
 }
 
 // Depths of the surface less those of the hull, along the optical axis; infinite where the surface is gone, NaN where

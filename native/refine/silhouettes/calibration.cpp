@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "base/robust.h"
+#include "base/text.h"
 #include "base/warning_lines.h"
 #include "capture/matted_pictures.h"
 #include "refine/outline_picture.h"
-#include "refine/robust.h"
 
 namespace fourdvt::refine {
 namespace {
@@ -259,24 +259,21 @@ class Calibrator {
   }
 
   void warn() {
-    char text[300];
     for (const CameraCalibration& camera : out_.by_camera) {
       if (camera.unexplained) {
-        std::snprintf(text, sizeof text,
-                      "no pose and no time of camera \"%s\" explains its silhouettes: %.0f %% of their outlines lie "
-                      "more than 2 pixels outside of what the other cameras allow; check its mattes, or leave it out "
-                      "(--leave-out %s)",
-                      camera.name.c_str(), 100 * camera.after.far_share, camera.name.c_str());
-        out_.warnings.push_back(text);
+        out_.warnings.push_back(
+            printed("no pose and no time of camera \"%s\" explains its silhouettes: %.0f %% of their outlines lie "
+                    "more than 2 pixels outside of what the other cameras allow; check its mattes, or leave it out "
+                    "(--leave-out %s)",
+                    camera.name.c_str(), 100 * camera.after.far_share, camera.name.c_str()));
       }
       for (size_t s = 0; s < out_.sequences.size() && options_.times; ++s) {
         const CameraTime& time = camera.times[s];
         if (time.known && std::abs(time.offset_frames) > options_.most_frames - 0.5) {
-          std::snprintf(text, sizeof text,
-                        "%s, camera \"%s\" (%.1f frames): is off by that or more, the most that is searched; search "
-                        "further (--most-offset)",
-                        out_.sequences[s].c_str(), camera.name.c_str(), time.offset_frames);
-          out_.warnings.push_back(text);
+          out_.warnings.push_back(
+              printed("%s, camera \"%s\" (%.1f frames): is off by that or more, the most that is searched; search "
+                      "further (--most-offset)",
+                      out_.sequences[s].c_str(), camera.name.c_str(), time.offset_frames));
         }
       }
     }
@@ -284,13 +281,11 @@ class Calibrator {
       return (a.unexplained ? 0 : a.after.far_share) < (b.unexplained ? 0 : b.after.far_share);
     });
     if (!worst->unexplained && worst->after.far_share > kFarShare) {
-      std::snprintf(
-          text, sizeof text,
+      out_.warnings.push_back(printed(
           "the silhouettes do not fit together: %.0f %% of the outlines of camera \"%s\" lie more than 2 pixels "
           "outside of what the other cameras allow, and no single camera explains it; check mattes, "
           "calibration and synchronisation",
-          100 * worst->after.far_share, worst->name.c_str());
-      out_.warnings.push_back(text);
+          100 * worst->after.far_share, worst->name.c_str()));
     }
     const auto still = [&](size_t s) {
       return std::none_of(out_.by_camera.begin(), out_.by_camera.end(),

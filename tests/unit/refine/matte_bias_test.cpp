@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "refine/robust.h"
+#include "base/robust.h"
 #include "sphere_fixture.h"
 
 namespace fourdvt::refine {

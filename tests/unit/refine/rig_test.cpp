@@ -2,7 +2,7 @@
 // Cameras in step and in place, by the silhouettes of balls.
 #include <gtest/gtest.h>
 
-#include "refine/robust.h"
+#include "base/robust.h"
 #include "rig_fixture.h"
 
 namespace fourdvt::refine {

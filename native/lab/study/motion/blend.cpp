@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The mesh blend at run time against the full non-linear one: linear, and with R precomputed corrections.
 #include "motion/blend.h"
-
-#include <chrono>
 #include <cmath>
 #include <functional>
 
 #include "bake/motion/hybrid_blend.h"
+#include "base/robust.h"
+#include "base/watch.h"
 #include "lab/study/motion/motion.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/rows.h"
@@ -21,9 +21,9 @@ constexpr int kRepeats = 31;
 double milliseconds(const std::function<void()>& run) {
   std::vector<double> times;
   for (int i = 0; i < kRepeats; ++i) {
-    const auto start = std::chrono::steady_clock::now();
+    const Watch watch;
     run();
-    times.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    times.push_back(watch.ms());
   }
   return median(times);
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Milliseconds of drawing a blend of two members, by alignment, the variants taking turns; and how many characters with
 // baked alignment take as long as one with run-time flow.
-#include <chrono>
 
+#include "base/robust.h"
+#include "base/watch.h"
 #include "lab/study/motion/motion.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/rows.h"
@@ -22,13 +23,13 @@ struct AlignVariant {
 
 Status drawOnce(const MotionSubject& subject, const render::View& view, AlignVariant& variant, gpu::TargetId target,
                 bool counts) {
-  const auto start = std::chrono::steady_clock::now();
+  const Watch watch;
   FOURDVT_TRY(subject.stage.drawMany(view, variant.characters, variant.method, target));
   uint8_t pixel[4];  // waits until everything is drawn
   FOURDVT_TRY(subject.context.device->readPixels(
       target, gpu::PixelFormat::RGBA8, {.x = view.width / 2, .y = view.height / 2, .width = 1, .height = 1}, pixel));
-  const auto time = std::chrono::steady_clock::now() - start;
-  if (counts) variant.times_ms.push_back(std::chrono::duration<double, std::milli>(time).count());
+  const double time_ms = watch.ms();
+  if (counts) variant.times_ms.push_back(time_ms);
   return {};
 }
 

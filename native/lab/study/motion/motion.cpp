@@ -91,12 +91,6 @@ std::vector<double> motionAzimuths_deg(size_t count) {
   return out;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 Result<Rows> runMotion(const StudyContext& context) {
   if (context.capture->classes.empty()) return Rows();
   const capture::CaptureClass& motion_class = context.capture->classes.front();

@@ -34,6 +34,5 @@ Result<Rows> drawMotionPictures(const MotionSubject& subject);  // pictures.cpp:
 
 // Azimuths of a ring, between the cameras rather than on them.
 std::vector<double> motionAzimuths_deg(size_t count);
-double median(std::vector<double> values);
 
 }  // namespace fourdvt::study

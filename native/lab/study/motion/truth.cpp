@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 
 #include "bake/run/job.h"
+#include "base/text.h"
 #include "lab/measure/motion_metrics.h"
 #include "platform/files.h"
 
@@ -20,8 +20,7 @@ std::string at(const std::string& list, size_t i) { return list + "/" + std::to_
 
 // The pattern's "%04d" by a number.
 std::string numbered(std::string pattern, uint32_t number) {
-  char digits[16];
-  std::snprintf(digits, sizeof digits, "%04u", number);
+  const std::string digits = printed("%04u", number);
   const size_t place = pattern.find("%04d");
   if (place != std::string::npos) pattern.replace(place, 4, digits);
   return pattern;

@@ -2,14 +2,14 @@
 // Every condition with its methods: at the held-out cameras, and on a run of frames at an input camera that is left
 // out.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
+#include "base/robust.h"
+#include "base/watch.h"
 #include "lab/measure/appearance_score.h"
 #include "lab/measure/held_out_truth.h"
 #include "lab/study/projective/projective_study.h"
 #include "lab/study/projective/setup.h"
-#include "lab/study/run/elapsed.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/run_steps.h"
 #include "lab/study/tables/projective.h"
@@ -39,11 +39,7 @@ double mean(const std::vector<double>& values) {
 }
 
 // Other work of the machine lengthens single frames.
-double median(std::vector<double> values) {
-  if (values.empty()) return std::nan("");
-  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
+double usual(const std::vector<double>& values) { return median(values, std::nan("")); }
 
 class ConditionPart {
  public:
@@ -128,9 +124,9 @@ Status ConditionPart::consecutive() {
     for (const std::string& name : names_) {
       setup_.stage().leaveOut({&kRunCamera, 1});  // as a new frame: what methods keep of the last one is not reused
       const float elapsed_s = f == first ? kStill : float(1 / context.capture->fps);
-      const auto start = std::chrono::steady_clock::now();
+      const Watch watch;
       FOURDVT_ASSIGN(auto picture, setup_.draw(methods_[name], condition_, scene, view, truth, elapsed_s));
-      const double seconds = secondsSince(start);
+      const double seconds = watch.seconds();
       measure::TrueAndDrawn now{truth, std::move(picture)};
       if (f > first) {
         runs_[name].seconds.push_back(seconds);
@@ -138,9 +134,9 @@ Status ConditionPart::consecutive() {
       }
       before[name] = std::move(now);
       if (f + 1 < first + count || !condition_.all_methods || scene.plane) continue;
-      const auto again = std::chrono::steady_clock::now();
+      const Watch again;
       FOURDVT_ASSIGN(picture, setup_.draw(methods_[name], condition_, scene, movedABit(view), truth, elapsed_s));
-      runs_[name].view_s = secondsSince(again);
+      runs_[name].view_s = again.seconds();
     }
   }
   return {};
@@ -148,7 +144,7 @@ Status ConditionPart::consecutive() {
 
 Rows ConditionPart::write() {
   Rows out;
-  const double fvvr_s = median(runs_[rows::kFvvr].seconds);
+  const double fvvr_s = usual(runs_[rows::kFvvr].seconds);
   for (const std::string& name : names_) {
     std::vector<measure::AppearanceScore> scores;
     for (const auto& [view, score] : scores_[name]) {
@@ -170,7 +166,7 @@ Rows ConditionPart::write() {
     const RunValues& run = runs_[name];
     if (const double flicker = mean(run.flicker); !std::isnan(flicker))
       row.add(rows::kFlickerLevels, flicker, "levels");
-    const double frame_s = median(run.seconds);
+    const double frame_s = usual(run.seconds);
     if (std::isnan(frame_s)) continue;
     row.add(rows::kFrameS, frame_s, "s");
     if (!std::isnan(fvvr_s)) row.add(rows::kRatioToFvvr, frame_s / fvvr_s, "ratio");

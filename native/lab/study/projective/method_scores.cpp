@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/study/projective/method_scores.h"
 
-#include <chrono>
 #include <cmath>
-#include <cstdio>
 
 #include "bake/method/frame_drawing.h"
+#include "base/text.h"
+#include "base/watch.h"
 #include "lab/measure/held_out_truth.h"
 #include "render/cameras/camera_method.h"
 
@@ -44,9 +44,9 @@ Result<std::vector<MethodScore>> scoreMethods(gpu::Device& device, const capture
         FOURDVT_TRY(stage->render(test_cameras[0], options.method));  // makes programs and targets, untimed
         for (const PinholeCamera& camera : test_cameras) {
           FOURDVT_ASSIGN(auto truth, measure::heldOutTruth(sequence, camera, frame));
-          const auto start = std::chrono::steady_clock::now();
+          const Watch watch;
           FOURDVT_ASSIGN(auto picture, stage->render(camera, options.method));
-          lanes[m].seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+          lanes[m].seconds += watch.seconds();
           lanes[m].held_out.add(std::move(truth), std::move(picture));
         }
         for (size_t c = 0; options.leaves_one_out && c < cameras.size(); ++c) {
@@ -82,12 +82,9 @@ std::string methodTable(const std::vector<MethodScore>& scores) {
   std::string out =
       "sequence     method          views  held out: dB     SSIM  common dB  left out: RMSE      dB     SSIM  s\n";
   for (const MethodScore& s : scores) {
-    char line[240];
-    std::snprintf(line, sizeof line, "%-12s %-14s %6zu %13.3f %8.4f %10.3f %15.4f %7.3f %8.4f  %.3f\n",
-                  s.sequence.c_str(), s.method.c_str(), s.views, s.held_out.psnr_fg_db, s.held_out.ssim_fg,
-                  s.held_out.psnr_common_db, s.rmse_left_one_out, s.left_one_out.psnr_fg_db, s.left_one_out.ssim_fg,
-                  s.picture_s);
-    out += line;
+    out += printed("%-12s %-14s %6zu %13.3f %8.4f %10.3f %15.4f %7.3f %8.4f  %.3f\n", s.sequence.c_str(),
+                   s.method.c_str(), s.views, s.held_out.psnr_fg_db, s.held_out.ssim_fg, s.held_out.psnr_common_db,
+                   s.rmse_left_one_out, s.left_one_out.psnr_fg_db, s.left_one_out.ssim_fg, s.picture_s);
   }
   return out;
 }

@@ -2,9 +2,9 @@
 #include "lab/study/projective/proxies.h"
 
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 
+#include "base/text.h"
 #include "capture/mesh_file.h"
 #include "encode/surfaces.h"
 #include "lab/study/run/projective_rows.h"
@@ -44,8 +44,7 @@ BoundingBox boxOf(const Positions& positions) {
 
 Result<TriangleMesh> Proxies::reconstructed(const std::string& proxy, FrameWindow& frames, uint32_t frame) {
   const std::string& sequence = frames.sequence().name;
-  char name[24];
-  std::snprintf(name, sizeof name, "/%06u.ply", frame);
+  const std::string name = printed("/%06u.ply", frame);
   const std::string folder = folder_ + "/" + proxy + "/" + sequence, path = folder + name;
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored)) return capture::readMeshFile(path);

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
+
+#include "base/text.h"
 
 namespace fourdvt::study {
 namespace {
@@ -116,8 +117,7 @@ std::vector<RingView> ringViews(std::span<const PinholeCamera> cameras, const Bo
     view.camera = cameraFromOrbit(
         {p.azimuth_deg, p.elevation_deg, p.distance_m, target, 2 * std::atan(0.5 * size.y / focal) * kDegrees}, size.x,
         size.y);
-    char name[24];
-    std::snprintf(name, sizeof name, "az%05.1f", p.azimuth_deg);
+    const std::string name = printed("az%05.1f", p.azimuth_deg);
     view.camera.name = name;
     view.frame = static_cast<uint32_t>(static_cast<uint64_t>(i) * frame_count / count);
     views.push_back(std::move(view));

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "base/text.h"
 #include "lab/study/run/rows.h"
 
 namespace fourdvt::study {
@@ -25,11 +25,7 @@ std::string quoted(const std::string& text) {
   return out + "\"";
 }
 
-std::string number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.10g", value);
-  return text;
-}
+std::string number(double value) { return printed("%.10g", value); }
 
 // Splits CSV text into records; false if a quoted field does not end.
 bool splitCsv(const std::string& text, std::vector<std::vector<std::string>>& records) {

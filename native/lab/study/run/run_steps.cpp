@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "base/hash.h"
+#include "base/text.h"
 #include "lab/study/run/row_writer.h"
 #include "platform/files.h"
 #include "platform/folders.h"
@@ -78,7 +79,7 @@ std::string studyKey(const StudyOptions& options, const std::string& version) {
   text += "\nrefine " + std::to_string(options.refine.outline) + std::to_string(options.refine.cameras) +
           (options.refine.matte_bias_pixels ? std::to_string(*options.refine.matte_bias_pixels) : "");
   for (const std::string& line : lines) text += "\n" + line;
-  return hashText(fnv1a(text));
+  return hexDigits(fnv1a(text));
 }
 
 Status openReportFolder(const std::string& folder, const std::string& key) {

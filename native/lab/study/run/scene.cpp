@@ -2,11 +2,11 @@
 #include "lab/study/run/scene.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <future>
 
 #include "bake/stages/stages.h"
+#include "base/text.h"
 #include "lab/study/run/run_steps.h"
 #include "platform/files.h"
 #include "platform/folders.h"
@@ -58,8 +58,7 @@ std::string referencePath(const StudyContext& context, const std::string& sequen
 
 std::string referencePath(const StudyContext& context, const std::string& sequence, const std::string& camera,
                           uint32_t frame) {
-  char name[32];
-  std::snprintf(name, sizeof name, "_%04u.png", frame);
+  const std::string name = printed("_%04u.png", frame);
   return context.work() + "/reference/" + sequence + "/" + camera + name;
 }
 

@@ -2,12 +2,13 @@
 #include "lab/study/steps/frame_rate.h"
 
 #include <algorithm>
-#include <chrono>
-#include <cstdarg>
 #include <cstdio>
 #include <filesystem>
 
 #include "bake/texels/picture_crop.h"
+#include "base/robust.h"
+#include "base/text.h"
+#include "base/watch.h"
 #include "package/base_mesh.h"
 #include "package/chunk_mesh.h"
 #include "package/stream_file.h"
@@ -127,11 +128,6 @@ Result<std::vector<capture::CaptureFrame>> readCapturedFrames(const capture::Cap
   return frames;
 }
 
-using Clock = std::chrono::steady_clock;
-double millisecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
 // Waits until all GPU work so far is done: the GPU works in order, and this is the last piece.
 class Drain {
  public:
@@ -156,15 +152,9 @@ struct Samples {
   std::vector<double> frame, upload, geometry, depth_maps, shading, readback;
 };
 
-double medianOrZero(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
-}
-
 PassTimes medians(const Samples& s) {
-  return {medianOrZero(s.frame),      medianOrZero(s.upload),  medianOrZero(s.geometry),
-          medianOrZero(s.depth_maps), medianOrZero(s.shading), medianOrZero(s.readback)};
+  return {median(s.frame),      median(s.upload),  median(s.geometry),
+          median(s.depth_maps), median(s.shading), median(s.readback)};
 }
 
 // Both renderers on one device, with the frames they show.
@@ -248,32 +238,32 @@ class Race {
   }
 
   Status layeredFrame(size_t frame, const render::View& view, Samples& out) {
-    const auto start = Clock::now();
+    const Watch watch;
     uploadLayers(frame);
     setGeometry(frame);
     FOURDVT_TRY(drawLayers(view));
     FOURDVT_TRY(drain_.wait(device_));
-    out.frame.push_back(millisecondsSince(start));
+    out.frame.push_back(watch.ms());
     return {};
   }
 
   Status fvvrFrame(size_t frame, const render::View& view, Entry& entry) {
-    const auto start = Clock::now();
+    const Watch watch;
     const std::vector<size_t> used = fvvr_->camerasOf(view, entry.options);
     FOURDVT_TRY(fvvr_->setFrame(captured_[frame].positions, captured_[frame].pictures, used));
     FOURDVT_TRY(fvvr_->draw(view, entry.options, target_.id()));
     FOURDVT_TRY(drain_.wait(device_));
-    entry.samples.frame.push_back(millisecondsSince(start));
+    entry.samples.frame.push_back(watch.ms());
     return {};
   }
 
   // Runs one part on a drained GPU.
   template <class Part>
   Status timed(std::vector<double>& out, const Part& part) {
-    const auto start = Clock::now();
+    const Watch watch;
     FOURDVT_TRY(part());
     FOURDVT_TRY(drain_.wait(device_));
-    out.push_back(millisecondsSince(start));
+    out.push_back(watch.ms());
     return {};
   }
 
@@ -316,16 +306,6 @@ class Race {
   std::vector<uint8_t> read_;
 };
 
-std::string line(const char* format, ...) __attribute__((format(printf, 1, 2)));
-std::string line(const char* format, ...) {
-  char text[256];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return text;
-}
-
 }  // namespace
 
 Result<FrameRates> measureFrameRates(gpu::Device& device, const capture::Capture& capture, const OpenVideo& open_video,
@@ -351,22 +331,22 @@ Result<FrameRates> measureFrameRates(gpu::Device& device, const capture::Capture
 }
 
 std::string frameRateTable(const FrameRates& r) {
-  std::string text = line("%s; %s, %u faces, %d layers of %d, %d cameras, %d frames\n", r.renderer.c_str(),
-                          r.sequence.c_str(), r.faces, r.layers, r.layer_side, r.cameras, r.frames);
-  text += line("GPU textures: layered %.1f MB, FVVR %.1f MB\n", r.layered_bytes / 1e6, r.fvvr_bytes / 1e6);
-  text += line("%-9s %-12s %8s %8s | %8s %8s %8s %8s | %8s\n", "picture", "method", "frames/s", "frame ms", "upload",
-               "geometry", "depth", "shading", "readback");
+  std::string text = printed("%s; %s, %u faces, %d layers of %d, %d cameras, %d frames\n", r.renderer.c_str(),
+                             r.sequence.c_str(), r.faces, r.layers, r.layer_side, r.cameras, r.frames);
+  text += printed("GPU textures: layered %.1f MB, FVVR %.1f MB\n", r.layered_bytes / 1e6, r.fvvr_bytes / 1e6);
+  text += printed("%-9s %-12s %8s %8s | %8s %8s %8s %8s | %8s\n", "picture", "method", "frames/s", "frame ms", "upload",
+                  "geometry", "depth", "shading", "readback");
   for (const FrameRate& rate : r.sizes) {
     const auto row = [&](const char* method, const PassTimes& t) {
-      return line("%-9s %-12s %8.1f %8.2f | %8.2f %8.2f %8.2f %8.2f | %8.2f\n",
-                  line("%dx%d", rate.width, rate.height).c_str(), method, t.framesPerSecond(), t.frame_ms, t.upload_ms,
-                  t.geometry_ms, t.depth_maps_ms, t.shading_ms, t.readback_ms);
+      return printed("%-9s %-12s %8.1f %8.2f | %8.2f %8.2f %8.2f %8.2f | %8.2f\n",
+                     printed("%dx%d", rate.width, rate.height).c_str(), method, t.framesPerSecond(), t.frame_ms,
+                     t.upload_ms, t.geometry_ms, t.depth_maps_ms, t.shading_ms, t.readback_ms);
     };
     text += row("layered", rate.layered);
     for (const auto& [closest, times] : rate.fvvr) {
-      text += row(line("fvvr, M = %d", closest ? closest : r.cameras).c_str(), times);
-      text += line("          frame rate ratio %.2f, draw only (with depth maps) %.2f, shading only %.2f\n",
-                   rate.ratio(times), rate.drawRatio(times), rate.shadingRatio(times));
+      text += row(printed("fvvr, M = %d", closest ? closest : r.cameras).c_str(), times);
+      text += printed("          frame rate ratio %.2f, draw only (with depth maps) %.2f, shading only %.2f\n",
+                      rate.ratio(times), rate.drawRatio(times), rate.shadingRatio(times));
     }
   }
   return text;

@@ -3,16 +3,15 @@
 // default. Measures storage, loading, fidelity to FVVR on the ring and to ground truth at the held-out cameras, and
 // label statistics.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "bake/bake.h"
+#include "base/watch.h"
 #include "lab/labels/paper_labellings.h"
 #include "lab/measure/held_out.h"
-#include "lab/study/run/elapsed.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/rows.h"
 #include "lab/study/run/run_steps.h"
@@ -38,8 +37,6 @@ struct Method {
            " layout=" + (options.equal_layers ? "equal" : "default");
   }
 };
-
-using Clock = std::chrono::steady_clock;
 
 // The default comes first: its time counts from nothing, and the others share its survey.
 std::vector<Method> studyMethods(const StudyContext& context) {
@@ -146,15 +143,15 @@ Status MethodStudy::storage(const capture::CaptureSequence& sequence) {
 // the sequence has been loaded.
 Status MethodStudy::loading(const capture::CaptureSequence& sequence) {
   player_.reset();
-  const auto start = Clock::now();
+  const Watch watch;
   FOURDVT_ASSIGN(player_, edge::CharacterPlayer::open(*context_.device, method_.options.character_folder));
   FOURDVT_ASSIGN(auto first, picture(captureCameras(context_)[0], sequence.name, 0));
-  const double first_s = secondsSince(start);
+  const double first_s = watch.seconds();
   const RowWriter row(out_, rows::kTable1, sequence.name, method_.name, method_.setting());
   row.add(rows::kLoadingS, first_s, "s");
   if (context_.options.quick) return {};
   for (uint32_t f = 1; f < sequence.frame_count; ++f) FOURDVT_TRY(player_->showFrame(sequence.name, f));
-  row.add(rows::kLoadingAllS, secondsSince(start), "s");
+  row.add(rows::kLoadingAllS, watch.seconds(), "s");
   return {};
 }
 

@@ -2,11 +2,11 @@
 #include "lab/study/steps/rate_point.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 
+#include "base/watch.h"
 #include "measure/metrics.h"
 #include "package/barcode.h"
 #include "platform/ffmpeg_video.h"
@@ -134,17 +134,15 @@ RateScore RateMeter::scoreUncompressed(const std::vector<RateView>& views) const
   return score;
 }
 
-Result<encode::EncodedGop> RateMeter::encodeGop(const encode::EncodeSettings& settings, size_t gop,
-                                                double& seconds) const {
-  using Clock = std::chrono::steady_clock;
+Result<encode::EncodedGop> RateMeter::encodeGop(const encode::EncodeSettings& settings, size_t gop, double& seconds) const {
   const uint32_t first = clip_.gop_first_frames[gop];
   const uint32_t end = gop + 1 < clip_.gop_first_frames.size() ? clip_.gop_first_frames[gop + 1] : clip_.frame_count;
   encode::I420Picture picture(settings.width, settings.height);
   std::unique_ptr<encode::GopEncoder> encoder;
   const auto timed = [&](auto step) {
-    const auto start = Clock::now();
+    const Watch watch;
     auto result = step();
-    seconds += std::chrono::duration<double>(Clock::now() - start).count();
+    seconds += watch.seconds();
     return result;
   };
   FOURDVT_ASSIGN(encoder, timed([&] { return encode::GopEncoder::create(settings); }));

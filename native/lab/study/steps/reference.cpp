@@ -4,13 +4,12 @@
 // held-out cameras from them, so that storage can be compared at the quality that viewers see.
 // Memory: one frame of pictures, and a camera's encoders. Disk: the decoded pictures of the held-out frames.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <future>
 #include <map>
 
 #include "bake/run/job.h"
-#include "lab/study/run/elapsed.h"
+#include "base/watch.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/rows.h"
 #include "lab/study/run/run_steps.h"
@@ -25,7 +24,6 @@
 namespace fourdvt::study {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 constexpr uint32_t kWholePictureEvery = 8;  // unmasked PNGs cost time and vary little
 
 // PNG bytes of pictures, side by side on all cores.
@@ -171,23 +169,23 @@ Result<Rows> Reference::draw() {
   FOURDVT_TRY(platform::makeFolder(context_.work() + "/reference/" + sequence_.name));
   const uint64_t gpu_before = context_.device->counters().live_texture_bytes;
   FOURDVT_ASSIGN(auto fvvr, makeFvvr(context_));
-  const auto start = Clock::now();
+  const Watch start;
   FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(*context_.capture, sequence_, context_.open_video));
   double loading_s = 0, first_s = 0;  // decoding, upload and depth maps; first: until the first picture
   uint64_t gpu_bytes = 0;
   for (uint32_t f = 0; f < sequence_.frame_count; ++f) {
     FOURDVT_TRY(checkStop(context_));
-    const auto reading = f == 0 ? start : Clock::now();
+    const Watch reading = f == 0 ? start : Watch();
     FOURDVT_ASSIGN(auto frame, reader->next());
-    loading_s += secondsSince(reading);
+    loading_s += reading.seconds();
     cleanEdges(frame.pictures);
-    const auto showing = Clock::now();
+    const Watch showing;
     if (!context_.options.quick || isDrawn(f)) FOURDVT_TRY(fvvr->setFrame(frame.positions, frame.pictures));
     if (f == 0) {
       if (auto first = fvvr->renderStill(render::viewFromCamera(ring_[0].camera), {}); !first) return first.error();
       gpu_bytes = context_.device->counters().live_texture_bytes - gpu_before;
     }
-    loading_s += secondsSince(showing);
+    loading_s += showing.seconds();
     if (f == 0) first_s = loading_s;
     FOURDVT_TRY(drawFrame(frame, *fvvr));
     tell("FVVR " + std::to_string(f + 1) + "/" + std::to_string(sequence_.frame_count),

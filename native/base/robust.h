@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Robust statistics that the fits share.
+// Robust statistics.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,16 @@
 #include <cstddef>
 #include <vector>
 
-namespace fourdvt::refine {
+namespace fourdvt {
+
+// The greater one of the two in the middle of an even number.
+template <class T>
+T median(std::vector<T> values, T of_none = 0) {
+  if (values.empty()) return of_none;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 // The value below which this share of the values lies, interpolated; 0 of none.
 inline double quantile(std::vector<double> values, double share) {
@@ -36,4 +45,4 @@ inline double tukeyWeight(double deviations) {
   return std::abs(x) < 1 ? (1 - x * x) * (1 - x * x) : 0;
 }
 
-}  // namespace fourdvt::refine
+}  // namespace fourdvt

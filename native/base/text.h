@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Text for people, files and pages.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+namespace fourdvt {
+
+// Formats as std::printf does.
+[[gnu::format(printf, 1, 2)]] std::string printed(const char* format, ...);
+
+std::string hexDigits(uint64_t value);  // 16 of them: names and texts of hashes
+std::string frameName(uint32_t frame);  // six digits or more: "000012"
+
+// Escapes text for HTML and SVG, also inside quoted attributes.
+std::string htmlEscaped(const std::string& text);
+
+// Joins the items, or what `text` (a function or a member) makes of each.
+template <class Items, class Text = std::identity>
+std::string joined(const Items& items, const char* between = ", ", Text text = {}) {
+  std::string out;
+  bool is_first = true;
+  for (const auto& item : items) {
+    if (!is_first) out += between;
+    out += std::invoke(text, item);
+    is_first = false;
+  }
+  return out;
+}
+
+}  // namespace fourdvt
