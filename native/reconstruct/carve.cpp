@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <climits>
 #include <cmath>
-#include <opencv2/core/utility.hpp>
 
+#include "base/parallel.h"
 #include "reconstruct/rig_space.h"
 
 namespace fourdvt::reconstruct {
@@ -105,9 +105,7 @@ void halve(const Carver& carver, Cells& cells) {
   std::vector<Share> shares(parts.size());
   cells.judged += parts.size();
   const double radius = radiusOf(cells);
-  cv::parallel_for_(cv::Range(0, int(parts.size())), [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i) shares[i] = carver.judge(centreOf(cells, parts[i]), radius);
-  });
+  inParallel(parts.size(), [&](int i) { shares[i] = carver.judge(centreOf(cells, parts[i]), radius); });
   cells.at.clear();
   for (size_t i = 0; i < parts.size(); ++i) {
     if (shares[i] == Share::Outside) continue;
@@ -235,14 +233,12 @@ Result<SparseDistance> carve(std::span<const CarvingView> views, double voxel_m)
   for (const glm::ivec3& at : cells.inside) out.inside.push_back(at * kBlock);
   out.blocks.resize(cells.at.size());
   std::vector<uint8_t> holds(cells.at.size());
-  cv::parallel_for_(cv::Range(0, int(cells.at.size())), [&](const cv::Range& range) {
-    for (int b = range.start; b < range.end; ++b) {
-      SparseDistance::Block& block = out.blocks[b];
-      block.at = cells.at[b] * kBlock;
-      for (size_t i = 0; i < block.values.size(); ++i) {
-        block.values[i] = carver.distanceAt(glm::dvec3(voxelOf(block, i)) * voxel_m, out.band_m);
-        holds[b] |= block.values[i] > -out.band_m;
-      }
+  inParallel(cells.at.size(), [&](int b) {
+    SparseDistance::Block& block = out.blocks[b];
+    block.at = cells.at[b] * kBlock;
+    for (size_t i = 0; i < block.values.size(); ++i) {
+      block.values[i] = carver.distanceAt(glm::dvec3(voxelOf(block, i)) * voxel_m, out.band_m);
+      holds[b] |= block.values[i] > -out.band_m;
     }
   });
   size_t kept = 0;

@@ -2,7 +2,8 @@
 #include "reconstruct/fairing.h"
 
 #include <algorithm>
-#include <opencv2/core/utility.hpp>
+
+#include "base/parallel.h"
 
 namespace fourdvt::reconstruct {
 namespace {
@@ -50,13 +51,11 @@ int fairSurface(TriangleMesh& mesh, std::span<const CarvingView> views, int roun
   for (int round = 0; round < rounds; ++round) {
     const Positions before = mesh.positions;
     relax(mesh.positions, edges, kStep);
-    cv::parallel_for_(cv::Range(0, int(before.size())), [&](const cv::Range& range) {
-      for (int v = range.start; v < range.end; ++v) {
-        const float least = std::min(-kBeyond_px, clearance(views, before[v]));
-        glm::vec3& p = mesh.positions[v];
-        for (int half = 0; half < kHalvings && clearance(views, p) < least; ++half) p = 0.5f * (p + before[v]);
-        if (clearance(views, p) < least) p = before[v];
-      }
+    inParallel(before.size(), [&](int v) {
+      const float least = std::min(-kBeyond_px, clearance(views, before[v]));
+      glm::vec3& p = mesh.positions[v];
+      for (int half = 0; half < kHalvings && clearance(views, p) < least; ++half) p = 0.5f * (p + before[v]);
+      if (clearance(views, p) < least) p = before[v];
     });
     if (still_good(mesh)) continue;
     mesh.positions = before;

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core/utility.hpp>
 
+#include "base/parallel.h"
 #include "refine/matte_bias.h"
 
 namespace fourdvt::refine {
@@ -68,12 +68,10 @@ Result<RefineFrames> readRefineFrames(const capture::Capture& capture, const Ope
       frame.positions = std::move(captured.positions);
       computeVertexNormals(welded_faces, frame.positions.data(), frame.positions.size(), frame.normals);
       frame.mattes.resize(capture.cameras.size());
-      cv::parallel_for_(cv::Range(0, static_cast<int>(capture.cameras.size())), [&](const cv::Range& range) {
-        for (int c = range.start; c < range.end; ++c) {
-          frame.mattes[c] = cropOf(captured.pictures[c]);
-          const auto edges = matteEdgeOffsets(captured.pictures[c], kEdgeStride);
-          out.matte_edges[c].insert(out.matte_edges[c].end(), edges.begin(), edges.end());
-        }
+      inParallel(capture.cameras.size(), [&](int c) {
+        frame.mattes[c] = cropOf(captured.pictures[c]);
+        const auto edges = matteEdgeOffsets(captured.pictures[c], kEdgeStride);
+        out.matte_edges[c].insert(out.matte_edges[c].end(), edges.begin(), edges.end());
       });
       out.frames.push_back(std::move(frame));
     }

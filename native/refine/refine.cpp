@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <opencv2/core/utility.hpp>
 
+#include "base/parallel.h"
+#include "base/robust.h"
 #include "refine/camera_refit.h"
 #include "refine/frames.h"
 #include "refine/outline_picture.h"
-#include "refine/robust.h"
 #include "refine/slow_fit.h"
 #include "refine/surface_fit.h"
 
@@ -143,11 +143,9 @@ Status Refiner::read(const OpenVideo& open_video) {
 
 void Refiner::findClearances() {
   std::vector<std::vector<Clearance>> all(camera_frames_.size());
-  cv::parallel_for_(cv::Range(0, static_cast<int>(all.size())), [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i) {
-      const RefineFrame& frame = frames_[camera_frames_[i]];
-      all[i] = clearancesOf(faces_, frame.positions, frame.normals, kFurthest_m);
-    }
+  inParallel(all.size(), [&](int i) {
+    const RefineFrame& frame = frames_[camera_frames_[i]];
+    all[i] = clearancesOf(faces_, frame.positions, frame.normals, kFurthest_m);
   });
   std::vector<Clearance> together;
   for (const auto& of_frame : all) together.insert(together.end(), of_frame.begin(), of_frame.end());
@@ -165,32 +163,28 @@ void Refiner::useMatteBias(const std::vector<std::vector<double>>& edges) {
 
 void Refiner::moveMeshes() {
   moved_.resize(frames_.size());
-  cv::parallel_for_(cv::Range(0, static_cast<int>(frames_.size())), [&](const cv::Range& range) {
-    for (int f = range.start; f < range.end; ++f) {
-      const RefineFrame& frame = frames_[f];
-      Moved& moved = moved_[f];
-      moved.positions = frame.positions;
-      for (size_t v = 0; v < offsets_.size(); ++v) {
-        const uint32_t place = same_as_[v];
-        const float offset = offsets_[place] + (slow_.empty() ? 0 : slow_[f][place]);
-        moved.positions[v] += offset * frame.normals[place];
-      }
-      computeVertexNormals(faces_, moved.positions.data(), moved.positions.size(), moved.normals);
+  inParallel(frames_.size(), [&](int f) {
+    const RefineFrame& frame = frames_[f];
+    Moved& moved = moved_[f];
+    moved.positions = frame.positions;
+    for (size_t v = 0; v < offsets_.size(); ++v) {
+      const uint32_t place = same_as_[v];
+      const float offset = offsets_[place] + (slow_.empty() ? 0 : slow_[f][place]);
+      moved.positions[v] += offset * frame.normals[place];
     }
+    computeVertexNormals(faces_, moved.positions.data(), moved.positions.size(), moved.normals);
   });
 }
 
 Refiner::AllPoints Refiner::measureAll() const {
   AllPoints all(frames_.size(), std::vector<std::vector<OutlinePoint>>(out_.cameras.size()));
   const int cameras = static_cast<int>(out_.cameras.size());
-  cv::parallel_for_(cv::Range(0, static_cast<int>(frames_.size()) * cameras), [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i) {
-      const int f = i / cameras, c = i % cameras;
-      OutlineOptions options;
-      options.matte_bias_pixels = static_cast<float>(out_.by_camera[c].used_bias_pixels);
-      all[f][c] = outlinePoints(out_.cameras[c], faces_, edges_, moved_[f].positions, moved_[f].normals,
-                                frames_[f].mattes[c], options);
-    }
+  inParallel(static_cast<int>(frames_.size()) * cameras, [&](int i) {
+    const int f = i / cameras, c = i % cameras;
+    OutlineOptions options;
+    options.matte_bias_pixels = static_cast<float>(out_.by_camera[c].used_bias_pixels);
+    all[f][c] = outlinePoints(out_.cameras[c], faces_, edges_, moved_[f].positions, moved_[f].normals,
+                              frames_[f].mattes[c], options);
   });
   return all;
 }
@@ -221,9 +215,7 @@ bool Refiner::refitCamera(size_t c, bool with_position) {
 
 bool Refiner::fitCameras(bool with_position) {
   std::vector<char> changed(out_.cameras.size());
-  cv::parallel_for_(cv::Range(0, static_cast<int>(out_.cameras.size())), [&](const cv::Range& range) {
-    for (int c = range.start; c < range.end; ++c) changed[c] = refitCamera(c, with_position);
-  });
+  inParallel(out_.cameras.size(), [&](int c) { changed[c] = refitCamera(c, with_position); });
   return std::any_of(changed.begin(), changed.end(), [](char c) { return c != 0; });
 }
 

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core.hpp>
 
-#include "refine/robust.h"
+#include "base/parallel.h"
+#include "base/robust.h"
 
 namespace fourdvt::refine {
 namespace {
@@ -25,16 +25,14 @@ std::vector<std::vector<float>> fitFrom(std::span<const SlowFrame> frames, std::
                                         size_t vertices, uint32_t loop_frames, size_t step) {
   const std::vector<float> none(vertices);
   std::vector<std::vector<float>> out(frames.size());
-  cv::parallel_for_(cv::Range(0, int(frames.size())), [&](const cv::Range& range) {
-    for (int f = range.start; f < range.end; ++f) {
-      std::vector<OffsetClaim> claims;
-      for (const SlowFrame& near : frames) {
-        if (distance(near.index, frames[size_t(f)].index, loop_frames) > kWindow) continue;
-        for (size_t c = 0; c < near.claims.size(); c += step)
-          claims.insert(claims.end(), near.claims[c].begin(), near.claims[c].end());
-      }
-      out[size_t(f)] = fitOffsets(claims, edges, none, {}, kOptions);
+  inParallel(frames.size(), [&](int f) {
+    std::vector<OffsetClaim> claims;
+    for (const SlowFrame& near : frames) {
+      if (distance(near.index, frames[size_t(f)].index, loop_frames) > kWindow) continue;
+      for (size_t c = 0; c < near.claims.size(); c += step)
+        claims.insert(claims.end(), near.claims[c].begin(), near.claims[c].end());
     }
+    out[size_t(f)] = fitOffsets(claims, edges, none, {}, kOptions);
   });
   return out;
 }

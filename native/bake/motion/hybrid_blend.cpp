@@ -5,7 +5,8 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <opencv2/core.hpp>
+
+#include "base/parallel.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -102,12 +103,10 @@ HybridErrors::HybridErrors(const BlendSimplex& simplex, HybridMix mix, int check
 
 void HybridErrors::add(const NonlinearBlend& blend, std::span<const Positions> members) {
   std::vector<Positions> corrections(points_.size());
-  cv::parallel_for_(cv::Range(0, int(points_.size())), [&](const cv::Range& range) {
-    for (size_t c = size_t(range.start); c < size_t(range.end); ++c) {
-      if (isCorner(points_[c])) continue;
-      const std::vector<float> weights = simplexWeights(simplex_, points_[c], members.size());
-      corrections[c] = difference(blend.blend(members, weights), linearBlend(members, weights));
-    }
+  inParallel(points_.size(), [&](size_t c) {
+    if (isCorner(points_[c])) return;
+    const std::vector<float> weights = simplexWeights(simplex_, points_[c], members.size());
+    corrections[c] = difference(blend.blend(members, weights), linearBlend(members, weights));
   });
   for (Level& level : levels_) {
     for (size_t c = 0; c < points_.size(); ++c) {

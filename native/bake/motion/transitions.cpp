@@ -7,9 +7,9 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core.hpp>
 
 #include "bake/motion/time_warp.h"
+#include "base/parallel.h"
 #include "motion/motion_graph.h"
 #include "motion/placement.h"
 
@@ -255,10 +255,7 @@ Result<std::vector<motion::Entry>> Pair::entries(const KeepOn& keep_on) const {
   for (uint32_t row = 0; row < source_.paths.size(); ++row) {
     for (uint32_t frame = 0; frame < from_.frame_count; ++frame)
       if (!keep_on()) return interrupted();
-    cv::parallel_for_(cv::Range(0, int(from_.frame_count)), [&](const cv::Range& range) {
-      for (uint32_t frame = uint32_t(range.start); frame < uint32_t(range.end); ++frame)
-        out[row * from_.frame_count + frame] = best(row, frame);
-    });
+    inParallel(from_.frame_count, [&](uint32_t frame) { out[row * from_.frame_count + frame] = best(row, frame); });
   }
   return out;
 }

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
-#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "base/parallel.h"
 #include "package/room_faces.h"
 
 namespace fourdvt::bake {
@@ -61,23 +61,22 @@ struct Face {
 Face lookUp(const BoundingBox& box, int number, const package::Rect& rect, const RoomLookup& lookup) {
   Face face{rect.width, rect.height, std::vector<glm::vec4>(size_t(rect.width) * size_t(rect.height), glm::vec4(0))};
   const glm::dvec3 inward(inwardOf(number));
-  cv::parallel_for_(cv::Range(0, face.height), [&](const cv::Range& rows) {
-    for (int y = rows.start; y < rows.end; ++y)
-      for (int x = 0; x < face.width; ++x) {
-        glm::vec3 colour(0);
-        float weight = 0;
-        int seen = 0;
-        for (int k = 0; k < kSide * kSide; ++k) {
-          const float u = (float(x) + (float(k % kSide) + 0.5f) / kSide) / float(face.width);
-          const float v = (float(y) + (float(k / kSide) + 0.5f) / kSide) / float(face.height);
-          const RoomLookup::Seen point = lookup.at(glm::dvec3(package::roomPoint(box, number, u, v)), inward);
-          if (!(point.weight > 0)) continue;
-          colour += point.colour;
-          weight += point.weight;
-          ++seen;
-        }
-        if (seen > 0) face.at(x, y) = glm::vec4(colour / float(seen), weight / float(kSide * kSide));
+  inParallel(face.height, [&](int y) {
+    for (int x = 0; x < face.width; ++x) {
+      glm::vec3 colour(0);
+      float weight = 0;
+      int seen = 0;
+      for (int k = 0; k < kSide * kSide; ++k) {
+        const float u = (float(x) + (float(k % kSide) + 0.5f) / kSide) / float(face.width);
+        const float v = (float(y) + (float(k / kSide) + 0.5f) / kSide) / float(face.height);
+        const RoomLookup::Seen point = lookup.at(glm::dvec3(package::roomPoint(box, number, u, v)), inward);
+        if (!(point.weight > 0)) continue;
+        colour += point.colour;
+        weight += point.weight;
+        ++seen;
       }
+      if (seen > 0) face.at(x, y) = glm::vec4(colour / float(seen), weight / float(kSide * kSide));
+    }
   });
   return face;
 }
@@ -112,10 +111,9 @@ void fillUnseen(const BoundingBox& box, int number, Face& face, const RoomFill& 
   if (std::all_of(face.texels.begin(), face.texels.end(), isWhole)) return;
   const int columns = face.width / kBlock + 2, rows = face.height / kBlock + 2;
   std::vector<glm::vec3> corners(size_t(columns) * size_t(rows));
-  cv::parallel_for_(cv::Range(0, rows), [&](const cv::Range& range) {
-    for (int j = range.start; j < range.end; ++j)
-      for (int i = 0; i < columns; ++i)
-        corners[size_t(j * columns + i)] = fill.at(pointOf(box, number, face, float(i * kBlock), float(j * kBlock)));
+  inParallel(rows, [&](int j) {
+    for (int i = 0; i < columns; ++i)
+      corners[size_t(j * columns + i)] = fill.at(pointOf(box, number, face, float(i * kBlock), float(j * kBlock)));
   });
   for (int y = 0; y < face.height; ++y)
     for (int x = 0; x < face.width; ++x) {

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <functional>
 #include <limits>
 #include <memory>
-#include <opencv2/core/utility.hpp>
 
+#include "base/parallel.h"
+#include "base/watch.h"
 #include "capture/undistort.h"
 #include "reconstruct/components.h"
 #include "reconstruct/fairing.h"
@@ -27,19 +27,6 @@ constexpr double kFairingLoss = 0.002;                    // of a camera's overl
 constexpr double kRoughVoxel_m = 0.02, kSpeck_m3 = 3e-6;  // of a person
 constexpr double kCoarsestReduced_m = 0.01;               // of a person, pixel that stereo may reduce pictures to
 constexpr size_t kFewestPixels = 16;                      // of a silhouette that says anything
-
-class Watch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
-    last_ = now;
-    return ms;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 silhouette::Silhouette silhouetteOf(const PinholeCamera& camera, const Image& rgba) {
   silhouette::Silhouette out{camera, Image(rgba.width, rgba.height, 1)};
@@ -65,12 +52,6 @@ double volumeOf(const TriangleMesh& mesh) {
     six += glm::dot(a, glm::cross(b, c));
   }
   return six / 6;
-}
-
-void inParallel(size_t count, const std::function<void(size_t)>& work) {
-  cv::parallel_for_(cv::Range(0, int(count)), [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i) work(size_t(i));
-  });
 }
 
 // A box round everything that the cameras may see of the performer, from a coarse carving: tight, because beyond their
@@ -185,7 +166,7 @@ Status SurfaceMaker::makeHull(std::span<const CarvingView> views, const std::fun
     auto hull = checkedPolyhedron(options_, views, scale_->footprint_m / scale_->person_metre_m, out.figures);
     if (hull.ok()) {
       out.mesh = hull.take();
-      out.figures.hull_ms = watch.lap();
+      out.figures.hull_ms = watch.lap_ms();
       return {};
     }
     out.figures.fallback = hull.error().message;
@@ -193,12 +174,12 @@ Status SurfaceMaker::makeHull(std::span<const CarvingView> views, const std::fun
   FOURDVT_ASSIGN(auto hull, volumetricHull(views, {scale_->voxel_m / scale_->person_metre_m, options_.adaptivity}));
   out.mesh = std::move(hull.mesh);
   out.figures.parts_left_out = uint32_t(hull.dropped);
-  out.figures.hull_ms = watch.lap();
+  out.figures.hull_ms = watch.lap_ms();
   if (!stereo_) return {};
   out.hull = std::move(out.mesh);
   FOURDVT_ASSIGN(out.mesh, stereo_->refine(hull.distance, out.hull, pictures(), views));
   out.figures.believed = stereo_->believed();
-  out.figures.stereo_ms = watch.lap();
+  out.figures.stereo_ms = watch.lap_ms();
   return {};
 }
 
@@ -237,7 +218,7 @@ Result<FrameSurface> SurfaceMaker::make(std::span<const Image> pictures) {
     sees.push_back(distances[i] != nullptr);
     if (distances[i]) views.push_back({&carving[i], *distances[i]});
   }
-  out.figures.silhouettes_ms = watch.lap();
+  out.figures.silhouettes_ms = watch.lap_ms();
   if (views.size() < 2) {
     return Error{ErrorId::NothingVisible,
                  "fewer than two cameras see anything of the performer; check the mattes, or the plates that the "
@@ -253,13 +234,13 @@ Result<FrameSurface> SurfaceMaker::make(std::span<const Image> pictures) {
   out.figures.footprint_m = scale_->footprint_m;
   out.figures.person_metre_m = scale_->person_metre_m;
   out.figures.voxel_m = scale_->voxel_m;
-  watch.lap();
+  watch.lap_ms();
 
   FOURDVT_TRY(makeHull(
       views, [&] { return withMattes(pictures, carving, sees); }, out));
   out.figures.triangles_made = uint32_t(out.mesh.faces.size());
   simplify(out.mesh, size_t(options_.faces));
-  watch.lap();
+  watch.lap_ms();
 
   const auto overlapIn = [&](size_t i, const TriangleMesh& mesh) {
     return silhouetteOverlap({working_[i], out.silhouettes[i].coverage}, mesh);
@@ -276,7 +257,7 @@ Result<FrameSurface> SurfaceMaker::make(std::span<const Image> pictures) {
       });
       return good.load();
     });
-    out.figures.fairing_ms = watch.lap();
+    out.figures.fairing_ms = watch.lap_ms();
   }
 
   out.figures.vertices = uint32_t(out.mesh.positions.size());
@@ -287,7 +268,7 @@ Result<FrameSurface> SurfaceMaker::make(std::span<const Image> pictures) {
   out.figures.volume_m3 = volumeOf(out.mesh);
   out.figures.seen_m3 = seen_m3_;
   for (const silhouette::Silhouette& silhouette : out.silhouettes) out.figures.cover.push_back(coverOf(silhouette));
-  out.figures.check_ms = watch.lap();
+  out.figures.check_ms = watch.lap_ms();
   return out;
 }
 

@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core/utility.hpp>
+
+#include "base/parallel.h"
 
 namespace fourdvt::reconstruct {
 
@@ -56,37 +57,35 @@ void keepConsistent(std::span<DepthMap> maps, double tolerance_m) {
   std::vector<std::vector<float>> weights(maps.size());
   std::vector<glm::dmat4> world_from_cam;
   for (const DepthMap& map : maps) world_from_cam.push_back(glm::inverse(map.camera.cam_from_world));
-  cv::parallel_for_(cv::Range(0, int(maps.size())), [&](const cv::Range& range) {
-    for (int m = range.start; m < range.end; ++m) {
-      const DepthMap& map = maps[m];
-      weights[m].assign(map.depth_m.size(), 0);
-      double confirmed = 0, refuted = 0;
-      for (size_t i = 0; i < map.depth_m.size(); ++i) {
-        const double z = map.depth_m[i];
-        if (z <= 0) continue;
-        const double x = map.x + double(i % map.width) + 0.5, y = map.y + double(i / map.width) + 0.5;
-        const glm::dvec3 point(world_from_cam[m] * glm::dvec4((x - map.camera.cx) / map.camera.fx * z,
-                                                              (y - map.camera.cy) / map.camera.fy * z, z, 1));
-        int agree = 0, against = 0;
-        for (size_t o = 0; o < maps.size(); ++o) {
-          if (int(o) == m) continue;
-          const glm::dvec3 p = maps[o].camera.project(point);
-          if (p.z <= 0) continue;
-          const float there = depthAt(maps[o], p.x, p.y);
-          if (there <= 0) continue;
-          agree += std::abs(there - p.z) < tolerance_m;
-          against += there > p.z + 2 * tolerance_m;
-        }
-        if (agree > 0 && agree >= against) {
-          confirmed += map.weight[i];
-          weights[m][i] = map.weight[i] * float(agree) / float(agree + against);
-        } else if (against > 0) {
-          refuted += map.weight[i];
-        }
+  inParallel(maps.size(), [&](int m) {
+    const DepthMap& map = maps[m];
+    weights[m].assign(map.depth_m.size(), 0);
+    double confirmed = 0, refuted = 0;
+    for (size_t i = 0; i < map.depth_m.size(); ++i) {
+      const double z = map.depth_m[i];
+      if (z <= 0) continue;
+      const double x = map.x + double(i % map.width) + 0.5, y = map.y + double(i / map.width) + 0.5;
+      const glm::dvec3 point(world_from_cam[m] * glm::dvec4((x - map.camera.cx) / map.camera.fx * z,
+                                                            (y - map.camera.cy) / map.camera.fy * z, z, 1));
+      int agree = 0, against = 0;
+      for (size_t o = 0; o < maps.size(); ++o) {
+        if (int(o) == m) continue;
+        const glm::dvec3 p = maps[o].camera.project(point);
+        if (p.z <= 0) continue;
+        const float there = depthAt(maps[o], p.x, p.y);
+        if (there <= 0) continue;
+        agree += std::abs(there - p.z) < tolerance_m;
+        against += there > p.z + 2 * tolerance_m;
       }
-      const float believed = believedOf(confirmed, refuted);
-      for (float& weight : weights[m]) weight *= believed;
+      if (agree > 0 && agree >= against) {
+        confirmed += map.weight[i];
+        weights[m][i] = map.weight[i] * float(agree) / float(agree + against);
+      } else if (against > 0) {
+        refuted += map.weight[i];
+      }
     }
+    const float believed = believedOf(confirmed, refuted);
+    for (float& weight : weights[m]) weight *= believed;
   });
   for (size_t m = 0; m < maps.size(); ++m)
     for (size_t i = 0; i < weights[m].size(); ++i) {

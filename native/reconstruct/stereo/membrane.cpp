@@ -2,8 +2,9 @@
 #include "reconstruct/stereo/membrane.h"
 
 #include <algorithm>
-#include <opencv2/core/utility.hpp>
 #include <unordered_map>
+
+#include "base/parallel.h"
 
 namespace fourdvt::reconstruct {
 namespace {
@@ -47,9 +48,8 @@ class Neighbours {
 // New values of all voxels from those of the round before.
 template <class Rule>
 void update(Blocks& blocks, Blocks& next, const Rule& rule) {
-  cv::parallel_for_(cv::Range(0, int(blocks.size())), [&](const cv::Range& range) {
-    for (int b = range.start; b < range.end; ++b)
-      for (int i = 0; i < kVoxels; ++i) next[b][i] = rule(size_t(b), i);
+  inParallel(blocks.size(), [&](int b) {
+    for (int i = 0; i < kVoxels; ++i) next[b][i] = rule(size_t(b), i);
   });
   std::swap(blocks, next);
 }

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <opencv2/core/utility.hpp>
 
+#include "base/parallel.h"
 #include "reconstruct/stereo/distance_sampler.h"
 
 namespace fourdvt::reconstruct {
@@ -188,9 +188,8 @@ class Outlines {
   // The gaps, and of the rays those that have one.
   std::vector<Gap> gapsOf(std::vector<Ray>& rays) const {
     std::vector<Gap> gaps(rays.size());
-    cv::parallel_for_(cv::Range(0, int(rays.size())), [&](const cv::Range& range) {
-      for (int i = range.start; i < range.end; ++i)
-        if (!hits(rays[i])) gaps[i] = gapOf(rays[i]);
+    inParallel(rays.size(), [&](int i) {
+      if (!hits(rays[i])) gaps[i] = gapOf(rays[i]);
     });
     size_t kept = 0;
     for (size_t i = 0; i < rays.size(); ++i)
@@ -216,9 +215,8 @@ class Outlines {
             if (block >= 0) by_block[block].push_back(uint32_t(g));
           }
     }
-    cv::parallel_for_(cv::Range(0, int(by_block.size())), [&](const cv::Range& range) {
-      for (int b = range.start; b < range.end; ++b)
-        if (!by_block[b].empty()) raise(gaps, by_block[b], size_t(b));
+    inParallel(by_block.size(), [&](int b) {
+      if (!by_block[b].empty()) raise(gaps, by_block[b], size_t(b));
     });
   }
 

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opencv2/core/utility.hpp>
+
+#include "base/parallel.h"
 
 namespace fourdvt::reconstruct {
 namespace {
@@ -124,9 +125,7 @@ DepthMap semiGlobalDepth(const StereoReference& reference, const CostVolume& vol
   out.x = volume.x, out.y = volume.y, out.width = volume.width, out.height = volume.height;
   const int labels = volume.labels;
   std::vector<uint16_t> sums[2];
-  cv::parallel_for_(cv::Range(0, 2), [&](const cv::Range& range) {
-    for (int k = range.start; k < range.end; ++k) scan(volume, options, k == 0, sums[k]);
-  });
+  inParallel(2, [&](int k) { scan(volume, options, k == 0, sums[k]); });
   const size_t pixels = volume.first_plane.size();
   out.depth_m.assign(pixels, 0), out.weight.assign(pixels, 0), out.front_m.assign(pixels, 0);
   Sums pixel;

@@ -7,6 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <unordered_map>
 
+#include "base/parallel.h"
+
 namespace fourdvt::reconstruct {
 namespace {
 
@@ -106,21 +108,19 @@ void SteadyDistance::blend(std::span<const Image> pictures, std::span<const Dept
     }
     const KnownBlocks known = knownBlocks(before_), known_hull = knownBlocks(hull_);
     const float voxel = float(distance.voxel_m);
-    cv::parallel_for_(cv::Range(0, int(distance.blocks.size())), [&](const cv::Range& range) {
-      for (int b = range.start; b < range.end; ++b) {
-        SparseDistance::Block& block = distance.blocks[b];
-        const BlockBefore before(known, block.at, distance.band_m), hull_before(known_hull, block.at, distance.band_m);
-        for (size_t i = 0; i < block.values.size(); ++i) {
-          const float change = before.at(i) - block.values[i];
-          if (change == 0) continue;
-          const float hull_change = std::abs(hull_before.at(i) - hull.blocks[b].values[i]) / voxel;
-          const float still = block.values[i] < hull.blocks[b].values[i]
-                                  ? 1
-                                  : std::clamp((kHullMoves - hull_change) / (kHullMoves - kHullStill), 0.0f, 1.0f);
-          if (still <= 0) continue;
-          const glm::vec3 point(distance.origin_in_world + glm::dvec3(voxelOf(block, i)) * distance.voxel_m);
-          block.values[i] += kept_ * still * (1 - changeAt(cameras, point)) * change;
-        }
+    inParallel(distance.blocks.size(), [&](int b) {
+      SparseDistance::Block& block = distance.blocks[b];
+      const BlockBefore before(known, block.at, distance.band_m), hull_before(known_hull, block.at, distance.band_m);
+      for (size_t i = 0; i < block.values.size(); ++i) {
+        const float change = before.at(i) - block.values[i];
+        if (change == 0) continue;
+        const float hull_change = std::abs(hull_before.at(i) - hull.blocks[b].values[i]) / voxel;
+        const float still = block.values[i] < hull.blocks[b].values[i]
+                                ? 1
+                                : std::clamp((kHullMoves - hull_change) / (kHullMoves - kHullStill), 0.0f, 1.0f);
+        if (still <= 0) continue;
+        const glm::vec3 point(distance.origin_in_world + glm::dvec3(voxelOf(block, i)) * distance.voxel_m);
+        block.values[i] += kept_ * still * (1 - changeAt(cameras, point)) * change;
       }
     });
   }

@@ -2,11 +2,12 @@
 #include "reconstruct/stereo/stereo_refiner.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "base/parallel.h"
+#include "base/watch.h"
 #include "reconstruct/components.h"
 #include "reconstruct/stereo/consistency.h"
 #include "reconstruct/stereo/steady.h"
@@ -18,8 +19,6 @@ namespace {
 
 constexpr double kSameAngle_deg = 1e-6;
 constexpr float kBelieved = 0.05f;  // weight of a depth: five such are too few to move the surface
-
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 double believedShare(const DepthMap& map) {
   size_t hull = 0, believed = 0;
@@ -71,11 +70,7 @@ class Refiner final : public StereoRefiner {
   Result<std::vector<Image>> reduced(std::span<const Image> pictures) const;
   Result<std::vector<DepthMap>> depthMaps(std::span<const Image> pictures);
   // Adds the time since the last call to `to`.
-  void lap(double& to) {
-    const double t = now();
-    to += t - since_;
-    since_ = t;
-  }
+  void lap(double& to) { to += watch_.lap_ms() / 1e3; }
 
   std::vector<PinholeCamera> full_, cameras_;  // cameras_: of the reduced pictures
   StereoOptions options_;
@@ -84,7 +79,7 @@ class Refiner final : public StereoRefiner {
   SteadyDistance steady_;
   StereoTimes times_;
   std::vector<double> believed_;
-  double since_ = 0;
+  Watch watch_;
 };
 
 Result<std::vector<Image>> Refiner::reduced(std::span<const Image> pictures) const {
@@ -112,9 +107,8 @@ Result<std::vector<DepthMap>> Refiner::depthMaps(std::span<const Image> pictures
     maps.push_back(semiGlobalDepth(reference, volume, options_.smoothing));
     lap(times_.smoothing);
   }
-  cv::parallel_for_(cv::Range(0, int(maps.size())), [&](const cv::Range& range) {
-    for (int m = range.start; m < range.end; ++m)
-      if (maps[m].width > 0) weighByAngle(maps[m]), weighByTexture(pictures[m], maps[m]);
+  inParallel(maps.size(), [&](int m) {
+    if (maps[m].width > 0) weighByAngle(maps[m]), weighByTexture(pictures[m], maps[m]);
   });
   keepConsistent(maps, options_.agreement_m);
   believed_.clear();
@@ -125,7 +119,7 @@ Result<std::vector<DepthMap>> Refiner::depthMaps(std::span<const Image> pictures
 
 Result<TriangleMesh> Refiner::refine(const SparseDistance& hull_distance, const TriangleMesh& hull,
                                      std::span<const Image> rgba_pictures, std::span<const CarvingView> views) {
-  since_ = now();
+  watch_ = {};
   times_ = {};
   FOURDVT_ASSIGN(const std::vector<Image> pictures, reduced(rgba_pictures));
   FOURDVT_TRY(sweep_.setFrame(pictures, hull));

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core/utility.hpp>
 
-#include "refine/robust.h"
+#include "base/parallel.h"
+#include "base/robust.h"
 
 namespace fourdvt::refine {
 namespace {
@@ -65,16 +65,14 @@ class Rig {
   // Refits the cameras that are `asked`, forgets those that stay, and returns the one that gains most, or -1.
   int sweep(std::vector<char>& asked, double deviations) {
     std::vector<CameraRefit> tried(given_.size());
-    cv::parallel_for_(cv::Range(0, int(given_.size())), [&](const cv::Range& range) {
-      for (int c = range.start; c < range.end; ++c) {
-        if (!asked[c] || (c < int(ignored_.size()) && ignored_[c])) continue;
-        const auto measure = [&](const PinholeCamera& as, float reach) {
-          std::vector<PinholeCamera> cameras = now_;
-          cameras[c] = as;
-          return pointsOf(clips_, cameras, ignored_, c, reach);
-        };
-        tried[c] = refitCamera(now_[c], given_[c], measure, false, SurfaceKind::Hull, deviations);
-      }
+    inParallel(given_.size(), [&](int c) {
+      if (!asked[c] || (c < int(ignored_.size()) && ignored_[c])) return;
+      const auto measure = [&](const PinholeCamera& as, float reach) {
+        std::vector<PinholeCamera> cameras = now_;
+        cameras[c] = as;
+        return pointsOf(clips_, cameras, ignored_, c, reach);
+      };
+      tried[c] = refitCamera(now_[c], given_[c], measure, false, SurfaceKind::Hull, deviations);
     });
     int best = -1;
     double most = 0;
@@ -148,18 +146,16 @@ std::vector<PinholeCamera> leastTurned(const std::vector<PinholeCamera>& given, 
 std::vector<StickOut> stickOut(const std::vector<TimedClip>& clips, const std::vector<PinholeCamera>& cameras,
                                const std::vector<char>& ignored) {
   std::vector<StickOut> out(cameras.size());
-  cv::parallel_for_(cv::Range(0, int(cameras.size())), [&](const cv::Range& range) {
-    for (int c = range.start; c < range.end; ++c) {
-      for (const TimedClip& timed : clips) {
-        const StickOut of_clip =
-            stickOut(*timed.clip, {cameras, timed.offset_frames, ignored}, size_t(c), kFrames, kPoints, 0);
-        const auto points = double(of_clip.points);
-        out[c].points += of_clip.points;
-        out[c].mean_pixels += points * of_clip.mean_pixels, out[c].far_share += points * of_clip.far_share;
-      }
-      const auto points = double(std::max<size_t>(1, out[c].points));
-      out[c].mean_pixels /= points, out[c].far_share /= points;
+  inParallel(cameras.size(), [&](int c) {
+    for (const TimedClip& timed : clips) {
+      const StickOut of_clip =
+          stickOut(*timed.clip, {cameras, timed.offset_frames, ignored}, size_t(c), kFrames, kPoints, 0);
+      const auto points = double(of_clip.points);
+      out[c].points += of_clip.points;
+      out[c].mean_pixels += points * of_clip.mean_pixels, out[c].far_share += points * of_clip.far_share;
     }
+    const auto points = double(std::max<size_t>(1, out[c].points));
+    out[c].mean_pixels /= points, out[c].far_share /= points;
   });
   return out;
 }

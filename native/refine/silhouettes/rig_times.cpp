@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core/utility.hpp>
 
-#include "refine/robust.h"
+#include "base/parallel.h"
+#include "base/robust.h"
 
 namespace fourdvt::refine {
 namespace {
@@ -19,20 +19,16 @@ constexpr float kReachPixels = 12;
 constexpr double kMostDeviation = 0.2;  // frames; above, a time is not known
 constexpr size_t kToleratedFrom = 7;    // cameras; with so many, one of them may be off while the others are compared
 
-double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
-
 // The whole number of frames near `middle` with which a camera fits the others best.
 double bestWhole(const SilhouetteClip& clip, const RigState& rig, size_t camera, double middle,
                  const TimeOptions& options, size_t tolerated) {
   const int count = 2 * options.most_frames + 1;
   std::vector<double> costs(count, 1e9);
-  cv::parallel_for_(cv::Range(0, count), [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i) {
-      RigState tried = rig;
-      tried.offset_frames[camera] = middle + i - options.most_frames;
-      const StickOut cost = stickOut(clip, tried, camera, kCoarseFrames, kCoarsePoints, tolerated);
-      if (cost.points > 0) costs[i] = cost.mean_pixels + kFramesCost * std::abs(i - options.most_frames);
-    }
+  inParallel(count, [&](int i) {
+    RigState tried = rig;
+    tried.offset_frames[camera] = middle + i - options.most_frames;
+    const StickOut cost = stickOut(clip, tried, camera, kCoarseFrames, kCoarsePoints, tolerated);
+    if (cost.points > 0) costs[i] = cost.mean_pixels + kFramesCost * std::abs(i - options.most_frames);
   });
   const auto least = std::min_element(costs.begin(), costs.end());
   return *least < 1e9 ? middle + double(least - costs.begin()) - options.most_frames : rig.offset_frames[camera];
@@ -43,7 +39,7 @@ void fitWhole(const SilhouetteClip& clip, RigState& rig, const TimeOptions& opti
   for (int round = 0; round < kCoarseRounds; ++round) {
     bool changed = false;
     for (size_t c = 0; c < rig.cameras.size(); ++c) {
-      const double middle = std::round(median(rig.offset_frames));
+      const double middle = std::round(quantile(rig.offset_frames, 0.5));
       const double best = bestWhole(clip, rig, c, middle, options, tolerated);
       changed |= std::abs(best - rig.offset_frames[c]) > 0.5;
       rig.offset_frames[c] = best;
@@ -57,11 +53,9 @@ double stepTimes(const SilhouetteClip& clip, const std::vector<size_t>& frames, 
                  std::vector<CameraTime>& out) {
   const size_t cameras = rig.cameras.size();
   std::vector<CameraStep> steps(cameras);
-  cv::parallel_for_(cv::Range(0, int(cameras)), [&](const cv::Range& range) {
-    for (int c = range.start; c < range.end; ++c) {
-      const auto points = hullPoints(clip, rig, c, frames, kFinePoints, 0, kReachPixels);
-      steps[c] = fitCamera(rig.cameras[c], rig.cameras[c], points, {.turn = false, .time = true}, SurfaceKind::Hull);
-    }
+  inParallel(cameras, [&](int c) {
+    const auto points = hullPoints(clip, rig, c, frames, kFinePoints, 0, kReachPixels);
+    steps[c] = fitCamera(rig.cameras[c], rig.cameras[c], points, {.turn = false, .time = true}, SurfaceKind::Hull);
   });
   double largest = 0;
   for (size_t c = 0; c < cameras; ++c) {
@@ -85,7 +79,7 @@ std::vector<CameraTime> fitTimes(const SilhouetteClip& clip, const RigState& giv
   const std::vector<size_t> frames = clip.spreadFrames(kFineFrames);
   for (int round = 0; round < kFineRounds; ++round)
     if (stepTimes(clip, frames, rig, out) < kSettledFrames) break;
-  const double middle = median(rig.offset_frames);
+  const double middle = quantile(rig.offset_frames, 0.5);
   for (size_t c = 0; c < cameras; ++c) out[c].offset_frames = rig.offset_frames[c] - middle;
   return out;
 }

@@ -6,6 +6,8 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "base/parallel.h"
+
 namespace fourdvt::refine {
 namespace {
 
@@ -50,11 +52,9 @@ Image coverageOf(const Image& rgba, const PinholeCamera& camera) {
 void SilhouetteClip::add(const std::vector<Image>& coverages) {
   std::vector<std::vector<glm::vec2>> outlines(coverages.size());
   std::vector<std::optional<silhouette::SilhouetteDistance>> made(coverages.size());
-  cv::parallel_for_(cv::Range(0, int(coverages.size())), [&](const cv::Range& range) {
-    for (int c = range.start; c < range.end; ++c) {
-      made[c].emplace(coverages[c]);
-      outlines[c] = outlineOf(coverages[c]);
-    }
+  inParallel(coverages.size(), [&](int c) {
+    made[c].emplace(coverages[c]);
+    outlines[c] = outlineOf(coverages[c]);
   });
   std::vector<silhouette::SilhouetteDistance> distances;
   for (auto& distance : made) distances.push_back(std::move(*distance));
