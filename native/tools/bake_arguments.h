@@ -12,12 +12,9 @@
 
 namespace fourdvt::tools {
 
-struct BakeCommandLine {
-  bake::BakeOptions options;
-  std::optional<int> exit_code;  // help or a problem was printed; none: the options are valid
-};
-
-BakeCommandLine readBakeCommand(int argc, char** argv, BakeExtension extension = nullptr);
+// Sets the options; with a value, help or a problem was printed, and that is the exit code.
+Result<std::optional<int>> readBakeCommand(int argc, char** argv, bake::BakeOptions& options,
+                                           BakeExtension extension = nullptr);
 // Borrows both; Ctrl-C is listened for.
 bake::BakeEnvironment bakeEnvironment(const GpuSession& gpu, ProgressLine& line);
 void printBakeSummary(const std::string& character_folder, const bake::BakeReport& report, double seconds);

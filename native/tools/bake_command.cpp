@@ -49,7 +49,8 @@ void readQuality(Args& args, const std::string& name) {
 // Applies quality and codec, so that the options after these, which are given explicitly, win.
 void readCodec(Args& args, const std::string& name, bake::BakeOptions& o) {
   encode::Codec codec = o.codec;
-  if (args.has(name) && !encode::parseCodec(args.text(name), codec)) args.refuse(name, "one of " + encode::codecNames());
+  if (args.has(name) && !encode::parseCodec(args.text(name), codec))
+    args.refuse(name, "one of " + encode::codecNames());
   if (const bake::Quality* quality = qualityOf(args)) bake::applyQuality(*quality, codec, o);
 }
 
@@ -186,9 +187,7 @@ void printBakeSummary(const std::string& character_folder, const bake::BakeRepor
        report.peak_rss_bytes / 1e6, bake::reportFolderOf(character_folder).c_str());
 }
 
-BakeCommandLine readBakeCommand(int argc, char** argv, BakeExtension extension) {
-  BakeCommandLine line;
-  bake::BakeOptions& o = line.options;
+Result<std::optional<int>> readBakeCommand(int argc, char** argv, bake::BakeOptions& o, BakeExtension extension) {
   Args args({"bake CAPTURE -o CHARACTER [options]",
              "Turns a capture folder into a character folder that any web server can host. A new folder appears when "
              "it is complete; in an old one, the earlier bake's files are replaced. After Ctrl-C, the same command "
@@ -201,11 +200,9 @@ BakeCommandLine readBakeCommand(int argc, char** argv, BakeExtension extension) 
     args.complain("--coarse-step must be 0, or 0.001 to 100");
   o.refine_asked = refinesExplicitly(args);
   args.complain(o.check());
-  line.exit_code = args.helpOrProblem();
-  if (line.exit_code) return line;
-  const Status found = encode::checkEncoder(o.codec, o.preset);
-  if (!found.ok()) line.exit_code = fail(found.error());
-  return line;
+  if (const auto code = args.helpOrProblem()) return code;
+  FOURDVT_TRY(encode::checkEncoder(o.codec, o.preset));
+  return std::optional<int>();
 }
 
 bake::BakeEnvironment bakeEnvironment(const GpuSession& gpu, ProgressLine& line) {
@@ -220,17 +217,17 @@ bake::BakeEnvironment bakeEnvironment(const GpuSession& gpu, ProgressLine& line)
   return environment;
 }
 
-int bakeCommand(int argc, char** argv, BakeExtension extension) {
-  const auto [options, exit_code] = readBakeCommand(argc, argv, extension);
-  if (exit_code) return *exit_code;
-  auto gpu = openGpu();
-  if (!gpu.ok()) return fail(gpu.error());
+Result<int> bakeCommand(int argc, char** argv, BakeExtension extension) {
+  bake::BakeOptions options;
+  FOURDVT_ASSIGN(const auto code, readBakeCommand(argc, argv, options, extension));
+  if (code) return *code;
+  FOURDVT_ASSIGN(const auto gpu, openGpu());
   ProgressLine line;
   const Watch watch;
-  auto report = bake::bake(options, bakeEnvironment(gpu.value(), line));
+  FOURDVT_ASSIGN(const auto report, bake::bake(options, bakeEnvironment(gpu, line)));
   line.end();
-  if (!report.ok()) return fail(report.error());
-  printBakeSummary(options.character_folder, report.value(), watch.seconds());
+  const double seconds = watch.seconds();
+  printBakeSummary(options.character_folder, report, seconds);
   return kOk;
 }
 

@@ -31,7 +31,7 @@ Options rows(refine::CalibrateOptions& o) {
 
 }  // namespace
 
-int calibrateCommand(int argc, char** argv) {
+Result<int> calibrateCommand(int argc, char** argv) {
   refine::CalibrateOptions options;
   Args args({"calibrate CAPTURE [-o CAPTURE2] [options]",
              "Compares every camera's silhouettes with the visual hull of all others: names cameras that are off in "
@@ -53,7 +53,7 @@ int calibrateCommand(int argc, char** argv) {
     return !*stop;
   });
   if (tty) std::fputs("\r\033[K", stderr);
-  if (!calibration.ok()) return fail(calibration.error());
+  if (!calibration.ok()) return calibration.error();
   for (const std::string& warning : calibration.value().warnings) warn("%s", warning.c_str());
   for (const std::string& line : refine::calibrationLines(calibration.value())) std::printf("%s\n", line.c_str());
   if (!options.folder.empty()) note("figures: %s/%s", options.folder.c_str(), refine::kCalibrationHtml);

@@ -13,18 +13,18 @@ namespace fourdvt::tools {
 // Options that another program adds to `bake`.
 using BakeExtension = Options (*)(bake::BakeOptions&);
 
-int importCommand(int argc, char** argv);
-int calibrateCommand(int argc, char** argv);
-int mattesCommand(int argc, char** argv);
-int reconstructCommand(int argc, char** argv);
-int bakeCommand(int argc, char** argv, BakeExtension extension = nullptr);
-int planCommand(int argc, char** argv);
-int pieceCommand(int argc, char** argv);
-int finishCommand(int argc, char** argv);
-int jobCommand(int argc, char** argv);
-int inspectCommand(int argc, char** argv);
-int renderCommand(int argc, char** argv);
-int liveCommand(int argc, char** argv);
-int liveCameraCommand(int argc, char** argv);
+Result<int> importCommand(int argc, char** argv);
+Result<int> calibrateCommand(int argc, char** argv);
+Result<int> mattesCommand(int argc, char** argv);
+Result<int> reconstructCommand(int argc, char** argv);
+Result<int> bakeCommand(int argc, char** argv, BakeExtension extension = nullptr);
+Result<int> planCommand(int argc, char** argv);
+Result<int> pieceCommand(int argc, char** argv);
+Result<int> finishCommand(int argc, char** argv);
+Result<int> jobCommand(int argc, char** argv);
+Result<int> inspectCommand(int argc, char** argv);
+Result<int> renderCommand(int argc, char** argv);
+Result<int> liveCommand(int argc, char** argv);
+Result<int> liveCameraCommand(int argc, char** argv);
 
 }  // namespace fourdvt::tools

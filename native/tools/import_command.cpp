@@ -58,7 +58,7 @@ Options rows(capture::ImportOptions& o) {
 
 }  // namespace
 
-int importCommand(int argc, char** argv) {
+Result<int> importCommand(int argc, char** argv) {
   capture::ImportOptions options;
   Args args({"import SOURCE -o CAPTURE [options]",
              "Makes a capture folder from a calibration of another program and the videos or pictures beside it, which "
@@ -72,8 +72,7 @@ int importCommand(int argc, char** argv) {
             argc, argv);
   args.complain(options.check());
   if (const auto code = args.helpOrProblem()) return *code;
-  const auto summary = capture::importCapture(options, videoOpener());
-  if (!summary.ok()) return fail(summary.error());
+  FOURDVT_ASSIGN(const auto summary, capture::importCapture(options, videoOpener()));
   for (const std::string& warning : summary.value().warnings) warn("%s", warning.c_str());
   for (const std::string& line : summary.value().details) detail("%s", line.c_str());
   for (const std::string& line : summary.value().done) note("%s", line.c_str());

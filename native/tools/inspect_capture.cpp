@@ -53,9 +53,7 @@ bool isCaptureFolder(const std::string& path) {
 }
 
 int inspectCapture(const std::string& folder) {
-  const auto opened = capture::openDescription(folder, {}, capture::MeshNeed::Nothing);
-  if (!opened.ok()) return fail(opened.error());
-  const capture::Capture& capture = opened.value();
+  FOURDVT_ASSIGN(const capture::Capture capture, capture::openDescription(folder, {}, capture::MeshNeed::Nothing));
   std::printf("%s: %s, %zu cameras, %g frames/s, %s\n", folder.c_str(), capture.name.c_str(), capture.cameras.size(),
               capture.fps, meshesOf(folder).c_str());
   size_t unusable = 0;

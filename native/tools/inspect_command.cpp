@@ -410,7 +410,7 @@ class Inspection {
 
 }  // namespace
 
-int inspectCommand(int argc, char** argv) {
+Result<int> inspectCommand(int argc, char** argv) {
   std::string path;
   const Args args({"inspect CHARACTER|CAPTURE",
                    "Of a capture folder: lists per camera the pictures, the marks that their files have (turned, "
@@ -425,12 +425,11 @@ int inspectCommand(int argc, char** argv) {
   if (const auto code = args.helpOrProblem()) return *code;
   if (isCaptureFolder(path)) return inspectCapture(path);
   if (std::error_code ignored; fs::is_directory(path, ignored) && !fs::exists(manifestPath(path), ignored))
-    return fail(Error{
+    return Error{
         ErrorId::FileMissing,
-        path + ": neither a capture (capture.json) nor a character (character.gltf); name the folder that has one"});
+        path + ": neither a capture (capture.json) nor a character (character.gltf); name the folder that has one"};
   Inspection inspection(manifestPath(path));
-  const Status status = inspection.run();
-  if (!status.ok()) return fail(status.error());
+  FOURDVT_TRY(inspection.run());
   inspection.print();
   std::printf("everything decodes\n");
   return kOk;

@@ -80,19 +80,18 @@ Status finishBakeOf(const std::string& job_folder, const jobs::Plan& plan) {
   ProgressLine line;
   const bake::BakeEnvironment environment = inJob(job_folder, bakeEnvironment(gpu, line));
   const Watch watch;
-  const auto report = bake::finishBake(job_folder, plan, environment);
+  FOURDVT_ASSIGN(const auto report, bake::finishBake(job_folder, plan, environment));
   line.end();
-  if (!report) return report.error();
-  printBakeSummary(plan.result, report.value(), watch.seconds());
+  printBakeSummary(plan.result, report, watch.seconds());
   return {};
 }
 
 Status finishReconstructOf(const std::string& job_folder, const jobs::Plan& plan) {
   ProgressLine line;
-  const auto summary = reconstruct::finishReconstruct(job_folder, inJob(job_folder, reconstructEnvironment({}, line)));
+  FOURDVT_ASSIGN(const auto summary,
+                 reconstruct::finishReconstruct(job_folder, inJob(job_folder, reconstructEnvironment({}, line))));
   line.end();
-  if (!summary) return summary.error();
-  printReconstructSummary(plan.result, summary.value());
+  printReconstructSummary(plan.result, summary);
   return {};
 }
 
@@ -107,7 +106,7 @@ Status finishJob(const std::string& job_folder, const jobs::Plan& plan, const jo
 
 }  // namespace
 
-int pieceCommand(int argc, char** argv) {
+Result<int> pieceCommand(int argc, char** argv) {
   std::string job_folder, id;
   int threads = 2;
   const Args args({"piece JOB ID [options]",
@@ -118,17 +117,16 @@ int pieceCommand(int argc, char** argv) {
                   argc, argv);
   if (const auto code = args.helpOrProblem()) return *code;
   job_folder = withoutSlash(job_folder);
-  const auto plan = jobs::readPlan(job_folder);
-  if (!plan.ok()) return fail(plan.error());
-  const jobs::Piece* piece = plan.value().find(id);
+  FOURDVT_ASSIGN(const auto plan, jobs::readPlan(job_folder));
+  const jobs::Piece* piece = plan.find(id);
   if (!piece)
-    return fail({ErrorId::InvalidArgument, job_folder + ": has no piece \"" + id + "\"; plan.json lists them"});
-  const Status done = piece->kind == jobs::kFinish ? finishJob(job_folder, plan.value(), *piece)
-                                                   : computePiece(job_folder, plan.value(), *piece, threads);
-  return done.ok() ? kOk : fail(done.error());
+    return Error{ErrorId::InvalidArgument, job_folder + ": has no piece \"" + id + "\"; plan.json lists them"};
+  FOURDVT_TRY(piece->kind == jobs::kFinish ? finishJob(job_folder, plan, *piece)
+                                           : computePiece(job_folder, plan, *piece, threads));
+  return kOk;
 }
 
-int finishCommand(int argc, char** argv) {
+Result<int> finishCommand(int argc, char** argv) {
   std::string job_folder;
   const Args args({"finish JOB",
                    "Writes the result of a plan whose pieces are done, and the job's report. JOB stays; delete it when "
@@ -138,13 +136,12 @@ int finishCommand(int argc, char** argv) {
                   argc, argv);
   if (const auto code = args.helpOrProblem()) return *code;
   job_folder = withoutSlash(job_folder);
-  const auto plan = jobs::readPlan(job_folder);
-  if (!plan.ok()) return fail(plan.error());
-  const Status done = finishJob(job_folder, plan.value(), plan.value().pieces.back());
-  return done.ok() ? kOk : fail(done.error());
+  FOURDVT_ASSIGN(const auto plan, jobs::readPlan(job_folder));
+  FOURDVT_TRY(finishJob(job_folder, plan, plan.pieces.back()));
+  return kOk;
 }
 
-int jobCommand(int argc, char** argv) {
+Result<int> jobCommand(int argc, char** argv) {
   std::string job_folder;
   const Args args({"job JOB",
                    "Prints how far a job is, and writes the report over its pieces: their seconds and memory, the "
@@ -154,12 +151,10 @@ int jobCommand(int argc, char** argv) {
                   argc, argv);
   if (const auto code = args.helpOrProblem()) return *code;
   job_folder = withoutSlash(job_folder);
-  const auto plan = jobs::readPlan(job_folder);
-  if (!plan.ok()) return fail(plan.error());
-  const jobs::Progress progress = jobs::readProgress(job_folder, plan.value());
-  if (const Status written = jobs::writeReport(job_folder, plan.value(), progress); !written.ok())
-    return fail(written.error());
-  std::printf("%s: %s\nreport: %s/%s\n", job_folder.c_str(), jobs::progressLine(plan.value(), progress).c_str(),
+  FOURDVT_ASSIGN(const auto plan, jobs::readPlan(job_folder));
+  const jobs::Progress progress = jobs::readProgress(job_folder, plan);
+  FOURDVT_TRY(jobs::writeReport(job_folder, plan, progress));
+  std::printf("%s: %s\nreport: %s/%s\n", job_folder.c_str(), jobs::progressLine(plan, progress).c_str(),
               job_folder.c_str(), jobs::kReportHtml);
   return kOk;
 }

@@ -255,7 +255,7 @@ class LiveCamera {
 
 }  // namespace
 
-int liveCameraCommand(int argc, char** argv) {
+Result<int> liveCameraCommand(int argc, char** argv) {
   CameraArguments a;
   const char* token = std::getenv("FOURDVT_LIVE_TOKEN");
   a.client.token = token ? token : "";
@@ -276,11 +276,10 @@ int liveCameraCommand(int argc, char** argv) {
   if (const auto code = args.helpOrProblem()) return *code;
   a.client.url = withPath(a.client.url);
   const std::atomic<bool>* stop = listenForStop();
-  const auto rig = live::readRig(a.rig_file);
-  if (!rig.ok()) return fail(rig.error());
+  FOURDVT_ASSIGN(const auto rig, live::readRig(a.rig_file));
   LiveLine line;
-  LiveCamera camera(rig.value(), a, line);
-  if (const Status started = camera.start(); !started.ok()) return fail(started.error());
+  LiveCamera camera(rig, a, line);
+  FOURDVT_TRY(camera.start());
   for (int tenths = 1; !*stop && !camera.isRefused(); ++tenths) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     camera.keepOpen();

@@ -97,7 +97,7 @@ std::string statusLine(const LiveStatus& status) {
 
 }  // namespace
 
-int liveCommand(int argc, char** argv) {
+Result<int> liveCommand(int argc, char** argv) {
   LiveArguments a;
   a.options.server.port = 8090;
   Args args({"live RIG.json [options]",
@@ -112,18 +112,15 @@ int liveCommand(int argc, char** argv) {
   if (const auto code = args.helpOrProblem()) return *code;
 
   const std::atomic<bool>* stop = listenForStop();
-  const auto rig = live::readRig(a.rig_file);
-  if (!rig.ok()) return fail(rig.error());
+  FOURDVT_ASSIGN(const auto rig, live::readRig(a.rig_file));
   if (!a.token_file.empty()) {
-    auto tokens = live::readOrMakeTokens(a.token_file);
-    if (!tokens.ok()) return fail(tokens.error());
-    a.options.access.tokens = tokens.value().tokens;
-    if (tokens.value().made) printTokens(a.token_file, tokens.value().tokens);
+    FOURDVT_ASSIGN(const auto read, live::readOrMakeTokens(a.token_file));
+    a.options.access.tokens = read.tokens;
+    if (read.made) printTokens(a.token_file, read.tokens);
   }
   LiveLine line;
-  auto started = live::LiveService::start(rig.value(), a.options, [&](const std::string& text) { line.note(text); });
-  if (!started.ok()) return fail(started.error());
-  const auto service = started.take();
+  FOURDVT_ASSIGN(const auto service,
+                 live::LiveService::start(rig, a.options, [&](const std::string& text) { line.note(text); }));
   printAddresses(a.options, service->port());
   for (int tenths = 1; !*stop; ++tenths) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));

@@ -28,7 +28,7 @@ Options rows(mattes::MattesOptions& o) {
 
 }  // namespace
 
-int mattesCommand(int argc, char** argv) {
+Result<int> mattesCommand(int argc, char** argv) {
   mattes::MattesOptions options;
   Args args({"mattes CAPTURE -o CAPTURE2 [options]",
              "Makes mattes for the cameras that have none, and writes a capture folder with them: pictures are links "
@@ -51,10 +51,8 @@ int mattesCommand(int argc, char** argv) {
     line.show({p.stage, p.done, p.total, p.frames_per_s, p.left_s});
   };
   environment.stop = stop;
-  const auto summary = mattes::makeMattes(options, environment);
+  FOURDVT_ASSIGN(const auto s, mattes::makeMattes(options, environment));
   line.end();
-  if (!summary.ok()) return fail(summary.error());
-  const auto& s = summary.value();
   for (const std::string& warning : s.warnings) warn("%s", warning.c_str());
   const uint32_t made = s.frames - s.frames_kept;
   note("%s: mattes of %u frames, %.1f s (%.2f s per frame of all cameras)", options.folder.c_str(), s.frames, s.wall_s,

@@ -68,40 +68,37 @@ void printPlan(const std::string& job_folder, const jobs::Plan& plan, double sec
 
 // Makes the plan with `make`, and what runs it, in the job folder.
 template <class Make>
-int planned(ProgressLine& line, const Make& make) {
+Result<int> planned(ProgressLine& line, const Make& make) {
   const Watch watch;
-  const auto plan = make();
+  FOURDVT_ASSIGN(const auto plan, make());
   line.end();
-  if (!plan.ok()) return fail(plan.error());
-  const std::string job_folder = plan.value().result + ".work";
-  if (const Status written = writeClusterFiles(job_folder); !written.ok()) return fail(written.error());
-  printPlan(job_folder, plan.value(), watch.seconds());
+  const std::string job_folder = plan.result + ".work";
+  FOURDVT_TRY(writeClusterFiles(job_folder));
+  printPlan(job_folder, plan, watch.seconds());
   return kOk;
 }
 
-int planBakeCommand(int argc, char** argv) {
-  const auto [options, exit_code] = readBakeCommand(argc, argv);
-  if (exit_code) return *exit_code;
-  auto gpu = openGpu();
-  if (!gpu.ok()) return fail(gpu.error());
+Result<int> planBakeCommand(int argc, char** argv) {
+  bake::BakeOptions options;
+  FOURDVT_ASSIGN(const auto code, readBakeCommand(argc, argv, options));
+  if (code) return *code;
+  FOURDVT_ASSIGN(const auto gpu, openGpu());
   ProgressLine line;
-  const auto environment = bakeEnvironment(gpu.value(), line);
-  return planned(line, [&, &options = options] { return bake::planBake(options, {argv, argv + argc}, environment); });
+  const auto environment = bakeEnvironment(gpu, line);
+  return planned(line, [&] { return bake::planBake(options, {argv, argv + argc}, environment); });
 }
 
-int planReconstructCommand(int argc, char** argv) {
-  const auto [options, exit_code] = readReconstructCommand(argc, argv);
-  if (exit_code) return *exit_code;
+Result<int> planReconstructCommand(int argc, char** argv) {
+  reconstruct::ReconstructOptions options;
+  if (const auto code = readReconstructCommand(argc, argv, options)) return *code;
   ProgressLine line;
   const auto environment = reconstructEnvironment({}, line);
-  return planned(line, [&, &options = options] {
-    return reconstruct::planReconstruct(options, {argv, argv + argc}, environment);
-  });
+  return planned(line, [&] { return reconstruct::planReconstruct(options, {argv, argv + argc}, environment); });
 }
 
 }  // namespace
 
-int planCommand(int argc, char** argv) {
+Result<int> planCommand(int argc, char** argv) {
   const char* command = argc > 0 ? argv[0] : "";
   if (std::strcmp(command, "bake") == 0) return planBakeCommand(argc - 1, argv + 1);
   if (std::strcmp(command, "reconstruct") == 0) return planReconstructCommand(argc - 1, argv + 1);

@@ -19,12 +19,23 @@ void printUsage(std::FILE* out, std::span<const Command> commands) {
   std::fputs("\nEvery command has --quiet and --verbose.\n", out);
 }
 
+// What a first page needs is built before the rest.
+int printNotBuiltYet(const Command& command) {
+  std::fprintf(stderr,
+               "%s: \"%s\" is not built yet. site/demo.sh builds it once the page is served, in some minutes "
+               "(build/rest.log); site/demo.sh --prepare builds everything at once\n",
+               programName(), command.name);
+  return kFailed;
+}
+
 // Libraries throw where memory runs out, or on input that nothing before them refused.
 int runGuarded(const Command& command, int argc, char** argv) {
   try {
     const Watch watch;
-    const int code = command.run(argc - 2, argv + 2);
-    detail("%s: %.1f s in all", command.name, watch.seconds());
+    const Result<int> result = command.run(argc - 2, argv + 2);
+    const int code = result.ok() ? result.value() : fail(result.error());
+    const double seconds = watch.seconds();
+    detail("%s: %.1f s in all", command.name, seconds);
     return code;
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "%s: %s: out of memory; reduce the detail or --jobs\n", programName(), command.name);
@@ -40,7 +51,8 @@ int runProgram(const char* program, std::span<const Command> commands, int argc,
   setProgramName(program);
   const char* name = argc > 1 ? argv[1] : "";
   for (const Command& command : commands)
-    if (std::strcmp(name, command.name) == 0) return runGuarded(command, argc, argv);
+    if (std::strcmp(name, command.name) == 0)
+      return command.run ? runGuarded(command, argc, argv) : printNotBuiltYet(command);
   if (std::strcmp(name, "--help") == 0 || std::strcmp(name, "-h") == 0) {
     printUsage(stdout, commands);
     return kOk;

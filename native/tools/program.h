@@ -3,14 +3,16 @@
 #pragma once
 
 #include <span>
-#include <string>
+
+#include "base/result.h"
 
 namespace fourdvt::tools {
 
 struct Command {
   const char* name;
   const char* summary;
-  int (*run)(int argc, char** argv);  // arguments after the command's name; returns the exit code (args.h)
+  // Takes the arguments after the command's name and returns the exit code (args.h); null: not in this build.
+  Result<int> (*run)(int argc, char** argv);
 };
 
 // Runs the command that argv[1] names. Exceptions of libraries end in a message and kFailed.

@@ -62,6 +62,7 @@ void ProgressLine::show(const FrameProgress& p) {
 void ProgressLine::end() {
   timeStage("");
   if (tty_ && shown_) std::fputs("\r\033[K", stderr);
+  shown_ = false;
 }
 
 }  // namespace fourdvt::tools

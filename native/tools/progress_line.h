@@ -19,6 +19,7 @@ struct FrameProgress {
 class ProgressLine {
  public:
   ProgressLine();
+  ~ProgressLine() { end(); }
   void show(const FrameProgress& progress);
   void end();
 

@@ -11,12 +11,8 @@
 
 namespace fourdvt::tools {
 
-struct ReconstructCommandLine {
-  reconstruct::ReconstructOptions options;
-  std::optional<int> exit_code;  // help or a problem was printed; none: the options are valid
-};
-
-ReconstructCommandLine readReconstructCommand(int argc, char** argv);
+// Sets the options; with a value, help or a problem was printed, and that is the exit code.
+std::optional<int> readReconstructCommand(int argc, char** argv, reconstruct::ReconstructOptions& options);
 // Borrows both; Ctrl-C is listened for. A session without a device will do where stereo is off.
 reconstruct::ReconstructEnvironment reconstructEnvironment(const GpuSession& gpu, ProgressLine& line);
 void printReconstructSummary(const std::string& folder, const reconstruct::ReconstructSummary& summary);

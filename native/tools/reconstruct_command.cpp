@@ -64,9 +64,7 @@ Options surfaceOptions(ReconstructOptions& o) {
 
 }  // namespace
 
-ReconstructCommandLine readReconstructCommand(int argc, char** argv) {
-  ReconstructCommandLine line;
-  ReconstructOptions& o = line.options;
+std::optional<int> readReconstructCommand(int argc, char** argv, ReconstructOptions& o) {
   Args args({"reconstruct CAPTURE -o CAPTURE2 [options]",
              "Makes a surface for every frame from calibrated cameras and their pictures alone, and writes a capture "
              "folder with it: pictures are links into CAPTURE, meshes are PLY files. Meshes of CAPTURE are ignored. "
@@ -76,8 +74,7 @@ ReconstructCommandLine readReconstructCommand(int argc, char** argv) {
              join({silhouetteOptions(o), surfaceOptions(o)})},
             argc, argv);
   args.complain(o.check());
-  line.exit_code = args.helpOrProblem();
-  return line;
+  return args.helpOrProblem();
 }
 
 reconstruct::ReconstructEnvironment reconstructEnvironment(const GpuSession& gpu, ProgressLine& line) {
@@ -103,20 +100,17 @@ void printReconstructSummary(const std::string& folder, const reconstruct::Recon
   note("figures: %s/reconstruct.html", folder.c_str());
 }
 
-int reconstructCommand(int argc, char** argv) {
-  const auto [options, exit_code] = readReconstructCommand(argc, argv);
-  if (exit_code) return *exit_code;
+Result<int> reconstructCommand(int argc, char** argv) {
+  ReconstructOptions options;
+  if (const auto code = readReconstructCommand(argc, argv, options)) return *code;
   GpuSession gpu;
   if (options.stereo) {
-    auto opened = openGpu();
-    if (!opened.ok()) return fail(opened.error());
-    gpu = opened.take();
+    FOURDVT_ASSIGN(gpu, openGpu());
   }
   ProgressLine line;
-  const auto summary = reconstruct::reconstruct(options, reconstructEnvironment(gpu, line));
+  FOURDVT_ASSIGN(const auto summary, reconstruct::reconstruct(options, reconstructEnvironment(gpu, line)));
   line.end();
-  if (!summary.ok()) return fail(summary.error());
-  printReconstructSummary(options.folder, summary.value());
+  printReconstructSummary(options.folder, summary);
   return kOk;
 }
 

@@ -215,9 +215,7 @@ void checkOutput(Args& args, const RenderArguments& a) {
 
 bool RenderArguments::movie() const { return std::filesystem::path(output).extension() == ".mp4"; }
 
-RenderCommandLine readRenderCommand(int argc, char** argv) {
-  RenderCommandLine line;
-  RenderArguments& a = line.arguments;
+std::optional<int> readRenderCommand(int argc, char** argv, RenderArguments& a) {
   Args args(
       {"render (CHARACTER | --scene SCENE.json) (-o PICTURE | -o MOVIE.mp4 | --turntable MOVIE.mp4) [options]",
        "Draws one frame of a character, seen from an orbit position, a capture camera or a camera of a COLMAP "
@@ -235,8 +233,7 @@ RenderCommandLine readRenderCommand(int argc, char** argv) {
   checkMethod(args, a);
   checkMotion(args, a);
   checkOutput(args, a);
-  line.exit_code = args.helpOrProblem();
-  return line;
+  return args.helpOrProblem();
 }
 
 Status setLook(const LookArguments& look, gpu::Device& device, render::Recipe& recipe) {

@@ -68,12 +68,8 @@ struct RenderArguments {
   }
 };
 
-struct RenderCommandLine {
-  RenderArguments arguments;
-  std::optional<int> exit_code;  // help or a problem was printed; none: the arguments are valid
-};
-
-RenderCommandLine readRenderCommand(int argc, char** argv);
+// Sets the arguments; with a value, help or a problem was printed, and that is the exit code.
+std::optional<int> readRenderCommand(int argc, char** argv, RenderArguments& arguments);
 // Checks that the character can be drawn so. Errors: InvalidArgument.
 Status checkMethod(const RenderArguments& arguments, const package::Character& character);
 // Errors: those of reading the picture, with its path; GpuFailure.

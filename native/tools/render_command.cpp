@@ -140,32 +140,29 @@ Status prepareMotion(CharacterSession& session, const RenderArguments& arguments
 
 }  // namespace
 
-int renderCommand(int argc, char** argv) {
-  const auto [arguments, exit_code] = readRenderCommand(argc, argv);
-  if (exit_code) return *exit_code;
+Result<int> renderCommand(int argc, char** argv) {
+  RenderArguments arguments;
+  if (const auto code = readRenderCommand(argc, argv, arguments)) return *code;
   if (!arguments.scene.empty() || arguments.playing()) {
-    const Status status = arguments.scene.empty() ? renderMotion(arguments) : renderScene(arguments);
-    return status.ok() ? kOk : fail(status.error());
+    FOURDVT_TRY(arguments.scene.empty() ? renderMotion(arguments) : renderScene(arguments));
+    return kOk;
   }
-  auto session = openCharacter(arguments.character, arguments.rendition);
-  if (!session.ok()) return fail(session.error());
-  const package::Character& character = session.value().character();
-  if (const Status fits = checkMethod(arguments, character); !fits.ok()) return fail(fits.error());
+  const auto invalid = [&](const std::string& what) {
+    return Error{ErrorId::InvalidArgument, arguments.character + ": " + what};
+  };
+  FOURDVT_ASSIGN(auto session, openCharacter(arguments.character, arguments.rendition));
+  const package::Character& character = session.character();
+  FOURDVT_TRY(checkMethod(arguments, character));
   const std::string name = arguments.sequence.empty() ? character.sequences.front().name : arguments.sequence;
-  auto found = findState(character, name, arguments.character);
-  if (!found.ok()) return fail(found.error());
-  const package::Sequence& sequence = *found.value();
-  if (!arguments.motion_class.empty() && !sequence.isClass())
-    return fail(
-        {ErrorId::InvalidArgument, arguments.character + ": " + name + " is a sequence, not a class; use --sequence"});
-  if (static_cast<uint32_t>(arguments.frame) >= sequence.frame_count)
-    return fail({ErrorId::InvalidArgument,
-                 arguments.character + ": " + name + " has frames 0 to " + std::to_string(sequence.frame_count - 1)});
-  if (const Status ready = prepareMotion(session.value(), arguments); !ready.ok()) return fail(ready.error());
-  const Status status = arguments.fromCapture()       ? renderFvvr(session.value(), arguments, name)
-                        : arguments.turntable.empty() ? renderStill(session.value(), arguments, sequence)
-                                                      : renderTurntable(session.value(), arguments, sequence);
-  if (!status.ok()) return fail(status.error());
+  FOURDVT_ASSIGN(const package::Sequence* sequence, findState(character, name, arguments.character));
+  if (!arguments.motion_class.empty() && !sequence->isClass())
+    return invalid(name + " is a sequence, not a class; use --sequence");
+  if (static_cast<uint32_t>(arguments.frame) >= sequence->frame_count)
+    return invalid(name + " has frames 0 to " + std::to_string(sequence->frame_count - 1));
+  FOURDVT_TRY(prepareMotion(session, arguments));
+  FOURDVT_TRY(arguments.fromCapture()       ? renderFvvr(session, arguments, name)
+              : arguments.turntable.empty() ? renderStill(session, arguments, *sequence)
+                                            : renderTurntable(session, arguments, *sequence));
   detail("wrote %s", (arguments.turntable.empty() ? arguments.output : arguments.turntable).c_str());
   return kOk;
 }

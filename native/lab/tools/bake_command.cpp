@@ -20,6 +20,6 @@ tools::Options labelsOption(bake::BakeOptions& options) {
 
 }  // namespace
 
-int bakeCommand(int argc, char** argv) { return tools::bakeCommand(argc, argv, labelsOption); }
+Result<int> bakeCommand(int argc, char** argv) { return tools::bakeCommand(argc, argv, labelsOption); }
 
 }  // namespace fourdvt::lab

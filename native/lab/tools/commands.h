@@ -4,14 +4,14 @@
 
 namespace fourdvt::lab {
 
-int stageCommand(int argc, char** argv);
-int streamCommand(int argc, char** argv);
-int studioCommand(int argc, char** argv);
-int bakeCommand(int argc, char** argv);
-int studyCommand(int argc, char** argv);
-int scoreCommand(int argc, char** argv);
-int methodsCommand(int argc, char** argv);
-int mattesCommand(int argc, char** argv);
-int surfacesCommand(int argc, char** argv);
+Result<int> stageCommand(int argc, char** argv);
+Result<int> streamCommand(int argc, char** argv);
+Result<int> studioCommand(int argc, char** argv);
+Result<int> bakeCommand(int argc, char** argv);
+Result<int> studyCommand(int argc, char** argv);
+Result<int> scoreCommand(int argc, char** argv);
+Result<int> methodsCommand(int argc, char** argv);
+Result<int> mattesCommand(int argc, char** argv);
+Result<int> surfacesCommand(int argc, char** argv);
 
 }  // namespace fourdvt::lab

@@ -21,18 +21,17 @@ Status score(const Arguments& arguments) {
   FOURDVT_ASSIGN(auto capture, capture::openCapture(arguments.capture, tools::videoOpener(), arguments.sequences,
                                                     capture::MeshNeed::Nothing));
   const FrameLine line;
-  const auto scores =
-      measure::scoreMattes(capture, capture.folder + "/" + arguments.against, tools::videoOpener(), line);
+  FOURDVT_ASSIGN(const auto scores,
+                 measure::scoreMattes(capture, capture.folder + "/" + arguments.against, tools::videoOpener(), line));
   line.end();
-  if (!scores) return scores.error();
-  std::fputs(measure::matteTable(scores.value()).c_str(), stdout);
+  std::fputs(measure::matteTable(scores).c_str(), stdout);
   if (arguments.report.empty()) return {};
-  return platform::writeFileAtomic(arguments.report, measure::matteJson(scores.value()));
+  return platform::writeFileAtomic(arguments.report, measure::matteJson(scores));
 }
 
 }  // namespace
 
-int mattesCommand(int argc, char** argv) {
+Result<int> mattesCommand(int argc, char** argv) {
   Arguments a;
   const tools::Args args(
       {"mattes CAPTURE [--against FOLDER] [-o REPORT.json]",
@@ -46,8 +45,8 @@ int mattesCommand(int argc, char** argv) {
         {"-o REPORT.json", tools::text(a.report), "file to write the same rows to"}}},
       argc, argv);
   if (const auto code = args.helpOrProblem()) return *code;
-  const Status scored = score(a);
-  return scored.ok() ? tools::kOk : tools::fail(scored.error());
+  FOURDVT_TRY(score(a));
+  return tools::kOk;
 }
 
 }  // namespace fourdvt::lab

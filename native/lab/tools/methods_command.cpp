@@ -70,16 +70,15 @@ Status printTable(Arguments& arguments) {
   study::MethodScoreOptions& options = arguments.table;
   if (options.methods.empty()) options.methods = render::cameraMethodNames(render::MethodGroup::Textured);
   const FrameLine line;
-  const auto scores = study::scoreMethods(*gpu.device, capture, tools::videoOpener(), options, line);
+  FOURDVT_ASSIGN(const auto scores, study::scoreMethods(*gpu.device, capture, tools::videoOpener(), options, line));
   line.end();
-  if (!scores) return scores.error();
-  std::fputs(study::methodTable(scores.value()).c_str(), stdout);
+  std::fputs(study::methodTable(scores).c_str(), stdout);
   return {};
 }
 
 }  // namespace
 
-int methodsCommand(int argc, char** argv) {
+Result<int> methodsCommand(int argc, char** argv) {
   Arguments arguments;
   study::StudyOptions& study = arguments.study;
   study.command = "methods";
@@ -101,8 +100,8 @@ int methodsCommand(int argc, char** argv) {
   study.further = optionsAsTyped(study);
   if (!arguments.study.report_folder.empty())
     return runStudyCommand(arguments.study, capture::MeshNeed::AnySurface, study::runProjectiveStudy);
-  const Status printed = printTable(arguments);
-  return printed.ok() ? tools::kOk : tools::fail(printed.error());
+  FOURDVT_TRY(printTable(arguments));
+  return tools::kOk;
 }
 
 }  // namespace fourdvt::lab

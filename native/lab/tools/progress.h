@@ -17,6 +17,7 @@ namespace fourdvt::lab {
 // Prints one line, rewritten in place, on a terminal; elsewhere a line every 5 s.
 class StudyLine {
  public:
+  ~StudyLine() { end(); }
   void show(const study::StudyProgress& p) {
     const auto now = Clock::now();
     if (!started_) started_ = now, first_share_ = p.share;
@@ -51,6 +52,7 @@ class StudyLine {
 // On a terminal, one line that is rewritten.
 class FrameLine {
  public:
+  ~FrameLine() { end(); }
   void operator()(const std::string& sequence, uint32_t frame) const {
     if (tty_) std::fprintf(stderr, "\r\033[K%s frame %u", sequence.c_str(), frame);
   }

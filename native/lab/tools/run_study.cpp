@@ -11,28 +11,26 @@
 
 namespace fourdvt::lab {
 
-int runStudyCommand(const study::StudyOptions& options, capture::MeshNeed need, StudyRunner run) {
-  auto capture = capture::openCapture(options.capture_folder, tools::videoOpener(), options.sequences, need);
-  if (!capture.ok()) return tools::fail(capture.error());
+Result<int> runStudyCommand(const study::StudyOptions& options, capture::MeshNeed need, StudyRunner run) {
+  FOURDVT_ASSIGN(const auto capture,
+                 capture::openCapture(options.capture_folder, tools::videoOpener(), options.sequences, need));
   const std::atomic<bool>* stop = tools::listenForStop();
-  auto gpu = tools::openGpu();
-  if (!gpu.ok()) return tools::fail(gpu.error());
+  FOURDVT_ASSIGN(const auto gpu, tools::openGpu());
   StudyLine line;
   study::StudyContext context;
   context.options = options;
   context.options.generator = "fourdvt-lab " FOURDVT_VERSION;
-  context.capture = &capture.value();
+  context.capture = &capture;
   context.open_video = tools::videoOpener();
-  context.device = gpu.value().device.get();
+  context.device = gpu.device.get();
   context.progress = [&](const study::StudyProgress& p) { line.show(p); };
   context.stop = stop;
   const Watch watch;
-  auto rows = run(context);
+  FOURDVT_ASSIGN(const auto rows, run(context));
   line.end();
-  if (!rows.ok()) return tools::fail(rows.error());
   const double seconds = watch.seconds();
   const char* folder = options.report_folder.c_str();
-  std::printf("%zu rows in %.0f s\nrows: %s/%s.csv\nreport: %s/report.html\n", rows.value().size(), seconds, folder,
+  std::printf("%zu rows in %.0f s\nrows: %s/%s.csv\nreport: %s/report.html\n", rows.size(), seconds, folder,
               options.stem.c_str(), folder);
   return tools::kOk;
 }

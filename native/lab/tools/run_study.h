@@ -8,6 +8,6 @@ namespace fourdvt::lab {
 
 using StudyRunner = Result<study::Rows> (*)(const study::StudyContext& context);
 // Returns the exit code.
-int runStudyCommand(const study::StudyOptions& options, capture::MeshNeed need, StudyRunner run);
+Result<int> runStudyCommand(const study::StudyOptions& options, capture::MeshNeed need, StudyRunner run);
 
 }  // namespace fourdvt::lab

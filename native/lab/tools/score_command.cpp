@@ -56,19 +56,19 @@ Status score(const Arguments& arguments) {
   FOURDVT_ASSIGN(auto capture, capture::openCapture(arguments.capture, tools::videoOpener(),
                                                     arguments.held_out.sequences, capture::MeshNeed::AnySurface));
   const FrameLine line;
-  auto report = measure::evaluateHeldOut(capture, tools::videoOpener(), *session.player, arguments.held_out, line);
+  FOURDVT_ASSIGN(const auto report,
+                 measure::evaluateHeldOut(capture, tools::videoOpener(), *session.player, arguments.held_out, line));
   line.end();
-  if (!report) return report.error();
-  std::fputs(measure::scoreTable(report.value()).c_str(), stdout);
+  std::fputs(measure::scoreTable(report).c_str(), stdout);
   const bool follows = capture.meshes == capture::CaptureMeshes::ConstantTopology;
   if (arguments.held_out.flicker_cameras > 0 && !follows)
     tools::note("flicker is not measured: meshes of per-frame topology do not show where a point goes");
-  return arguments.output.empty() ? Status() : writeReport(arguments.output, report.value());
+  return arguments.output.empty() ? Status() : writeReport(arguments.output, report);
 }
 
 }  // namespace
 
-int scoreCommand(int argc, char** argv) {
+Result<int> scoreCommand(int argc, char** argv) {
   Arguments arguments;
   const tools::Args args(
       {"score CHARACTER --capture CAPTURE [options]",
@@ -83,8 +83,8 @@ int scoreCommand(int argc, char** argv) {
        rows(arguments)},
       argc, argv);
   if (const auto code = args.helpOrProblem()) return *code;
-  const Status scored = score(arguments);
-  return scored.ok() ? tools::kOk : tools::fail(scored.error());
+  FOURDVT_TRY(score(arguments));
+  return tools::kOk;
 }
 
 }  // namespace fourdvt::lab

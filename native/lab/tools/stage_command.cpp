@@ -25,7 +25,7 @@ Status write(const std::string& folder, const stage::StageOptions& options) {
 
 }  // namespace
 
-int stageCommand(int argc, char** argv) {
+Result<int> stageCommand(int argc, char** argv) {
   std::string capture;
   stage::StageOptions o;
   const tools::Args args(
@@ -44,8 +44,8 @@ int stageCommand(int argc, char** argv) {
          "paint each picture's number on the performer; counter.json says where, which tests read"}}},
       argc, argv);
   if (const auto code = args.helpOrProblem()) return *code;
-  const Status written = write(capture, o);
-  return written.ok() ? tools::kOk : tools::fail(written.error());
+  FOURDVT_TRY(write(capture, o));
+  return tools::kOk;
 }
 
 }  // namespace fourdvt::lab

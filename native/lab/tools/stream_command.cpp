@@ -46,7 +46,7 @@ Status read(const std::string& recorded, const std::string& stage_folder, const 
 
 }  // namespace
 
-int streamCommand(int argc, char** argv) {
+Result<int> streamCommand(int argc, char** argv) {
   std::string recorded, stage_folder, surfaces_folder;
   const tools::Args args(
       {"stream RECORDED --stage FOLDER",
@@ -59,8 +59,8 @@ int streamCommand(int argc, char** argv) {
          "write the first surface of each frame of the stage's sequence, 000000.obj …"}}},
       argc, argv);
   if (const auto code = args.helpOrProblem()) return *code;
-  const Status done = read(recorded, stage_folder, surfaces_folder);
-  return done.ok() ? tools::kOk : tools::fail(done.error());
+  FOURDVT_TRY(read(recorded, stage_folder, surfaces_folder));
+  return tools::kOk;
 }
 
 }  // namespace fourdvt::lab

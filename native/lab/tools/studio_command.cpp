@@ -2,7 +2,6 @@
 #include <unistd.h>
 
 #include <array>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -153,6 +152,7 @@ std::vector<char*> withoutActorOption(int argc, char** argv) {
 // Prints one line, rewritten in place, on a terminal; elsewhere one line per step.
 class ProgressLine {
  public:
+  ~ProgressLine() { end(); }
   void show(const studio::StudioProgress& p) {
     if (!tty_ && p.step == step_) return;
     const auto now = std::chrono::steady_clock::now();
@@ -175,7 +175,7 @@ class ProgressLine {
 
 }  // namespace
 
-int studioCommand(int argc, char** argv) {
+Result<int> studioCommand(int argc, char** argv) {
   std::vector<char*> arguments = withoutActorOption(argc, argv);
   studio::StudioOptions options;
   Args args(
@@ -191,17 +191,14 @@ int studioCommand(int argc, char** argv) {
   if (const auto code = args.helpOrProblem()) return *code;
 
   const std::atomic<bool>* stop = tools::listenForStop();
-  auto gpu = tools::openGpu();
-  if (!gpu.ok()) return tools::fail(gpu.error());
+  FOURDVT_ASSIGN(const auto gpu, tools::openGpu());
   ProgressLine line;
-  const studio::StudioEnvironment environment{gpu.value().device.get(),
-                                              [&](const studio::StudioProgress& p) { line.show(p); }, stop};
+  const studio::StudioEnvironment environment{gpu.device.get(), [&](const studio::StudioProgress& p) { line.show(p); },
+                                              stop};
   const Watch watch;
-  auto report = studio::runStudio(options, environment);
+  FOURDVT_ASSIGN(const studio::StudioReport r, studio::runStudio(options, environment));
   line.end();
-  if (!report.ok()) return tools::fail(report.error());
   const double seconds = watch.seconds();
-  const studio::StudioReport& r = report.value();
   std::printf("%s: %u frames of %d cameras, mesh of %u vertices and %u faces, %u pictures in %.1f s\n",
               options.folder.c_str(), r.frames, options.cameras, r.vertices, r.faces, r.pictures, seconds);
   return tools::kOk;

@@ -6,7 +6,7 @@
 #include "tools/common_options.h"
 
 namespace fourdvt::lab {
-int studyCommand(int argc, char** argv) {
+Result<int> studyCommand(int argc, char** argv) {
   study::StudyOptions o;
   const tools::Args args(
       {"study CAPTURE -o REPORT [--quick]",

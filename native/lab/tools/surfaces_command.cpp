@@ -33,17 +33,17 @@ Status score(const Arguments& arguments) {
     FOURDVT_ASSIGN(gpu, tools::openGpu());
   }
   const FrameLine line;
-  const auto scores = measure::scoreSurfaces(capture, reference ? &*reference : nullptr, tools::videoOpener(),
-                                             {gpu ? gpu->device.get() : nullptr, arguments.closest.value_or(0)}, line);
+  FOURDVT_ASSIGN(const auto scores,
+                 measure::scoreSurfaces(capture, reference ? &*reference : nullptr, tools::videoOpener(),
+                                        {gpu ? gpu->device.get() : nullptr, arguments.closest.value_or(0)}, line));
   line.end();
-  if (!scores) return scores.error();
-  std::fputs(measure::surfaceTable(scores.value()).c_str(), stdout);
+  std::fputs(measure::surfaceTable(scores).c_str(), stdout);
   return {};
 }
 
 }  // namespace
 
-int surfacesCommand(int argc, char** argv) {
+Result<int> surfacesCommand(int argc, char** argv) {
   Arguments a;
   const tools::Args args(
       {"surfaces CAPTURE [--reference CAPTURE2]",
@@ -56,8 +56,8 @@ int surfacesCommand(int argc, char** argv) {
          "texture on the GPU from the M cameras nearest to the view, 0: all (default: on the CPU from all)"}}},
       argc, argv);
   if (const auto code = args.helpOrProblem()) return *code;
-  const Status scored = score(a);
-  return scored.ok() ? tools::kOk : tools::fail(scored.error());
+  FOURDVT_TRY(score(a));
+  return tools::kOk;
 }
 
 }  // namespace fourdvt::lab
