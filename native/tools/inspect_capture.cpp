@@ -52,7 +52,7 @@ bool isCaptureFolder(const std::string& path) {
   return std::filesystem::is_regular_file(std::filesystem::path(path) / "capture.json", ignored);
 }
 
-int inspectCapture(const std::string& folder) {
+Result<int> inspectCapture(const std::string& folder) {
   FOURDVT_ASSIGN(const capture::Capture capture, capture::openDescription(folder, {}, capture::MeshNeed::Nothing));
   std::printf("%s: %s, %zu cameras, %g frames/s, %s\n", folder.c_str(), capture.name.c_str(), capture.cameras.size(),
               capture.fps, meshesOf(folder).c_str());
