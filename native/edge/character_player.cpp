@@ -2,15 +2,12 @@
 #include "edge/character_player.h"
 
 #include <algorithm>
-#include <array>
 #include <deque>
 #include <filesystem>
-#include <map>
 
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
 #include "render/cameras/camera_method.h"
-#include "render/still_target.h"
 
 namespace fourdvt::edge {
 namespace {
@@ -20,8 +17,10 @@ using platform::readFileRange, platform::readJsonFlat, platform::SampleDecoder;
 constexpr double kTick_s = 0.01;
 constexpr int kMaxTicksPerFrame = 4000;  // far above what a seek needs; a character that never answers is an error
 
-// A picture that waits for a slot, copied out of the decoder.
-struct HeldPicture {
+}  // namespace
+
+// Copied out of the decoder.
+struct CharacterPlayer::HeldPicture {
   int64_t timestamp_us = 0;
   int width = 0, height = 0;
   std::shared_ptr<std::vector<uint8_t>> planes = std::make_shared<std::vector<uint8_t>>();  // y, u, v, tightly packed
@@ -48,68 +47,41 @@ struct HeldPicture {
   }
 };
 
-class FilePlayer final : public CharacterPlayer {
- public:
-  FilePlayer(gpu::Device& device, std::shared_ptr<render::Recipe> recipe, std::string folder, uint32_t rendition)
-      : recipe_(std::move(recipe)), folder_(std::move(folder)), rendition_(rendition), still_(device) {}
-
-  Status load(gpu::Device& device, const std::string& manifest_path) {
-    FOURDVT_ASSIGN(auto json, readJsonFlat(manifest_path));
-    FOURDVT_ASSIGN(player_, Player::create(device, recipe_, {.rendition = rendition_}));
-    FOURDVT_TRY(player_->loadManifest(json));
-    if (player_->character()->appearance == package::AppearanceKind::Layers) return {};
-    FOURDVT_ASSIGN(auto made, render::makeMethodOf(device, *player_->character()));
-    method_notice_ = std::move(made.notice);
-    recipe_->setMethod(std::move(made.method));
-    return {};
-  }
-
-  Player& player() override { return *player_; }
-  const std::string& methodNotice() const override { return method_notice_; }
-  render::Recipe& recipe() override { return *recipe_; }
-  Status showFrame(const std::string& sequence, uint32_t frame) override;
-  Status advance(double seconds) override;
-  Status pump() override;
-  Result<Image> renderStill(const render::View& view, const render::RecipeOptions& options, const render::Scene* scene,
-                            float elapsed_s) override;
-
- private:
-  bool shows(const std::string& sequence, uint32_t frame) const {
-    const package::Sequence* current = player_->sequence();
-    return player_->hasFrame() && !player_->seeking() && current && current->name == sequence &&
-           player_->frame() == frame;
-  }
-  struct Decoding {
-    std::unique_ptr<SampleDecoder> decoder;
-    std::deque<HeldPicture> held;
-  };
-  Decoding& decoding(int decoder) { return decoding_[static_cast<size_t>(decoder)]; }
-  // One overload per kind of request.
-  void answer(const FetchRange& fetch);
-  void answer(const CancelFetch&) {}  // files answer at once: nothing is ever under way
-  void answer(const ConfigureDecoder& configure);
-  void answer(const DecodeSample& sample);
-  void answer(const FlushDecoder& flush);
-  void answer(const ResetDecoder& reset);
-  void answer(const CloseDecoder& close) { decoding(close.decoder) = {}; }
-  void report(int decoder, const Status& status);
-  void onPicture(int decoder, const I420View& picture, int64_t timestamp_us);
-  void offerHeldPictures();
-  // False if no slot is free now.
-  bool offer(int decoder, const HeldPicture& picture);
-  Status takeEvents();
-
-  std::shared_ptr<render::Recipe> recipe_;
-  std::string folder_, method_notice_;
-  uint32_t rendition_;
-  std::unique_ptr<Player> player_;
-  std::array<Decoding, kDecoders> decoding_;
-  std::map<std::string, Error> errors_;  // by sequence: the player reports a broken one only once
-  double now_s_ = 0;
-  render::StillTarget still_;
+struct CharacterPlayer::Decoding {
+  std::unique_ptr<SampleDecoder> decoder;
+  std::deque<HeldPicture> held;
 };
 
-void FilePlayer::answer(const FetchRange& fetch) {
+CharacterPlayer::CharacterPlayer(gpu::Device& device, std::shared_ptr<render::Recipe> recipe, std::string folder,
+                                 uint32_t rendition)
+    : recipe_(std::move(recipe)),
+      folder_(std::move(folder)),
+      rendition_(rendition),
+      decoding_(kDecoders),
+      still_(device) {}
+
+CharacterPlayer::~CharacterPlayer() = default;
+
+Status CharacterPlayer::load(gpu::Device& device, const std::string& manifest_path) {
+  FOURDVT_ASSIGN(auto json, readJsonFlat(manifest_path));
+  FOURDVT_ASSIGN(player_, Player::create(device, recipe_, {.rendition = rendition_}));
+  FOURDVT_TRY(player_->loadManifest(json));
+  if (player_->character()->appearance == package::AppearanceKind::Layers) return {};
+  FOURDVT_ASSIGN(auto made, render::makeMethodOf(device, *player_->character()));
+  method_notice_ = std::move(made.notice);
+  recipe_->setMethod(std::move(made.method));
+  return {};
+}
+
+CharacterPlayer::Decoding& CharacterPlayer::decoding(int decoder) { return decoding_[static_cast<size_t>(decoder)]; }
+
+bool CharacterPlayer::shows(const std::string& sequence, uint32_t frame) const {
+  const package::Sequence* current = player_->sequence();
+  return player_->hasFrame() && !player_->seeking() && current && current->name == sequence &&
+         player_->frame() == frame;
+}
+
+void CharacterPlayer::answer(const FetchRange& fetch) {
   auto bytes = readFileRange(folder_ + "/" + fetch.uri, fetch.offset, fetch.bytes);
   if (bytes.ok()) {
     player_->onRangeReceived(fetch.id, bytes.value());
@@ -118,7 +90,7 @@ void FilePlayer::answer(const FetchRange& fetch) {
   }
 }
 
-void FilePlayer::answer(const ConfigureDecoder& configure) {
+void CharacterPlayer::answer(const ConfigureDecoder& configure) {
   const int number = configure.decoder;
   decoding(number) = {};
   auto decoder = SampleDecoder::create(
@@ -130,28 +102,30 @@ void FilePlayer::answer(const ConfigureDecoder& configure) {
     report(number, decoder.error());
 }
 
-void FilePlayer::answer(const DecodeSample& sample) {
+void CharacterPlayer::answer(const DecodeSample& sample) {
   if (SampleDecoder* decoder = decoding(sample.decoder).decoder.get())
     report(sample.decoder, decoder->decode(sample.bytes, sample.timestamp_us, sample.key));
 }
 
-void FilePlayer::answer(const FlushDecoder& flush) {
+void CharacterPlayer::answer(const FlushDecoder& flush) {
   if (SampleDecoder* decoder = decoding(flush.decoder).decoder.get()) report(flush.decoder, decoder->flush());
 }
 
-void FilePlayer::answer(const ResetDecoder& reset) {
+void CharacterPlayer::answer(const ResetDecoder& reset) {
   decoding(reset.decoder).held.clear();
   if (SampleDecoder* decoder = decoding(reset.decoder).decoder.get()) decoder->reset();
 }
 
-void FilePlayer::report(int decoder, const Status& status) {
+void CharacterPlayer::answer(const CloseDecoder& close) { decoding(close.decoder) = {}; }
+
+void CharacterPlayer::report(int decoder, const Status& status) {
   if (status.ok()) return;
   const bool unsupported = status.error().id == ErrorId::DecoderUnsupported;
   player_->onDecoderFailed(decoder, unsupported ? DecoderFault::Unsupported : DecoderFault::Samples,
                            status.error().message);
 }
 
-bool FilePlayer::offer(int decoder, const HeldPicture& picture) {
+bool CharacterPlayer::offer(int decoder, const HeldPicture& picture) {
   const int slot = player_->acquireSlot(decoder, picture.timestamp_us);
   if (slot == -1) return false;
   if (slot < 0) return true;
@@ -160,13 +134,13 @@ bool FilePlayer::offer(int decoder, const HeldPicture& picture) {
   return true;
 }
 
-void FilePlayer::onPicture(int decoder, const I420View& picture, int64_t timestamp_us) {
+void CharacterPlayer::onPicture(int decoder, const I420View& picture, int64_t timestamp_us) {
   std::deque<HeldPicture>& held = decoding(decoder).held;
   held.emplace_back(picture, timestamp_us);
   if (held.size() == 1 && offer(decoder, held.front())) held.pop_front();
 }
 
-void FilePlayer::offerHeldPictures() {
+void CharacterPlayer::offerHeldPictures() {
   for (int d = 0; d < kDecoders; ++d) {
     std::deque<HeldPicture>& held = decoding(d).held;
     while (!held.empty() && offer(d, held.front())) held.pop_front();
@@ -174,7 +148,7 @@ void FilePlayer::offerHeldPictures() {
 }
 
 // Remembers errors and returns the first one.
-Status FilePlayer::takeEvents() {
+Status CharacterPlayer::takeEvents() {
   Status first;
   for (Event event; player_->nextEvent(event);) {
     // A rendition was chosen: another one must not take its place.
@@ -185,7 +159,7 @@ Status FilePlayer::takeEvents() {
   return first;
 }
 
-Status FilePlayer::pump() {
+Status CharacterPlayer::pump() {
   offerHeldPictures();
   for (Request request; player_->nextRequest(request);) {
     std::visit([this](const auto& r) { answer(r); }, request);
@@ -193,7 +167,7 @@ Status FilePlayer::pump() {
   return takeEvents();
 }
 
-Status FilePlayer::showFrame(const std::string& sequence, uint32_t frame) {
+Status CharacterPlayer::showFrame(const std::string& sequence, uint32_t frame) {
   const package::Character* character = player_->character();
   const package::Sequence* wanted = character ? character->find(sequence) : nullptr;
   if (!wanted) {
@@ -220,7 +194,7 @@ Status FilePlayer::showFrame(const std::string& sequence, uint32_t frame) {
                                           std::to_string(frame) + " never came out of the decoder; bake again"};
 }
 
-Status FilePlayer::advance(double seconds) {
+Status CharacterPlayer::advance(double seconds) {
   FOURDVT_TRY(pump());  // fills every slot, so that the step meets decoded pictures
   player_->tick(now_s_ += seconds);
   FOURDVT_TRY(pump());
@@ -231,8 +205,8 @@ Status FilePlayer::advance(double seconds) {
   return {};
 }
 
-Result<Image> FilePlayer::renderStill(const render::View& view, const render::RecipeOptions& options,
-                                      const render::Scene* scene, float elapsed_s) {
+Result<Image> CharacterPlayer::renderStill(const render::View& view, const render::RecipeOptions& options,
+                                           const render::Scene* scene, float elapsed_s) {
   return still_.render(view, [&](gpu::TargetId target) -> Status {
     FOURDVT_ASSIGN(const render::Figure figure, player_->figure());
     render::MethodOptions method = player_->method();
@@ -240,8 +214,6 @@ Result<Image> FilePlayer::renderStill(const render::View& view, const render::Re
     return recipe_->draw({&figure, 1}, scene, view, {options, player_->align(), method}, target);
   });
 }
-
-}  // namespace
 
 Result<std::unique_ptr<CharacterPlayer>> CharacterPlayer::open(gpu::Device& device, const std::string& manifest_path) {
   FOURDVT_ASSIGN(auto recipe, render::Recipe::create(device));
@@ -257,9 +229,9 @@ Result<std::unique_ptr<CharacterPlayer>> CharacterPlayer::open(gpu::Device& devi
   if (fs::is_directory(manifest, ignored)) manifest /= "character.gltf";
   fs::path folder = manifest.parent_path();
   if (folder.empty()) folder = ".";
-  auto player = std::make_unique<FilePlayer>(device, std::move(recipe), folder.string(), rendition);
+  std::unique_ptr<CharacterPlayer> player(new CharacterPlayer(device, std::move(recipe), folder.string(), rendition));
   FOURDVT_TRY(player->load(device, manifest.string()));
-  return std::unique_ptr<CharacterPlayer>(std::move(player));
+  return player;
 }
 
 }  // namespace fourdvt::edge
