@@ -7,20 +7,10 @@
 #include <vector>
 
 #include "render/still_target.h"
-#include "tools/motion_arguments.h"
+#include "tools/scene_file.h"
 #include "tools/session.h"
 
 namespace fourdvt::tools {
-
-struct ActorOptions {
-  std::string folder;  // of the baked character
-  std::string state;   // the state to begin with; empty: the character's first
-  Parameters parameters;
-  motion::Placement placement;
-  bool travel = false;
-  std::vector<Cue> cues;
-  std::optional<int> rendition;  // as openCharacter takes it
-};
 
 class Ensemble {
  public:

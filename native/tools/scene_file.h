@@ -21,9 +21,19 @@
 #include <vector>
 
 #include "render/scene.h"
-#include "tools/ensemble.h"
+#include "tools/motion_arguments.h"
 
 namespace fourdvt::tools {
+
+struct ActorOptions {
+  std::string folder;  // of the baked character
+  std::string state;   // the state to begin with; empty: the character's first
+  Parameters parameters;
+  motion::Placement placement;
+  bool travel = false;
+  std::vector<Cue> cues;
+  std::optional<int> rendition;  // as of fourdvt render --rendition
+};
 
 struct SceneFile {
   std::string path;
