@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "edge/scene_file.h"
 #include "render/still_target.h"
-#include "tools/scene_file.h"
 #include "tools/session.h"
 
 namespace fourdvt::tools {

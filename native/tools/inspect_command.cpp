@@ -6,6 +6,7 @@
 
 #include "base/bytes.h"
 #include "base/hash.h"
+#include "edge/room_file.h"
 #include "motion/blend.h"
 #include "motion/motion_graph.h"
 #include "package/barcode.h"
@@ -20,7 +21,6 @@
 #include "tools/args.h"
 #include "tools/commands.h"
 #include "tools/inspect_capture.h"
-#include "tools/room_file.h"
 #include "tools/session.h"
 
 namespace fourdvt::tools {

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "edge/motion.h"
 #include "package/character.h"
 #include "refine/refine.h"
 #include "render/method.h"
 #include "render/recipe.h"
 #include "render/styles/styles.h"
 #include "tools/args.h"
-#include "tools/motion_arguments.h"
 
 namespace fourdvt::tools {
 

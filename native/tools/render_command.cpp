@@ -5,6 +5,7 @@
 
 #include "bake/texels/picture_crop.h"
 #include "capture/capture.h"
+#include "edge/room_file.h"
 #include "platform/files.h"
 #include "platform/video_writer.h"
 #include "render/cameras/fvvr.h"
@@ -12,7 +13,6 @@
 #include "tools/log.h"
 #include "tools/render_arguments.h"
 #include "tools/render_motion.h"
-#include "tools/room_file.h"
 #include "tools/session.h"
 #include "tools/stop_signal.h"
 

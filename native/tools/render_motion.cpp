@@ -7,12 +7,12 @@
 #include <filesystem>
 #include <functional>
 
+#include "edge/room_file.h"
+#include "edge/scene_file.h"
 #include "motion/blend.h"
 #include "platform/files.h"
 #include "platform/video_writer.h"
 #include "tools/log.h"
-#include "tools/room_file.h"
-#include "tools/scene_file.h"
 
 namespace fourdvt::tools {
 namespace {

@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "render/scene.h"
-#include "tools/motion_arguments.h"
+#include "edge/motion.h"
 
 namespace fourdvt::tools {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/motion_arguments.h"
+#include "edge/motion.h"
 
 #include <cmath>
 #include <cstdlib>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/room_file.h"
+#include "edge/room_file.h"
 
 #include <filesystem>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/scene_file.h"
+#include "edge/scene_file.h"
 
 #include <algorithm>
 #include <cmath>
