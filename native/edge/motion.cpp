@@ -7,7 +7,7 @@
 #include "base/text.h"
 #include "edge/opencv_flow.h"
 
-namespace fourdvt::tools {
+namespace fourdvt::edge {
 namespace {
 
 std::optional<double> number(const std::string& text) {
@@ -25,7 +25,7 @@ Result<render::Align> prepareAlign(AlignMethod method, gpu::Device& device, rend
   render::FlowOptions options;
   if (method == AlignMethod::FlowDis || method == AlignMethod::FlowOpencvDis) options.method = render::FlowMethod::Dis;
   if (method == AlignMethod::FlowOpencv || method == AlignMethod::FlowOpencvDis) {
-    recipe.setFlow(edge::createOpencvFlow(device, options));
+    recipe.setFlow(createOpencvFlow(device, options));
   } else {
     FOURDVT_ASSIGN(auto flow, render::createGpuFlow(device, options));
     recipe.setFlow(std::move(flow));
@@ -71,4 +71,4 @@ Result<const package::Sequence*> findState(const package::Character& character, 
   return Error{ErrorId::InvalidArgument, folder + ": has no sequence \"" + name + "\"; it has " + known};
 }
 
-}  // namespace fourdvt::tools
+}  // namespace fourdvt::edge

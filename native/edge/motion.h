@@ -9,7 +9,7 @@
 
 #include "player/player.h"
 
-namespace fourdvt::tools {
+namespace fourdvt::edge {
 
 // How the members of a class, and the two states of a transition, are aligned; see render::Align.
 enum class AlignMethod { None, Baked, FlowGpu, FlowDis, FlowOpencv, FlowOpencvDis };
@@ -36,4 +36,4 @@ std::optional<Sweep> parseSweep(const std::string& text);                       
 Result<const package::Sequence*> findState(const package::Character& character, const std::string& name,
                                            const std::string& folder);
 
-}  // namespace fourdvt::tools
+}  // namespace fourdvt::edge

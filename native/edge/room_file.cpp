@@ -6,7 +6,7 @@
 #include "base/hash.h"
 #include "platform/files.h"
 
-namespace fourdvt::tools {
+namespace fourdvt::edge {
 
 Result<Image> readRoomPicture(const std::string& folder, const package::Room& room) {
   const std::string file = (std::filesystem::path(folder) / room.picture_uri).string();
@@ -38,4 +38,4 @@ Result<render::Scene> openRoom(gpu::Device& device, const std::string& manifest,
   return scene;
 }
 
-}  // namespace fourdvt::tools
+}  // namespace fourdvt::edge

@@ -9,7 +9,7 @@
 #include "package/character.h"
 #include "render/scene.h"
 
-namespace fourdvt::tools {
+namespace fourdvt::edge {
 
 // RGBA. `folder` holds the character, which has a room. Errors: FileMissing, FileUnreadable, FilesDiffer.
 Result<Image> readRoomPicture(const std::string& folder, const package::Room& room);
@@ -17,4 +17,4 @@ Result<Image> readRoomPicture(const std::string& folder, const package::Room& ro
 // InvalidArgument if the character has no room.
 Result<render::Scene> openRoom(gpu::Device& device, const std::string& manifest, const package::Character& character);
 
-}  // namespace fourdvt::tools
+}  // namespace fourdvt::edge

@@ -11,7 +11,7 @@
 #include "capture/json_text.h"
 #include "capture/text.h"
 
-namespace fourdvt::tools {
+namespace fourdvt::edge {
 namespace {
 
 using Json = nlohmann::json;
@@ -202,4 +202,4 @@ Result<std::vector<render::SceneCorner>> readSceneMesh(const std::string& path) 
   return corners;
 }
 
-}  // namespace fourdvt::tools
+}  // namespace fourdvt::edge

@@ -20,10 +20,10 @@
 #include <string>
 #include <vector>
 
-#include "render/scene.h"
 #include "edge/motion.h"
+#include "render/scene.h"
 
-namespace fourdvt::tools {
+namespace fourdvt::edge {
 
 struct ActorOptions {
   std::string folder;  // of the baked character
@@ -50,4 +50,4 @@ Result<SceneFile> readSceneFile(const std::string& path);
 // Triangles of an OBJ file: "v x y z [r g b]" and "f"; everything else is skipped. Errors: FileMissing, MeshIndex.
 Result<std::vector<render::SceneCorner>> readSceneMesh(const std::string& path);
 
-}  // namespace fourdvt::tools
+}  // namespace fourdvt::edge

@@ -5,23 +5,24 @@
 
 namespace fourdvt::tools {
 
-Result<std::unique_ptr<Ensemble>> Ensemble::create(GpuSession& gpu, AlignMethod align) {
+Result<std::unique_ptr<Ensemble>> Ensemble::create(GpuSession& gpu, edge::AlignMethod align) {
   FOURDVT_ASSIGN(std::shared_ptr<render::Recipe> shared, render::Recipe::create(*gpu.device));
-  FOURDVT_ASSIGN(auto prepared, prepareAlign(align, *gpu.device, *shared));
+  FOURDVT_ASSIGN(auto prepared, edge::prepareAlign(align, *gpu.device, *shared));
   return std::unique_ptr<Ensemble>(new Ensemble(gpu, std::move(shared), prepared));
 }
 
-Status Ensemble::add(const ActorOptions& options) {
+Status Ensemble::add(const edge::ActorOptions& options) {
   FOURDVT_ASSIGN(auto opened, openCharacterOn(gpu_, options.folder, recipe_, options.rendition));
   Actor actor{std::move(opened), options.cues};
   Player& player = actor.character->player();
   const package::Character& character = *player.character();
   const std::string state = options.state.empty() ? character.sequences.front().name : options.state;
-  for (const Cue& cue : options.cues)
-    if (auto found = findState(character, cue.state, options.folder); !found.ok()) return found.error();
-  if (auto found = findState(character, state, options.folder); !found.ok()) return found.error();
-  std::stable_sort(actor.cues.begin(), actor.cues.end(), [](const Cue& a, const Cue& b) { return a.at_s < b.at_s; });
-  FOURDVT_TRY(setParameters(player, options.parameters, options.folder));
+  for (const edge::Cue& cue : options.cues)
+    if (auto found = edge::findState(character, cue.state, options.folder); !found.ok()) return found.error();
+  if (auto found = edge::findState(character, state, options.folder); !found.ok()) return found.error();
+  std::stable_sort(actor.cues.begin(), actor.cues.end(),
+                   [](const edge::Cue& a, const edge::Cue& b) { return a.at_s < b.at_s; });
+  FOURDVT_TRY(edge::setParameters(player, options.parameters, options.folder));
   FOURDVT_TRY(actor.character->showFrame(state, 0));
   player.setPlacement(options.placement);
   player.setTravel(options.travel);

@@ -15,10 +15,10 @@ namespace fourdvt::tools {
 class Ensemble {
  public:
   // `gpu` outlives the ensemble.
-  static Result<std::unique_ptr<Ensemble>> create(GpuSession& gpu, AlignMethod align);
+  static Result<std::unique_ptr<Ensemble>> create(GpuSession& gpu, edge::AlignMethod align);
   // Opens a character and shows its first frame. Errors: those of opening; InvalidArgument (unknown state or
   // parameter).
-  Status add(const ActorOptions& options);
+  Status add(const edge::ActorOptions& options);
   // Plays on by this much time, and starts the transitions whose cues are due.
   Status advance(double seconds);
   // `scene` may be null.
@@ -30,7 +30,7 @@ class Ensemble {
  private:
   struct Actor {
     std::unique_ptr<edge::CharacterPlayer> character;
-    std::vector<Cue> cues;  // in order of time
+    std::vector<edge::Cue> cues;  // in order of time
     size_t next_cue = 0;
   };
   Ensemble(GpuSession& gpu, std::shared_ptr<render::Recipe> recipe, render::Align align)

@@ -104,7 +104,7 @@ class Inspection {
       if (!poster.ok()) return inFile(path(character_.poster_uri), poster.error());
       poster_bytes_ = fs::file_size(path(character_.poster_uri));
     }
-    if (!character_.room.picture_uri.empty()) FOURDVT_TRY(readRoomPicture(folder_.string(), character_.room));
+    if (!character_.room.picture_uri.empty()) FOURDVT_TRY(edge::readRoomPicture(folder_.string(), character_.room));
     return {};
   }
 

@@ -43,10 +43,10 @@ struct RenderArguments {
   std::optional<int> rendition;  // as openCharacter takes it
   int frame = 0;
   std::optional<double> phase;  // position in one pass, 0…1; instead of the frame
-  Parameters parameters;
-  AlignMethod align = AlignMethod::Baked;
-  std::optional<Sweep> sweep;
-  std::vector<Cue> cues;
+  edge::Parameters parameters;
+  edge::AlignMethod align = edge::AlignMethod::Baked;
+  std::optional<edge::Sweep> sweep;
+  std::vector<edge::Cue> cues;
   bool travel = false, follow = false;
   std::string scene;  // scene.json instead of `character`
   double fps = 25;    // of movies by --sweep and --play

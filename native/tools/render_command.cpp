@@ -74,7 +74,8 @@ Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, c
 // None unless the character's room is wanted.
 Result<std::optional<render::Scene>> wantedRoom(CharacterSession& session, const RenderArguments& arguments) {
   if (!arguments.room) return std::optional<render::Scene>();
-  FOURDVT_ASSIGN(auto room, openRoom(*session.gpu.device, manifestPath(arguments.character), session.character()));
+  FOURDVT_ASSIGN(auto room,
+                 edge::openRoom(*session.gpu.device, manifestPath(arguments.character), session.character()));
   return std::optional(std::move(room));
 }
 
@@ -129,8 +130,8 @@ Status renderTurntable(CharacterSession& session, const RenderArguments& argumen
 
 Status prepareMotion(CharacterSession& session, const RenderArguments& arguments) {
   Player& player = session.player->player();
-  FOURDVT_TRY(setParameters(player, arguments.parameters, arguments.character));
-  FOURDVT_ASSIGN(auto align, prepareAlign(arguments.align, *session.gpu.device, session.player->recipe()));
+  FOURDVT_TRY(edge::setParameters(player, arguments.parameters, arguments.character));
+  FOURDVT_ASSIGN(auto align, edge::prepareAlign(arguments.align, *session.gpu.device, session.player->recipe()));
   player.setAlign(align);
   player.setMethod(arguments.method);
   if (!arguments.method_name.empty() && arguments.method_name != "layered" && !arguments.fromCapture())
@@ -154,7 +155,7 @@ Result<int> renderCommand(int argc, char** argv) {
   const package::Character& character = session.character();
   FOURDVT_TRY(checkMethod(arguments, character));
   const std::string name = arguments.sequence.empty() ? character.sequences.front().name : arguments.sequence;
-  FOURDVT_ASSIGN(const package::Sequence* sequence, findState(character, name, arguments.character));
+  FOURDVT_ASSIGN(const package::Sequence* sequence, edge::findState(character, name, arguments.character));
   if (!arguments.motion_class.empty() && !sequence->isClass())
     return invalid(name + " is a sequence, not a class; use --sequence");
   if (static_cast<uint32_t>(arguments.frame) >= sequence->frame_count)

@@ -140,7 +140,7 @@ class Background {
 
 Status addMeshes(gpu::Device& device, const std::vector<std::string>& paths, bool occluder_only, render::Scene& scene) {
   for (const std::string& path : paths) {
-    FOURDVT_ASSIGN(auto corners, readSceneMesh(path));
+    FOURDVT_ASSIGN(auto corners, edge::readSceneMesh(path));
     auto mesh = render::makeSceneMesh(device, corners, occluder_only);
     if (!mesh.ok()) return Error{mesh.error().id, path + ": " + mesh.error().message};
     scene.meshes.push_back(mesh.take());
@@ -149,7 +149,8 @@ Status addMeshes(gpu::Device& device, const std::vector<std::string>& paths, boo
 }
 
 // The size of the output: --size, else the scene's, the camera's or the background's; even for movies.
-std::pair<int, int> sceneSize(const RenderArguments& arguments, const SceneFile& file, const Background& background) {
+std::pair<int, int> sceneSize(const RenderArguments& arguments, const edge::SceneFile& file,
+                              const Background& background) {
   std::pair<int, int> size{720, 960};
   if (background.texture()) size = {background.width(), background.height()};
   if (!file.cameras.empty()) size = {file.cameras[0].width, file.cameras[0].height};
@@ -160,7 +161,7 @@ std::pair<int, int> sceneSize(const RenderArguments& arguments, const SceneFile&
 }
 
 // The background is stretched over the output, the character is not: their shapes must agree.
-Status checkShape(const SceneFile& file, int width, int height) {
+Status checkShape(const edge::SceneFile& file, int width, int height) {
   for (const PinholeCamera& camera : file.cameras) {
     if (std::abs(double(width) * camera.height / camera.width - height) <= kShapeTolerance_px) continue;
     const auto size = [](int w, int h) { return std::to_string(w) + "x" + std::to_string(h); };
@@ -178,11 +179,11 @@ Status renderMotion(const RenderArguments& arguments) {
   FOURDVT_ASSIGN(auto gpu, openGpu());
   FOURDVT_ASSIGN(auto ensemble, Ensemble::create(gpu, arguments.align));
   FOURDVT_TRY(setLook(arguments.look, *gpu.device, ensemble->recipe()));
-  ActorOptions actor{arguments.character, arguments.sequence, arguments.parameters, {}, arguments.travel, {},
-                     arguments.rendition};
+  edge::ActorOptions actor{arguments.character, arguments.sequence, arguments.parameters, {}, arguments.travel, {},
+                           arguments.rendition};
   actor.cues = arguments.cues;
   if (actor.state.empty() && !actor.cues.empty() && actor.cues[0].at_s == 0) actor.state = actor.cues[0].state;
-  const std::optional<Sweep> sweep = arguments.sweep;
+  const std::optional<edge::Sweep> sweep = arguments.sweep;
   if (sweep) actor.parameters.emplace_back(sweep->parameter, sweep->from);
   FOURDVT_TRY(ensemble->add(actor));
   Player& player = ensemble->player(0);
@@ -190,9 +191,11 @@ Status renderMotion(const RenderArguments& arguments) {
     return Error{ErrorId::InvalidArgument, arguments.character + ": " + player.sequence()->name + " is no class by " +
                                                sweep->parameter + "; choose one with --class"};
   const double last_cue_s =
-      actor.cues.empty() ? 0 : std::max_element(actor.cues.begin(), actor.cues.end(), [](const Cue& a, const Cue& b) {
-                                 return a.at_s < b.at_s;
-                               })->at_s;
+      actor.cues.empty()
+          ? 0
+          : std::max_element(actor.cues.begin(), actor.cues.end(), [](const edge::Cue& a, const edge::Cue& b) {
+              return a.at_s < b.at_s;
+            })->at_s;
   const double seconds = arguments.seconds > 0 ? arguments.seconds : sweep ? kSweep_s : last_cue_s + kAfterLastCue_s;
   const auto [width, height] = arguments.view.size.value_or(std::pair{720, 960});
   const int frames = frameCount(seconds, arguments.fps);
@@ -203,7 +206,7 @@ Status renderMotion(const RenderArguments& arguments) {
   };
   render::Scene room;
   if (arguments.room) {
-    FOURDVT_ASSIGN(room, openRoom(*gpu.device, manifestPath(arguments.character), *player.character()));
+    FOURDVT_ASSIGN(room, edge::openRoom(*gpu.device, manifestPath(arguments.character), *player.character()));
   }
   const Show show{*ensemble,     orbitCamera(arguments, player, width, height),
                   arguments.fps, frames,
@@ -212,13 +215,13 @@ Status renderMotion(const RenderArguments& arguments) {
 }
 
 Status renderScene(const RenderArguments& arguments) {
-  FOURDVT_ASSIGN(const SceneFile file, readSceneFile(arguments.scene));
+  FOURDVT_ASSIGN(const edge::SceneFile file, edge::readSceneFile(arguments.scene));
   auto gpu = openGpu();
   if (!gpu.ok()) return gpu.error();
   gpu::Device& device = *gpu.value().device;
   FOURDVT_ASSIGN(auto ensemble, Ensemble::create(gpu.value(), arguments.align));
   FOURDVT_TRY(setLook(arguments.look, device, ensemble->recipe()));
-  for (const ActorOptions& actor : file.characters) FOURDVT_TRY(ensemble->add(actor));
+  for (const edge::ActorOptions& actor : file.characters) FOURDVT_TRY(ensemble->add(actor));
   FOURDVT_ASSIGN(auto background, Background::open(device, file.background));
   render::Scene scene;
   scene.background = background.texture();
