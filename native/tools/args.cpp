@@ -10,8 +10,8 @@
 #include <tuple>
 
 #include "base/text.h"
-#include "tools/log.h"
 #include "tools/session.h"
+#include "tools/terminal.h"
 
 namespace fourdvt::tools {
 namespace {

@@ -50,7 +50,7 @@ struct Syntax {
 
 class Args {
  public:
-  // `argv` after the command's name. Sets positionals and options, and the log level (log.h).
+  // `argv` after the command's name. Sets positionals and options, and the log level (terminal.h).
   Args(const Syntax& syntax, int argc, char** argv);
   // Prints the help or the problem and returns kOk or kUsage; nullopt if the command may run.
   std::optional<int> helpOrProblem() const;

@@ -7,13 +7,11 @@
 #include "base/watch.h"
 #include "render/cameras/camera_method.h"
 #include "tools/args.h"
-#include "tools/bake_arguments.h"
 #include "tools/commands.h"
 #include "tools/common_options.h"
-#include "tools/log.h"
-#include "tools/progress_line.h"
+#include "tools/planned_commands.h"
 #include "tools/session.h"
-#include "tools/stop_signal.h"
+#include "tools/terminal.h"
 
 namespace fourdvt::tools {
 namespace {

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The subcommands of `fourdvt`; each parses, checks, calls the library and returns the exit code (args.h).
+// A program made of subcommands, with help and version; and the subcommands of `fourdvt`. Each parses, checks, calls
+// the library and returns the exit code (args.h).
 #pragma once
 
+#include <span>
+
+#include "base/result.h"
 #include "tools/args.h"
 
 namespace fourdvt::bake {
@@ -9,6 +13,16 @@ struct BakeOptions;
 }
 
 namespace fourdvt::tools {
+
+struct Command {
+  const char* name;
+  const char* summary;
+  // Takes the arguments after the command's name and returns the exit code; null: not in this build.
+  Result<int> (*run)(int argc, char** argv);
+};
+
+// Runs the command that argv[1] names. Exceptions of libraries end in a message and kFailed.
+int runProgram(const char* program, std::span<const Command> commands, int argc, char** argv);
 
 // Options that another program adds to `bake`.
 using BakeExtension = Options (*)(bake::BakeOptions&);

@@ -4,8 +4,8 @@
 #include "capture/import/import_capture.h"
 #include "tools/args.h"
 #include "tools/commands.h"
-#include "tools/log.h"
 #include "tools/session.h"
+#include "tools/terminal.h"
 
 namespace fourdvt::tools {
 namespace {

@@ -9,8 +9,8 @@
 #include "capture/mesh_sequence.h"
 #include "capture/picture_report.h"
 #include "tools/commands.h"
-#include "tools/log.h"
 #include "tools/session.h"
+#include "tools/terminal.h"
 
 namespace fourdvt::tools {
 namespace {

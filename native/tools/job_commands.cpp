@@ -7,9 +7,8 @@
 #include "jobs/report.h"
 #include "platform/process.h"
 #include "reconstruct/run/pieces.h"
-#include "tools/bake_arguments.h"
-#include "tools/log.h"
-#include "tools/reconstruct_arguments.h"
+#include "tools/planned_commands.h"
+#include "tools/terminal.h"
 
 namespace fourdvt::tools {
 namespace {

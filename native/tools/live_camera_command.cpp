@@ -15,8 +15,7 @@
 #include "live/net/websocket.h"
 #include "tools/args.h"
 #include "tools/commands.h"
-#include "tools/live_line.h"
-#include "tools/stop_signal.h"
+#include "tools/terminal.h"
 
 namespace fourdvt::tools {
 namespace {

@@ -7,8 +7,7 @@
 #include "live/service.h"
 #include "tools/args.h"
 #include "tools/commands.h"
-#include "tools/live_line.h"
-#include "tools/stop_signal.h"
+#include "tools/terminal.h"
 
 namespace fourdvt::tools {
 namespace {

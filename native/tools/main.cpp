@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/commands.h"
-#include "tools/program.h"
 
 namespace {
 

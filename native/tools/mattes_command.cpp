@@ -3,10 +3,8 @@
 #include "tools/args.h"
 #include "tools/commands.h"
 #include "tools/common_options.h"
-#include "tools/log.h"
-#include "tools/progress_line.h"
 #include "tools/session.h"
-#include "tools/stop_signal.h"
+#include "tools/terminal.h"
 
 namespace fourdvt::tools {
 namespace {

@@ -9,10 +9,9 @@
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "reconstruct/run/pieces.h"
-#include "tools/bake_arguments.h"
 #include "tools/cluster_files.h"
-#include "tools/log.h"
-#include "tools/reconstruct_arguments.h"
+#include "tools/planned_commands.h"
+#include "tools/terminal.h"
 
 namespace fourdvt::tools {
 namespace {

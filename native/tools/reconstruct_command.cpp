@@ -4,9 +4,8 @@
 #include "tools/args.h"
 #include "tools/commands.h"
 #include "tools/common_options.h"
-#include "tools/log.h"
-#include "tools/reconstruct_arguments.h"
-#include "tools/stop_signal.h"
+#include "tools/planned_commands.h"
+#include "tools/terminal.h"
 
 namespace fourdvt::tools {
 namespace {

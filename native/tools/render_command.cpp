@@ -10,11 +10,10 @@
 #include "platform/video_writer.h"
 #include "render/cameras/fvvr.h"
 #include "tools/commands.h"
-#include "tools/log.h"
 #include "tools/render_arguments.h"
 #include "tools/render_motion.h"
 #include "tools/session.h"
-#include "tools/stop_signal.h"
+#include "tools/terminal.h"
 
 namespace fourdvt::tools {
 namespace {

@@ -12,7 +12,7 @@
 #include "motion/blend.h"
 #include "platform/files.h"
 #include "platform/video_writer.h"
-#include "tools/log.h"
+#include "tools/terminal.h"
 
 namespace fourdvt::tools {
 namespace {

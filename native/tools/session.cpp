@@ -12,7 +12,7 @@
 #include "platform/shader_folder.h"
 #include "render/cameras/camera_method.h"
 #include "render/montage/layered_montage.h"
-#include "tools/log.h"
+#include "tools/terminal.h"
 
 namespace fourdvt::tools {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `fourdvt-lab`: makes captures whose truth is known and judges methods. Nothing that a character needs.
 #include "lab/tools/commands.h"
-#include "tools/program.h"
+#include "tools/commands.h"
 
 namespace {
 

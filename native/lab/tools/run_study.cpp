@@ -7,7 +7,7 @@
 #include "lab/tools/progress.h"
 #include "tools/args.h"
 #include "tools/session.h"
-#include "tools/stop_signal.h"
+#include "tools/terminal.h"
 
 namespace fourdvt::lab {
 

@@ -8,8 +8,8 @@
 #include "platform/folders.h"
 #include "tools/args.h"
 #include "tools/common_options.h"
-#include "tools/log.h"
 #include "tools/session.h"
+#include "tools/terminal.h"
 
 namespace fourdvt::lab {
 namespace {

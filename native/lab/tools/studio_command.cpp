@@ -12,7 +12,7 @@
 #include "lab/tools/commands.h"
 #include "tools/args.h"
 #include "tools/session.h"
-#include "tools/stop_signal.h"
+#include "tools/terminal.h"
 
 namespace fourdvt::lab {
 namespace {

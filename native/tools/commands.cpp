@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/program.h"
+#include "tools/commands.h"
 
 #include <cstdio>
 #include <cstring>
@@ -8,7 +8,7 @@
 
 #include "base/watch.h"
 #include "tools/args.h"
-#include "tools/log.h"
+#include "tools/terminal.h"
 
 namespace fourdvt::tools {
 namespace {

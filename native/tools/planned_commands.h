@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command line of `fourdvt bake`, which `fourdvt plan bake` takes too.
+// Command lines of `fourdvt bake` and `fourdvt reconstruct`, which `fourdvt plan` takes too, and what their pieces need
+// and print.
 #pragma once
 
 #include <optional>
 #include <string>
 
 #include "bake/bake.h"
+#include "reconstruct/run/reconstruct.h"
 #include "tools/commands.h"
-#include "tools/progress_line.h"
 #include "tools/session.h"
+#include "tools/terminal.h"
 
 namespace fourdvt::tools {
 
@@ -18,5 +20,10 @@ Result<std::optional<int>> readBakeCommand(int argc, char** argv, bake::BakeOpti
 // Borrows both; Ctrl-C is listened for.
 bake::BakeEnvironment bakeEnvironment(const GpuSession& gpu, ProgressLine& line);
 void printBakeSummary(const std::string& character_folder, const bake::BakeReport& report, double seconds);
+
+std::optional<int> readReconstructCommand(int argc, char** argv, reconstruct::ReconstructOptions& options);
+// Borrows both; Ctrl-C is listened for. A session without a device will do where stereo is off.
+reconstruct::ReconstructEnvironment reconstructEnvironment(const GpuSession& gpu, ProgressLine& line);
+void printReconstructSummary(const std::string& folder, const reconstruct::ReconstructSummary& summary);
 
 }  // namespace fourdvt::tools

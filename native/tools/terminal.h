@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// What commands print as they run, by level, and Ctrl-C. Errors (args.h) and requested results have no level and are
+// always printed.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <string>
+
+namespace fourdvt::tools {
+
+enum class LogLevel { Quiet, Normal, Verbose };
+LogLevel logLevel();
+void setLogLevel(LogLevel level);  // Args does, by --quiet and --verbose
+
+// Prints "PROGRAM: warning: …" on stderr, at every level: the result may not be the one that was meant.
+void warn(const char* format, ...) __attribute__((format(printf, 1, 2)));
+// Prints a result and its place as a line on stdout, not with --quiet.
+void note(const char* format, ...) __attribute__((format(printf, 1, 2)));
+// Prints options, times and files as "PROGRAM: …" on stderr, with --verbose only.
+void detail(const char* format, ...) __attribute__((format(printf, 1, 2)));
+// True if progress may rewrite its line: stderr is a terminal, and not with --quiet.
+bool rewritesProgress();
+
+// The progress of a command that works through frames, on standard error: on a terminal one line, rewritten in place;
+// elsewhere a line every 5 s, and one when all frames are done. None with --quiet; with --verbose also the seconds that
+// each stage took.
+struct FrameProgress {
+  std::string stage;
+  uint32_t done = 0, total = 0;         // frames; total 0: not known yet
+  double frames_per_s = 0, left_s = 0;  // 0: not known
+};
+
+class ProgressLine {
+ public:
+  ProgressLine();
+  ~ProgressLine() { end(); }
+  void show(const FrameProgress& progress);
+  void end();
+
+ private:
+  void timeStage(const std::string& stage);  // that begins; empty: none
+
+  const bool tty_;
+  std::string stage_;
+  std::chrono::steady_clock::time_point began_;
+  bool shown_ = false, all_frames_ = false;
+  std::string line_;
+  std::chrono::steady_clock::time_point last_;
+};
+
+// Display of a command that runs until it is stopped: one line, rewritten in place on a terminal and printed anew
+// elsewhere, and notes, which stay. Functions may be called on any thread.
+class LiveLine {
+ public:
+  LiveLine();
+  void show(const std::string& line);  // standard output
+  void note(const std::string& line);  // standard error, after the program's name
+  void end();
+
+ private:
+  const bool tty_;
+  std::mutex mutex_;
+  std::string line_;  // on the terminal now
+};
+
+// Catches Ctrl-C and SIGTERM for commands that keep what they have finished: from now on the first signal sets the
+// flag; a second one ends the process at once with kInterrupted.
+const std::atomic<bool>* listenForStop();
+
+}  // namespace fourdvt::tools
