@@ -9,7 +9,6 @@
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "reconstruct/run/pieces.h"
-#include "tools/cluster_files.h"
 #include "tools/planned_commands.h"
 #include "tools/terminal.h"
 
@@ -27,6 +26,15 @@ constexpr const char* kPlanUsage =
     "Whatever all pieces need is made here, in one process: of a bake the refinement; of a reconstruction, which "
     "needs\n"
     "no GPU until its pieces run, the calibration and mattes that the capture lacks.\n";
+
+// The files of tools/cluster/, which the command writes into a job folder.
+struct ClusterFile {
+  const char* name;  // in the job folder
+  std::string_view text;
+};
+constexpr ClusterFile kClusterFiles[] = {
+#include "tools/cluster_files.inc"
+};
 
 Status writeClusterFiles(const std::string& job_folder) {
   for (const ClusterFile& file : kClusterFiles) {

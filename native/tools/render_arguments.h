@@ -79,4 +79,9 @@ Result<PinholeCamera> chooseCamera(const RenderArguments& arguments, const packa
 // The orbit asked for, for a picture of this size.
 OrbitView chooseOrbit(const RenderArguments& arguments, const package::Character& character, int width, int height);
 
+// Renders --sweep and --play: one character, with the camera from the arguments.
+Status renderMotion(const RenderArguments& arguments);
+// Renders --scene.
+Status renderScene(const RenderArguments& arguments);
+
 }  // namespace fourdvt::tools

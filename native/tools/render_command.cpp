@@ -11,7 +11,6 @@
 #include "render/cameras/fvvr.h"
 #include "tools/commands.h"
 #include "tools/render_arguments.h"
-#include "tools/render_motion.h"
 #include "tools/session.h"
 #include "tools/terminal.h"
 

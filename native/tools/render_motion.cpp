@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/render_motion.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -12,6 +10,9 @@
 #include "motion/blend.h"
 #include "platform/files.h"
 #include "platform/video_writer.h"
+#include "render/still_target.h"
+#include "tools/render_arguments.h"
+#include "tools/session.h"
 #include "tools/terminal.h"
 
 namespace fourdvt::tools {
@@ -19,6 +20,94 @@ namespace {
 
 constexpr double kSweep_s = 8, kAfterLastCue_s = 4, kScene_s = 6;
 constexpr double kShapeTolerance_px = 2;  // movies have even sizes
+
+// Several figures that play and are drawn into one picture. Time passes by the steps that advance() is given.
+class Ensemble {
+ public:
+  // `gpu` outlives the ensemble.
+  static Result<std::unique_ptr<Ensemble>> create(GpuSession& gpu, edge::AlignMethod align);
+  // Opens a character and shows its first frame. Errors: those of opening; InvalidArgument (unknown state or
+  // parameter).
+  Status add(const edge::ActorOptions& options);
+  // Plays on by this much time, and starts the transitions whose cues are due.
+  Status advance(double seconds);
+  // `scene` may be null.
+  Result<Image> draw(const PinholeCamera& camera, const render::Scene* scene, const render::RecipeOptions& recipe);
+  render::Recipe& recipe() { return *recipe_; }
+  Player& player(size_t actor) { return actors_[actor].character->player(); }
+
+ private:
+  struct Actor {
+    std::unique_ptr<edge::CharacterPlayer> character;
+    std::vector<edge::Cue> cues;  // in order of time
+    size_t next_cue = 0;
+  };
+  Ensemble(GpuSession& gpu, std::shared_ptr<render::Recipe> recipe, render::Align align)
+      : gpu_(gpu), recipe_(std::move(recipe)), align_(align), still_(*gpu.device) {}
+  Status followCues(Actor& actor);
+
+  GpuSession& gpu_;
+  std::shared_ptr<render::Recipe> recipe_;
+  render::Align align_;
+  render::StillTarget still_;
+  std::vector<Actor> actors_;
+  double now_s_ = 0;
+};
+
+Result<std::unique_ptr<Ensemble>> Ensemble::create(GpuSession& gpu, edge::AlignMethod align) {
+  FOURDVT_ASSIGN(std::shared_ptr<render::Recipe> shared, render::Recipe::create(*gpu.device));
+  FOURDVT_ASSIGN(auto prepared, edge::prepareAlign(align, *gpu.device, *shared));
+  return std::unique_ptr<Ensemble>(new Ensemble(gpu, std::move(shared), prepared));
+}
+
+Status Ensemble::add(const edge::ActorOptions& options) {
+  FOURDVT_ASSIGN(auto opened, openCharacterOn(gpu_, options.folder, recipe_, options.rendition));
+  Actor actor{std::move(opened), options.cues};
+  Player& player = actor.character->player();
+  const package::Character& character = *player.character();
+  const std::string state = options.state.empty() ? character.sequences.front().name : options.state;
+  for (const edge::Cue& cue : options.cues)
+    if (auto found = edge::findState(character, cue.state, options.folder); !found.ok()) return found.error();
+  if (auto found = edge::findState(character, state, options.folder); !found.ok()) return found.error();
+  std::stable_sort(actor.cues.begin(), actor.cues.end(),
+                   [](const edge::Cue& a, const edge::Cue& b) { return a.at_s < b.at_s; });
+  FOURDVT_TRY(edge::setParameters(player, options.parameters, options.folder));
+  FOURDVT_TRY(actor.character->showFrame(state, 0));
+  player.setPlacement(options.placement);
+  player.setTravel(options.travel);
+  player.setAlign(align_);
+  player.play();
+  actors_.push_back(std::move(actor));
+  return {};
+}
+
+Status Ensemble::followCues(Actor& actor) {
+  while (actor.next_cue < actor.cues.size() && actor.cues[actor.next_cue].at_s <= now_s_ + 1e-9)
+    FOURDVT_TRY(actor.character->player().goTo(actor.cues[actor.next_cue++].state));
+  return {};
+}
+
+Status Ensemble::advance(double seconds) {
+  for (Actor& actor : actors_) {
+    FOURDVT_TRY(followCues(actor));
+    FOURDVT_TRY(actor.character->advance(seconds));
+  }
+  now_s_ += seconds;
+  return {};
+}
+
+Result<Image> Ensemble::draw(const PinholeCamera& camera, const render::Scene* scene,
+                             const render::RecipeOptions& recipe) {
+  std::vector<render::Figure> figures;
+  for (const Actor& actor : actors_) {
+    FOURDVT_ASSIGN(auto figure, actor.character->player().figure());
+    figures.push_back(figure);
+  }
+  const render::View view = render::viewFromCamera(camera, render::lengthScalesOf(figures));
+  return still_.render(view, [&](gpu::TargetId target) {
+    return recipe_->draw(figures, scene, view, {recipe, align_}, target);
+  });
+}
 
 // Camera of frame i; called in order, after the ensemble has advanced to it.
 using CameraOf = std::function<PinholeCamera(int frame)>;
