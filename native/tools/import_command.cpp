@@ -73,9 +73,9 @@ Result<int> importCommand(int argc, char** argv) {
   args.complain(options.check());
   if (const auto code = args.helpOrProblem()) return *code;
   FOURDVT_ASSIGN(const auto summary, capture::importCapture(options, videoOpener()));
-  for (const std::string& warning : summary.value().warnings) warn("%s", warning.c_str());
-  for (const std::string& line : summary.value().details) detail("%s", line.c_str());
-  for (const std::string& line : summary.value().done) note("%s", line.c_str());
+  for (const std::string& warning : summary.warnings) warn("%s", warning.c_str());
+  for (const std::string& line : summary.details) detail("%s", line.c_str());
+  for (const std::string& line : summary.done) note("%s", line.c_str());
   note("%s is written", options.folder.c_str());
   return kOk;
 }

@@ -9,6 +9,7 @@
 #include <cstdarg>
 #include <cstdio>
 
+#include "base/text.h"
 #include "tools/args.h"
 
 namespace fourdvt::tools {

@@ -2,6 +2,8 @@
 // The subcommands of `fourdvt-lab`; each parses, checks, calls the library and returns the exit code (tools/args.h).
 #pragma once
 
+#include "base/result.h"
+
 namespace fourdvt::lab {
 
 Result<int> stageCommand(int argc, char** argv);
