@@ -2,7 +2,7 @@
 // Fits the plates of the empty studio to one picture whose exposure, white balance or camera position differs a little:
 // gain and offset per channel, a homography, and the noise that is left, by brightness and at edges. All are fitted
 // robustly to what looks like background; the object may cover up to half of the picture. Does NOT find the object, and
-// does NOT follow cameras that turned by more than about 2 % of the picture. Method: native/ALGORITHMS.md, 2.1.
+// does NOT follow cameras that turned by more than about 2 % of the picture. Method: algorithms/mattes.md.
 #pragma once
 
 #include <array>

@@ -2,8 +2,7 @@
 // Mattes of all cameras of one instant, made together. Each camera is keyed against its plates; then, twice, every
 // pixel counts what the other cameras' masks say of it: what they contradict becomes dear, what they demand cheap, and
 // dark patches that lie on the floor as a whole become floor. Large pictures are cut at a reduced size first, and again
-// at full size along the outline. Does NOT read files, does NOT look at other frames. Method: native/ALGORITHMS.md,
-// 2.1.1.
+// at full size along the outline. Does NOT read files, does NOT look at other frames. Method: algorithms/mattes.md.
 #pragma once
 
 #include <memory>

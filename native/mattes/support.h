@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Evidence that cameras have for one another's masks: along the ray of a pixel, the place that the masks of the others
 // contradict least. Where none contradicts it the pixel lies in the projected visual hull of the others. Works on a
-// grid of pixels. Does NOT make masks. Method: native/ALGORITHMS.md, 2.1.1.
+// grid of pixels. Does NOT make masks. Method: algorithms/mattes.md.
 #pragma once
 
 #include <glm/glm.hpp>

@@ -32,8 +32,8 @@ int findParameter(const package::Sequence& sequence, std::string_view name);  //
 // Duration of one pass at these weights of the members; durations mix linearly.
 double durationAt(const package::Sequence& sequence, std::span<const float> members);
 
-// --- one frame of a stream → positions, by the hybrid blend (ALGORITHMS 4.4): the linear blend of the members plus
-// precomputed corrections towards the non-linear blend. Nothing is solved at run time. ---
+// --- one frame of a stream → positions, by the hybrid blend (algorithms/motion.md): the linear blend of the members
+// plus precomputed corrections towards the non-linear blend. Nothing is solved at run time. ---
 
 // Blends frame number `row` of a chunk, which must be decoded. `out` gets vertex_count points in metres.
 void blendFrame(const package::ChunkFrames& frames, uint32_t row, const package::StreamIndex& index,

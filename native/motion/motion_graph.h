@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Transitions between states (sequences and classes), precomputed at bake time (ALGORITHMS 4.7, 4DVT 6.1): for every
-// frame and weight of a state, where to enter another one and how long to cross-fade. Here: the table's reader and the
-// choice at run time. Does NOT play anything; the player cross-fades.
-// Latency is the time from the request to the first shown frame in which the target has a weight above 0. It includes
-// fetching and decoding the target and the wait for a good frame, but not the fade, whose length the entry gives.
-// Layout of the file: FORMAT.md, "The motion graph".
+// Transitions between states (sequences and classes), precomputed at bake time (algorithms/motion.md, 4DVT 6.1): for
+// every frame and weight of a state, where to enter another one and how long to cross-fade. Here: the table's reader
+// and the choice at run time. Does NOT play anything; the player cross-fades. Latency is the time from the request to
+// the first shown frame in which the target has a weight above 0. It includes fetching and decoding the target and the
+// wait for a good frame, but not the fade, whose length the entry gives. Layout of the file: FORMAT.md, "The motion
+// graph".
 #pragma once
 
 #include <cstdint>

@@ -63,8 +63,8 @@ struct Member {
   glm::dvec3 travel{0};  // of one whole pass: metres along x and z, radians about y; character frame at its start
 };
 
-// Parameter values → weights, piecewise linear over simplices (ALGORITHMS 4.5): look up the simplex that holds the
-// wanted point and mix its corners. The samples are dense enough that "2.1 m/s" means that speed.
+// Parameter values → weights, piecewise linear over simplices (algorithms/motion.md): look up the simplex that holds
+// the wanted point and mix its corners. The samples are dense enough that "2.1 m/s" means that speed.
 struct ParameterSample {
   std::vector<double> at;      // one value per parameter
   std::vector<float> weights;  // one per member, sum 1

@@ -21,7 +21,7 @@ class Appearance {
   // Errors: GpuFailure, InvalidArgument.
   static Result<Appearance> create(gpu::Device& device, const CharacterModel& model, int member_count);
   // Uploads labels, the per-vertex camera masks of seam feathering (bit c of a vertex: camera c is in the label set of
-  // every incident face; ALGORITHMS 3.2) and alignment.
+  // every incident face; algorithms/rendering.md) and alignment.
   void setFrame(gpu::Device& device, const CharacterModel& model, const FrameAppearance& frame);
   // Takes a rendition's tile layout, members × layers rectangles; needed before drawing.
   void setLayout(const package::Rendition& rendition);

@@ -13,9 +13,9 @@
 
 namespace fourdvt::render {
 
-// Fills the tables of seam feathering (ALGORITHMS 3.2). labels: [rank][face]; a label that is no camera counts as
-// empty. packed[face]: 5 bits per rank, 31 = empty, rank 0 lowest. masks[vertex]: bit c is cleared unless camera c is
-// in the set of every incident face. Both tables are at least as long as faces and vertices, and all their bits are
+// Fills the tables of seam feathering (algorithms/rendering.md). labels: [rank][face]; a label that is no camera counts
+// as empty. packed[face]: 5 bits per rank, 31 = empty, rank 0 lowest. masks[vertex]: bit c is cleared unless camera c
+// is in the set of every incident face. Both tables are at least as long as faces and vertices, and all their bits are
 // set before the call.
 void packLabels(const std::vector<glm::uvec3>& face_vertices, std::span<const uint8_t> labels, int camera_count,
                 std::span<uint32_t> packed, std::span<uint32_t> masks);

@@ -16,7 +16,7 @@
 namespace fourdvt::render {
 
 // The name of the method of a character from cameras whose manifest names none: what `fourdvt-lab methods` says to
-// take (ALGORITHMS 14.4).
+// take (algorithms/cameras.md).
 inline constexpr std::string_view kDefaultMethod = "sweep";
 
 // Where one camera's picture lies in a decoded one.

@@ -32,8 +32,8 @@ struct RecipeOptions {
 
 // How the members' appearance is brought together (4DVT 5). None: plain blend. Baked: texture coordinates move by the
 // stream's alignment, no extra pass. Flow: every member is drawn on the same mesh and view, aligned by optical flow in
-// the picture, warped and blended (4DVT Eq. 7 corrected, ALGORITHMS 5.4); more than two one after the other, each to
-// the blend of those before it, so that nothing jumps where weights cross.
+// the picture, warped and blended (4DVT Eq. 7 corrected, algorithms/alignment.md); more than two one after the other,
+// each to the blend of those before it, so that nothing jumps where weights cross.
 enum class Align { None, Baked, Flow };
 
 // One decoded picture on the figure's mesh.

@@ -27,7 +27,7 @@ Image besideEachOther(const std::vector<Image>& pictures) {
   return out;
 }
 
-// Renders a captured frame by free-viewpoint video rendering (ALGORITHMS 7).
+// Renders a captured frame by free-viewpoint video rendering (algorithms/cameras.md).
 Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, const std::string& sequence) {
   FOURDVT_ASSIGN(auto view, chooseCamera(arguments, session.character()));
   // All sequences, so that the mesh is refined as in a bake of all of them.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Per pixel of a view, for up to four cameras: whether each is hidden from the surface there, and its weight by angle,
-// times the cosine at which it sees the surface. (FT takes the angle alone; see ALGORITHMS 14.2.)
+// times the cosine at which it sees the surface. (FT takes the angle alone; see algorithms/floating.md.)
 #include "camera_blend.glsl"
 centroid in vec3 v_point;  // character's frame, metres
 centroid in vec3 v_normal;

@@ -20,7 +20,7 @@ vec2 displacementOf(int m, int vertex) {
   return member == 0 ? vec2(0.0) : texelFetch(u_alignment, tableTexel((member - 1) * u_vertex_count + vertex), 0).xy;
 }
 
-// Moves all members to the weighted mean of their displacements (ALGORITHMS 5.2).
+// Moves all members to the weighted mean of their displacements (algorithms/alignment.md).
 void align(int corner, int vertex) {
   mat2 uv_from_tangents = fetchUvFromTangents(corner);
   vec2 mean = vec2(0.0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two pictures of one mesh and view, premultiplied. FLOW: 4DVT Eq. 7 corrected (ALGORITHMS 5.4).
+// Two pictures of one mesh and view, premultiplied. FLOW: 4DVT Eq. 7 corrected (algorithms/alignment.md).
 in vec2 v_uv;
 out vec4 o_color;
 uniform sampler2D u_first;

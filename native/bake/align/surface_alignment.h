@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Aligns the members' appearance on the surface at bake time (ALGORITHMS 5.1). Every member is drawn on the same
-// blended mesh from a ring of views. Optical flow in both directions in each view gives one tangent displacement per
-// vertex that fits all views, weighted by facing, forward-backward error and texture; it is smoothed, and 0 where
+// Aligns the members' appearance on the surface at bake time (algorithms/alignment.md). Every member is drawn on the
+// same blended mesh from a ring of views. Optical flow in both directions in each view gives one tangent displacement
+// per vertex that fits all views, weighted by facing, forward-backward error and texture; it is smoothed, and 0 where
 // nothing is certain. The decoded pictures are aligned, because they are what the player shows. The displacement is
 // exact at equal weights, where both looks meet. Does NOT code or store. In order: views.h (draws, and
 // what each view sees), tangent_field.h (flow → vertices → smooth field, cut at gutters).

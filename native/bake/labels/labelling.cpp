@@ -217,7 +217,7 @@ std::vector<uint8_t> seenFaces(const FaceCosts& costs, size_t faces) {
 LabelMeter::LabelMeter(const LabelOptions& options, const FaceGraph& graph)
     : options_(options), graph_(graph), layers_(options.layers) {}
 
-// ALGORITHMS 1.3: d(a,b) = Σ_l ω_l [a_l ≠ b_l] + (η/2) |S_a Δ S_b|.
+// algorithms/labels.md: d(a,b) = Σ_l ω_l [a_l ≠ b_l] + (η/2) |S_a Δ S_b|.
 double LabelMeter::distance(const std::vector<uint8_t>& a, size_t f, const std::vector<uint8_t>& b, size_t g) const {
   double sum = 0;
   uint32_t set_a = 0, set_b = 0;

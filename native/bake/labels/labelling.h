@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Labels: which cameras a face takes its layers from, for a whole sequence (ALGORITHMS 1; 4DVT 4.1, Eq. 1-5).
+// Labels: which cameras a face takes its layers from, for a whole sequence (algorithms/labels.md; 4DVT 4.1, Eq. 1-5).
 // Does NOT measure visibility or penalties (face_costs.h). Memory: a window of frames, whatever the
 // sequence's length. Deterministic: the same input gives the same labels for every job count.
 #pragma once
@@ -31,8 +31,8 @@ extern const Labelling kJoint;
 struct LabelOptions {
   const Labelling* rule = &kJoint;
   int layers = 3;
-  // Joint: weights of ALGORITHMS 1.3. θ: penalty by rank, ω: rank term by rank (the last entry repeats), η: set term,
-  // τ: time (label flips), empty: penalty of an empty rank. Tuned with bench_labels for few flips and seams at a
+  // Joint: weights of algorithms/labels.md. θ: penalty by rank, ω: rank term by rank (the last entry repeats), η: set
+  // term, τ: time (label flips), empty: penalty of an empty rank. Tuned with bench_labels for few flips and seams at a
   // layer-1 penalty within 10 % of the cheapest cameras'. Kept labels and GOPs of other weights are not reused
   // (labelKey in stages/validate.cpp).
   std::vector<float> theta{1.4f, 0.2f, 0.1f}, omega{1.2f, 0.3f, 0.25f};

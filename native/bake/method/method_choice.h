@@ -24,9 +24,9 @@ struct ChoiceRule {
   double below_linear_db = 0.05;  // never below `linear` by more
   double tie_db = 0.05;           // among equals the cheapest is taken, and of these the first …
   double tie_ssim = 0.004;        // … unless its SSIM is lower by more
-  // Corrections for leaving cameras out (ALGORITHMS 14.5). A visitor's view lies between a camera's own and one that
-  // was left out: this share of its squared error is that of the own view, less where cameras are off, and none from so
-  // many pixels of shift on, since errors of calibration do not shrink with the angle.
+  // Corrections for leaving cameras out (algorithms/cameras.md). A visitor's view lies between a camera's own and one
+  // that was left out: this share of its squared error is that of the own view, less where cameras are off, and none
+  // from so many pixels of shift on, since errors of calibration do not shrink with the angle.
   double own_share = 0.3;
   double own_until_px = 1.5;
   // A search between cameras twice as far apart as a visitor's

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plans motion classes from meshes alone (ALGORITHMS 4): brings the members to common time, chooses the references of
-// the hybrid blend within an error bound, and tabulates the parameter. Does NOT look at pictures.
+// Plans motion classes from meshes alone (algorithms/motion.md): brings the members to common time, chooses the
+// references of the hybrid blend within an error bound, and tabulates the parameter. Does NOT look at pictures.
 #pragma once
 
 #include <cstdint>

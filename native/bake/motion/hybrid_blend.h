@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decides at which weights of a class corrections towards the non-linear blend are stored, how they mix, and what error
-// they leave (ALGORITHMS 4.4). The weights lie on simplices of members: intervals (one parameter) or triangles (two).
+// they leave (algorithms/motion.md). The weights lie on simplices of members: intervals (one parameter) or triangles
+// (two).
 //
 // An interval of `segments` n mixes n − 1 references by the polynomial through them and both ends, which needs fewer
 // than straight pieces do; they lie where such polynomials stray least. A triangle has its references on the grid of

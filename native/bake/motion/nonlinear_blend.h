@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two blends of a class's meshes (ALGORITHMS 4.3): linear by vertices, and non-linear by the faces' deformation
-// gradients, which the corrections stored with a class approach. Does NOT choose where corrections are stored
-// (hybrid_blend.h).
+// The two blends of a class's meshes (algorithms/motion.md): linear by vertices, and non-linear by the faces'
+// deformation gradients, which the corrections stored with a class approach. Does NOT choose where corrections are
+// stored (hybrid_blend.h).
 #pragma once
 
 #include <memory>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a character travels over the ground, from its meshes alone (ALGORITHMS 4.6), and how well its feet then stand.
-// Does NOT measure turns.
+// Where a character travels over the ground, from its meshes alone (algorithms/motion.md), and how well its feet then
+// stand. Does NOT measure turns.
 #pragma once
 
 #include <functional>

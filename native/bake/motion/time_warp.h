@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Brings two motions to common time (ALGORITHMS 4.1) by monotone dynamic time warping on pose and velocity. Loops are
-// aligned cyclically: any frame of the one may meet frame 0 of the other. Does NOT read meshes.
+// Brings two motions to common time (algorithms/motion.md) by monotone dynamic time warping on pose and velocity. Loops
+// are aligned cyclically: any frame of the one may meet frame 0 of the other. Does NOT read meshes.
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The motion graph's tables (ALGORITHMS 4.7): s(a,b) = (1/N) min_T Σ ‖x_a − T x_b‖² + λ_v ‖v_a − T v_b‖² over yaw and
-// ground translation, plus appearance as the distance of tiny layer-1 atlases (4DVT 6.1); for every frame and weight
-// row of a state the best entry into every other state, and the length of the cross-fade, which must not move the mesh
-// further from tick to tick than the motions do themselves. Does NOT play.
+// The motion graph's tables (algorithms/motion.md): s(a,b) = (1/N) min_T Σ ‖x_a − T x_b‖² + λ_v ‖v_a − T v_b‖² over yaw
+// and ground translation, plus appearance as the distance of tiny layer-1 atlases (4DVT 6.1); for every frame and
+// weight row of a state the best entry into every other state, and the length of the cross-fade, which must not move
+// the mesh further from tick to tick than the motions do themselves. Does NOT play.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture of a room, which is a box, from the plates of the cameras in it (ALGORITHMS 13). A point of a face gets
-// the weighted mean of the cameras that see it, in float; what none sees is filled from the face's neighbourhood. Does
-// NOT know what stands between a camera and the box, and does NOT read or write files.
+// The picture of a room, which is a box, from the plates of the cameras in it (algorithms/texels.md). A point of a face
+// gets the weighted mean of the cameras that see it, in float; what none sees is filled from the face's neighbourhood.
+// Does NOT know what stands between a camera and the box, and does NOT read or write files.
 #pragma once
 
 #include <glm/glm.hpp>

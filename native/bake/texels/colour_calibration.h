@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Per-camera colour: an affine 3×4 map of every camera's picture that makes overlapping views agree (ALGORITHMS 2.2).
-// Estimated from surface points that several cameras see face-on, before extraction. Works on encoded sRGB values.
-// The mean map over the cameras is the identity: the rig's overall look stays.
+// Per-camera colour: an affine 3×4 map of every camera's picture that makes overlapping views agree
+// (algorithms/texels.md). Estimated from surface points that several cameras see face-on, before extraction. Works on
+// encoded sRGB values. The mean map over the cameras is the identity: the rig's overall look stays.
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every texel of every layer gets a value before encoding (ALGORITHMS 2.4): holes inside charts of layers >= 2 from
-// layer 1 plus the smooth difference of the two layers, holes of layer 1 likewise from the layers that have the texel;
-// what no layer has by diffusion over the mesh, so that colour never comes from a chart that only lies beside in UV;
-// gutters with true content from across the chart seam, the rest by push-pull. The smooth difference is that of the
+// Every texel of every layer gets a value before encoding (algorithms/texels.md): holes inside charts of layers >= 2
+// from layer 1 plus the smooth difference of the two layers, holes of layer 1 likewise from the layers that have the
+// texel; what no layer has by diffusion over the mesh, so that colour never comes from a chart that only lies beside in
+// UV; gutters with true content from across the chart seam, the rest by push-pull. The smooth difference is that of the
 // hole's border, so that a hole's content meets its surroundings without a step where the two layers differ smoothly;
 // where they differ in detail (a highlight, a misregistered stripe) a step of that detail's size remains.
 // The gutter map depends on the UV topology only and is computed once.
@@ -46,7 +46,7 @@ GutterMap makeGutterMap(const MeshTopology& topology, int size, float gutter_tex
 // maps[l].size is the size of layers[l]. On return all alpha are 255 unless a layer and layer 0 were wholly empty.
 void fillLayers(const std::vector<const GutterMap*>& maps, std::vector<Image>& layers);
 
-// Push-pull interpolation: a smooth field through scattered valid texels (ALGORITHMS 2.4).
+// Push-pull interpolation: a smooth field through scattered valid texels (algorithms/texels.md).
 
 // `field`: size × size texels, xyz = value × weight, w = weight (0 unknown, 1 known). On return every texel with
 // w < 1 has been blended towards coarser levels; w is 1 everywhere unless nothing was known. size is even.

@@ -14,9 +14,9 @@ enum class ResampleFilter { Bilinear, Mipmap, Bicubic };
 
 // Defaults by held-out SSIM / PSNR on the sample (run and walk, three layers, labels by penalty, no codec).
 // Filter at 1024 texels, before the mesh was refined: bilinear .7733 / 22.52 dB, bicubic .7755 / 22.50, mipmap .7681 /
-// 22.51; at 2048: .7797 / 22.53, .7797 / 22.49, .7796 / 22.54. ALGORITHMS 2.3 has those of the refined mesh. Contour 0,
-// 1, 1.5, 2, 3 px: .7731, .7734, .7733, .7733, .7730. Matte .5 → .9: +.0002; its distance 0, 1, 2, 3 px: .7722, .7728,
-// .7733, .7733. Contour step 20 → 10 mm: -.0001. Without kMinCosine: .7711.
+// 22.51; at 2048: .7797 / 22.53, .7797 / 22.49, .7796 / 22.54. algorithms/texels.md has those of the refined mesh.
+// Contour 0, 1, 1.5, 2, 3 px: .7731, .7734, .7733, .7733, .7730. Matte .5 → .9: +.0002; its distance 0, 1, 2, 3 px:
+// .7722, .7728, .7733, .7733. Contour step 20 → 10 mm: -.0001. Without kMinCosine: .7711.
 struct ResampleOptions {
   ResampleFilter filter = ResampleFilter::Bicubic;
   float contour_pixels = 1;      // distance that a texel must keep from an occlusion boundary

@@ -80,7 +80,7 @@ struct TransitionView {
 };
 
 // Leads from one state (a sequence or class, a node of the motion graph) to another: waits for graph and header,
-// chooses where to leave the source and where to enter the target (native/ALGORITHMS.md, section 4), waits for both,
+// chooses where to leave the source and where to enter the target (algorithms/motion.md), waits for both,
 // runs the fade; and remembers which state to return to after one that does not loop. A state machine over
 // TransitionViews. Does NOT touch tracks, clocks or meshes: each step returns what the player is to do.
 //

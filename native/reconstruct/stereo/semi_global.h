@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From costs to depths: semi-global matching (H08 in native/ALGORITHMS.md) along eight directions, with depths between
+// From costs to depths: semi-global matching (H08 in algorithms/stereo.md) along eight directions, with depths between
 // the planes.
 #pragma once
 

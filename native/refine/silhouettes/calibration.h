@@ -2,7 +2,7 @@
 // Puts a capture's cameras in step and in place from silhouettes alone: offsets in time of each sequence's cameras
 // (rig_times.h), then turns of cameras (rig_fit.h), by turns until both stay. What is trusted: most cameras, and the
 // mattes. A camera moves only where the data ask for it clearly; nothing says how the whole rig stands in the world or
-// which camera is on time. ALGORITHMS 10.5. Does NOT write files, does NOT look at meshes.
+// which camera is on time. algorithms/calibration.md. Does NOT write files, does NOT look at meshes.
 #pragma once
 
 #include <functional>

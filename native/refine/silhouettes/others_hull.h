@@ -2,7 +2,7 @@
 // Compares a camera's silhouette with the visual hull of all other cameras' silhouettes at the same instant. The hull
 // holds the performer, and touches the rim of it in few places: a silhouette that sticks out of the hull contradicts
 // it, one that lies inside does not. Does NOT make the hull: looks along single rays.
-// Source: HSC07 (silhouette coherence) in native/ALGORITHMS.md, 10.5.
+// Source: HSC07 (silhouette coherence) in algorithms/calibration.md.
 #pragma once
 
 #include <optional>

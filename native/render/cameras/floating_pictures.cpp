@@ -149,7 +149,7 @@ struct RoundOptions {
   int patch_octaves;  // its finest patches against those of flow at the view's size
 };
 constexpr RoundOptions kRounds[] = {{FloatingFlow::EarlyMean, 2, 1}, {FloatingFlow::LastMean, 1, 0}};
-constexpr int kMeanOctaves = 1;  // the mean's size against the view's (ALGORITHMS 14.2)
+constexpr int kMeanOctaves = 1;  // the mean's size against the view's (algorithms/floating.md)
 constexpr const char* kPictureNames[] = {"u_picture_0", "u_picture_1", "u_picture_2", "u_picture_3"};
 constexpr const char* kFlowNames[] = {"u_flow_0", "u_flow_1", "u_flow_2", "u_flow_3"};
 

@@ -78,8 +78,8 @@ enum class FloatingFlow {
   LastMean,      // the same in its second round: the mean is nearly sharp and lies between the pictures
 };
 
-// The method and settings that scored best (ALGORITHMS 14.2). `octaves`: how many times the flow's size is halved
-// against the pictures'; its finest patches stay the same.
+// The method and settings that scored best (algorithms/floating.md). `octaves`: how many times the flow's size is
+// halved against the pictures'; its finest patches stay the same.
 FlowOptions floatingFlow(FloatingFlow between, int octaves);
 
 // How long a displacement may be (FlowSum's `most`), between two pictures and from their mean: shares of the view's

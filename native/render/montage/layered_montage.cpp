@@ -14,8 +14,8 @@ std::string_view montageShaderText(std::string_view name);  // embedded; see CMa
 namespace {
 
 // Tuned on the walk of the sample, held-out cameras: 24.41 dB / .8145 against 24.38 / .8110 of the plain blend with
-// powers 1 and 1, and 24.42 / .8148 of the plain blend with the same powers (ALGORITHMS 15.5); M4D's own aims, which
-// know no surface, with (0, 2) and 5 cm: 24.33 / .8131.
+// powers 1 and 1, and 24.42 / .8148 of the plain blend with the same powers (algorithms/montage.md); M4D's own aims,
+// which know no surface, with (0, 2) and 5 cm: 24.33 / .8131.
 constexpr glm::vec2 kPowers(2, 4);     // of the aims: surface and ray, view and ray
 constexpr int kVaryingsOfDevice = 15;  // WebGL2 promises no more
 // Fields are forgotten when there are more than kMostFields and they have not been prepared for kKept prepares. No
