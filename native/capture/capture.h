@@ -2,10 +2,8 @@
 // Reads a capture folder: capture.json, COLMAP cameras, videos or image sequences, mattes, mesh sequences. Meshes
 // have one topology in all frames, or another one in every frame ("topology": "per-frame"), or there are none.
 //
-// openCapture checks everything that can be checked without decoding whole videos, before any long work starts.
-// FrameReader then decodes all cameras in step, one frame at a time, so that memory does not grow with the length.
-// Pictures are undistorted to the returned pinhole cameras, which have no skew. Does NOT cache, does NOT touch the
-// GPU. Errors name the file and the remedy.
+// mattes::openCapture checks everything that can be checked without decoding whole videos, before any long work starts;
+// mattes::FrameReader then reads frames. Does NOT key. Errors name the file and the remedy.
 #pragma once
 
 #include <map>
@@ -66,7 +64,7 @@ enum class CaptureMeshes {
   None,
 };
 
-// What a caller of openCapture can work with.
+// Meshes that a caller can work with.
 enum class MeshNeed {
   ConstantTopology,  // refuses the others, and says what helps
   AnySurface,        // refuses captures without meshes
@@ -168,35 +166,10 @@ ColmapText colmapText(const std::vector<CaptureCamera>& cameras, double metres_p
 // Errors: those of readColmapCameras.
 Result<std::vector<PinholeCamera>> readTestCameras(const Capture& capture);
 
-// `only` limits the sequences that are checked and returned (empty: all). Of meshes of per-frame topology it checks
-// that every file is there, and reads the first. Errors of a need that is not met: FileMissing (no meshes),
-// MeshTopology.
-Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_video,
-                            const std::vector<std::string>& only = {}, MeshNeed need = MeshNeed::ConstantTopology,
-                            MatteNeed mattes = MatteNeed::Required);
-// The same, without a look at the pictures: of a capture that openCapture has accepted before.
+// Everything but the pictures: see mattes/frame_reader.h. `only` limits the sequences that are checked and returned
+// (empty: all). Of meshes of per-frame topology it checks that every file is there, and reads the first. Errors of a
+// need that is not met: FileMissing (no meshes), MeshTopology.
 Result<Capture> openDescription(const std::string& folder, const std::vector<std::string>& only, MeshNeed need);
-
-struct CaptureFrame {
-  uint32_t index = 0;
-  std::vector<Image> pictures;    // RGBA per camera: sRGB colour, alpha = matte
-  Positions positions;            // metres; empty if the capture has no meshes
-  std::vector<glm::uvec3> faces;  // of per-frame topology; else empty: constant faces are in the capture's topology
-};
-
-class FrameReader {
- public:
-  // The first call of next() returns `first_frame`. With MatteNeed::None, alpha is 255 all over. Errors: those of
-  // openCapture for pictures.
-  static Result<std::unique_ptr<FrameReader>> open(const Capture& capture, const CaptureSequence& sequence,
-                                                   const OpenVideo& open_video, uint32_t first_frame = 0,
-                                                   MatteNeed mattes = MatteNeed::Required);
-  virtual ~FrameReader() = default;
-  // The next frame will be this one, which must not lie before it.
-  virtual void skipTo(uint32_t frame) = 0;
-  // The next frame. Errors: VideoTooShort, FrameSize, FileUnreadable, MeshTopology, MeshNotFinite …
-  virtual Result<CaptureFrame> next() = 0;
-};
 
 // Positions of one frame of a capture of constant topology, with the capture's offsets. Errors: FileMissing,
 // MeshTopology (file named, or the capture has no constant topology), MeshNotFinite, MeshIndex.

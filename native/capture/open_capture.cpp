@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// openCapture: reads the descriptions and checks every file cheaply before long work starts.
+// openDescription: reads the descriptions and checks every mesh file cheaply before long work starts.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include "base/text.h"
 #include "capture/capture_json.h"
-#include "capture/clip_checks.h"
 #include "capture/mesh_folder.h"
 #include "capture/mesh_sequence.h"
 #include "capture/text.h"
@@ -182,15 +181,6 @@ Status checkOffsets(const Capture& capture, const CaptureSequence& sequence) {
                                          " at least, and take as much off \"frames\""};
 }
 
-// Opening the reader checks that files are there, reading the first frame checks decoding and sizes.
-Status checkPictures(const Capture& capture, const CaptureSequence& sequence, const OpenVideo& open_video,
-                     MatteNeed mattes) {
-  FOURDVT_TRY(checkClips(capture, sequence, open_video, mattes));
-  FOURDVT_ASSIGN(auto reader, FrameReader::open(capture, sequence, open_video, 0, mattes));
-  auto frame = reader->next();
-  return frame.ok() ? Status() : Status(frame.error());
-}
-
 }  // namespace
 
 double CaptureSequence::offsetOf(const std::string& camera) const {
@@ -236,14 +226,6 @@ Result<Capture> openDescription(const std::string& folder, const std::vector<std
   for (const DeclaredSequence& d : declared.sequences) capture.sequences.push_back(d.sequence);
   for (const CaptureSequence& sequence : capture.sequences) FOURDVT_TRY(checkOffsets(capture, sequence));
   FOURDVT_TRY(checkMeshes(declared.sequences, capture));
-  return capture;
-}
-
-Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_video,
-                            const std::vector<std::string>& only, MeshNeed need, MatteNeed mattes) {
-  FOURDVT_ASSIGN(auto capture, openDescription(folder, only, need));
-  for (const CaptureSequence& sequence : capture.sequences)
-    FOURDVT_TRY(checkPictures(capture, sequence, open_video, mattes));
   return capture;
 }
 

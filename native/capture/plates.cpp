@@ -3,10 +3,8 @@
 
 #include <filesystem>
 
-#include "capture/background_model.h"
 #include "capture/mesh_sequence.h"
 #include "capture/pictures.h"
-#include "capture/undistort.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -43,22 +41,6 @@ Result<Plates> readPlates(const Capture& capture, const CaptureCamera& camera, c
     if (!plate.ok() && plate.error().id == ErrorId::FrameSize) return plate.error();
     if (!plate.ok()) return Error{plate.error().id, path + ": " + otherwise};
     out.pictures.push_back(plate.take());
-  }
-  return out;
-}
-
-Result<Image> readRoomPlate(const Capture& capture, const CaptureCamera& camera) {
-  FOURDVT_ASSIGN(auto plates, readPlates(capture, camera,
-                                         "no readable plate of the empty room, but " + capture.folder +
-                                             "/capture.json gives a \"room\", which is textured from the plates of "
-                                             "all cameras; add the plate, or take \"room\" out"));
-  const Undistorter undistorter(camera);
-  const Image colour = undistorter.apply(meanPicture(makeBackgroundModel(plates.pictures)));
-  const Image reach = undistorter.apply(Image(colour.width, colour.height, 1, 255));
-  Image out(colour.width, colour.height, 4);
-  for (size_t i = 0; i < reach.pixels.size(); ++i) {
-    for (size_t c = 0; c < 3; ++c) out.pixels[4 * i + c] = colour.pixels[3 * i + c];
-    out.pixels[4 * i + 3] = reach.pixels[i];
   }
   return out;
 }

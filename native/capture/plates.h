@@ -20,8 +20,4 @@ struct Plates {
 // Errors: FileMissing, FileUnreadable, FrameSize.
 Result<Plates> readPlates(const Capture& capture, const CaptureCamera& camera, const std::string& otherwise);
 
-// The mean of a camera's plates as its pinhole camera would see it: RGBA, alpha 0 where the camera's picture does not
-// reach. Errors: those of readPlates, with a message about the capture's room.
-Result<Image> readRoomPlate(const Capture& capture, const CaptureCamera& camera);
-
 }  // namespace fourdvt::capture

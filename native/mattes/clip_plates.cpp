@@ -6,9 +6,9 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "capture/key_cut.h"
-#include "capture/median.h"
+#include "mattes/background_key.h"
 #include "mattes/matrices.h"
+#include "mattes/median.h"
 #include "mattes/reduced.h"
 #include "mattes/support.h"
 
@@ -73,7 +73,7 @@ Likeness likenessOf(std::span<const Image> pictures) {
   for (size_t a = 0; a < samples; ++a)
     for (size_t b = a + 1; b < samples; ++b) {
       const cv::Mat d = differenceOf(pictures[a], pictures[b]);
-      noise.push_back(std::max(kLeastNoise, capture::median({d.begin<float>(), d.end<float>()})));
+      noise.push_back(std::max(kLeastNoise, median({d.begin<float>(), d.end<float>()})));
       const cv::Mat same = d < kAlike * noise.back();
       alike[a][b] = alike[b][a] = same;
       count[a] += same & 1;
@@ -86,7 +86,7 @@ Likeness likenessOf(std::span<const Image> pictures) {
   }
   const int r = std::max(2, std::max(size.width, size.height) / kGapDivisor);
   const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * r + 1, 2 * r + 1});
-  Likeness out{{}, pictures[0], cv::Mat(size, CV_32F), capture::median(noise)};
+  Likeness out{{}, pictures[0], cv::Mat(size, CV_32F), median(noise)};
   for (int i = 0; i < int(most.total()); ++i) {
     const float share = float(most.at<uint8_t>(i)) / float(samples);
     out.usual_nats.at<float>(i) = kConstantNats * std::max(0.0f, share - kDwells) / (1 - kDwells);
@@ -138,7 +138,7 @@ cv::Mat withMargin(const cv::Mat& mask) {
 
 }  // namespace
 
-capture::BackgroundModel plateBehind(std::span<const Image> pictures, std::span<const cv::Mat> masks) {
+BackgroundModel plateBehind(std::span<const Image> pictures, std::span<const cv::Mat> masks) {
   assert(!pictures.empty() && (masks.empty() || masks.size() == pictures.size()));
   const int width = pictures[0].width, height = pictures[0].height;
   std::vector<cv::Mat> hidden;
@@ -168,10 +168,10 @@ capture::BackgroundModel plateBehind(std::span<const Image> pictures, std::span<
       }
     }
   });
-  capture::BackgroundModel out = capture::makeBackgroundModel({&median, 1});
+  BackgroundModel out = makeBackgroundModel({&median, 1});
   out.plates = int(std::clamp<size_t>(pictures.size() / 3, 1, 10));
   // Flicker beyond the sensor's noise, which the median pixel has.
-  const float typical = capture::median(spread);
+  const float typical = median(spread);
   for (size_t i = 0; i < pixels; ++i)
     out.extra[i] = known[i] ? out.extra[i] + std::max(0.0f, spread[i] - 3 * typical) : kUnknownSpread;
   if (std::find(known.begin(), known.end(), 0) != known.end()) out.known = std::move(known);
@@ -221,8 +221,8 @@ std::vector<ClipCamera> separateClips(const std::vector<capture::CaptureCamera>&
     inParallel(cameras.size(), [&](size_t i) {
       ClipCamera& c = out[i];
       for (size_t k = 0; k < samples; ++k) c.masks[k] &= priors[i][k] < kContradictedNats;
-      const capture::BackgroundModel plate = plateBehind(pictures[i], c.masks);
-      std::vector<capture::KeyCut> keys;
+      const BackgroundModel plate = plateBehind(pictures[i], c.masks);
+      std::vector<KeyCut> keys;
       c.colours = {};
       for (size_t k = 0; k < samples; ++k) {
         keys.emplace_back(pictures[i][k], plate);

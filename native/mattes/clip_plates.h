@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "base/image.h"
-#include "capture/background_model.h"
 #include "capture/capture.h"
-#include "capture/key_evidence.h"
+#include "mattes/background_model.h"
+#include "mattes/key_evidence.h"
 
 namespace fourdvt::mattes {
 
@@ -21,8 +21,8 @@ inline constexpr int kClipSamples = 20;        // frames that are looked at, at 
 inline constexpr double kClipPixels = 80'000;  // … at this size at most
 
 struct ClipCamera {
-  std::vector<cv::Mat> masks;     // [sample] CV_8U at the reduced size
-  capture::ColourCounts colours;  // of object and background
+  std::vector<cv::Mat> masks;  // [sample] CV_8U at the reduced size
+  ColourCounts colours;        // of object and background
   // The look that a neighbourhood has most often, at the reduced size: RGB, and nats against the object where it has
   // it.
   Image usual;
@@ -40,6 +40,6 @@ cv::Mat costOfTheUsual(const ClipCamera& clip, const Image& picture);
 
 // The background behind masks (CV_8U, any size) of the same samples at full size. Known where a fifth of them show it,
 // and three at least.
-capture::BackgroundModel plateBehind(std::span<const Image> pictures, std::span<const cv::Mat> masks);
+BackgroundModel plateBehind(std::span<const Image> pictures, std::span<const cv::Mat> masks);
 
 }  // namespace fourdvt::mattes

@@ -7,8 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "capture/key_cut.h"
-#include "capture/plate_fit.h"
+#include "mattes/background_key.h"
+#include "mattes/background_model.h"
 #include "mattes/hints.h"
 #include "mattes/matrices.h"
 #include "mattes/reduced.h"
@@ -94,12 +94,12 @@ void obey(const cv::Mat& hints, Image& matte) {
 
 // One camera's state while the masks of all settle.
 struct Work {
-  std::optional<capture::BackgroundModel> fitted;  // full size; else the view's plates
-  std::optional<capture::KeyCut> key;              // at the reduced size
-  cv::Mat first, mask, hints, doubt;               // at the reduced size
-  cv::Mat own_cost;                                // at the reduced size: hints and what else the camera knows
-  cv::Mat darkness;                                // at the reduced size, see SupportFinder::shadows
-  cv::Mat cost;                                    // of the last round
+  std::optional<BackgroundModel> fitted;  // full size; else the view's plates
+  std::optional<KeyCut> key;              // at the reduced size
+  cv::Mat first, mask, hints, doubt;      // at the reduced size
+  cv::Mat own_cost;                       // at the reduced size: hints and what else the camera knows
+  cv::Mat darkness;                       // at the reduced size, see SupportFinder::shadows
+  cv::Mat cost;                           // of the last round
 };
 
 }  // namespace
@@ -185,14 +185,14 @@ namespace {
 cv::Mat sum(const cv::Mat& a, const cv::Mat& b) { return a.empty() ? b : b.empty() ? a : cv::Mat(a + b); }
 
 // 128 × picture / plate, averaged over 5 × 5 pixels; 0 where no plate shows the background.
-cv::Mat darknessOf(const Image& picture, const capture::BackgroundModel& background) {
+cv::Mat darknessOf(const Image& picture, const BackgroundModel& background) {
   const cv::Size size(background.width, background.height);
   const cv::Mat mean(size, CV_32FC3, const_cast<float*>(background.mean.data()));
   cv::Mat light, plate, out;
   cv::transform(matrixOf(picture), light, cv::Matx13f(0.2126f, 0.7152f, 0.0722f));
-  light.convertTo(light, CV_32F, 1, capture::kToe);
+  light.convertTo(light, CV_32F, 1, kToe);
   cv::transform(mean, plate, cv::Matx13f(0.2126f, 0.7152f, 0.0722f));
-  plate += capture::kToe;
+  plate += kToe;
   cv::blur(light, light, {5, 5});
   cv::blur(plate, plate, {5, 5});
   cv::Mat(light / plate * 128).convertTo(out, CV_8U);
@@ -213,12 +213,12 @@ void beginWork(const MatteView& view, int reduction, Work& w, CameraMatte& out) 
     return;
   }
   if (view.fit_plates) {
-    capture::PlateFit fitted = capture::fitPlate(*view.plates, view.picture);
+    PlateFit fitted = fitPlate(*view.plates, view.picture);
     out.shift_pixels = fitted.shift_pixels, out.gain = fitted.gain[1], out.residual_levels = fitted.residual_levels;
     w.fitted = std::move(fitted.background);
   }
   const Image picture = reduced(view.picture, reduction);
-  const capture::BackgroundModel background = reduced(w.fitted ? *w.fitted : *view.plates, reduction);
+  const BackgroundModel background = reduced(w.fitted ? *w.fitted : *view.plates, reduction);
   w.darkness = darknessOf(picture, background);
   w.key.emplace(picture, background);
   if (view.colours)
@@ -255,7 +255,7 @@ Image finished(const MatteView& view, const Work& w, int reduction) {
   cv::erode(given, inner, box, {-1, -1}, 1, cv::BORDER_REPLICATE);
   cv::dilate(given, outer, box, {-1, -1}, 1, cv::BORDER_REPLICATE);
   if (!w.cost.empty()) cv::resize(w.cost, cost, size, 0, 0, cv::INTER_LINEAR);
-  capture::KeyCut key(view.picture, w.fitted ? *w.fitted : *view.plates);
+  KeyCut key(view.picture, w.fitted ? *w.fitted : *view.plates);
   if (view.colours)
     key.use(*view.colours);
   else

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "base/image.h"
-#include "capture/background_model.h"
 #include "capture/capture.h"
-#include "capture/key_evidence.h"
+#include "mattes/background_model.h"
+#include "mattes/key_evidence.h"
 
 namespace fourdvt::mattes {
 
@@ -34,14 +34,14 @@ struct JointOptions {
 
 // One camera's part of an instant, as filmed.
 struct MatteView {
-  Image picture;                                     // RGB
-  const capture::BackgroundModel* plates = nullptr;  // null: `given` is all there is
-  bool fit_plates = true;                            // to the picture, see plate_fit.h
-  const capture::ColourCounts* colours = nullptr;    // of other frames, may be null
-  Image given;                                       // one channel
-  bool given_is_final = false;                       // mattes of the capture; else others may drop parts of it
-  cv::Mat hints;                                     // CV_32F, see HintTrack::cost; may be empty
-  cv::Mat more_cost;                                 // CV_32F, nats against the object; may be empty
+  Image picture;                            // RGB
+  const BackgroundModel* plates = nullptr;  // null: `given` is all there is
+  bool fit_plates = true;                   // to the picture, see fitPlate
+  const ColourCounts* colours = nullptr;    // of other frames, may be null
+  Image given;                              // one channel
+  bool given_is_final = false;              // mattes of the capture; else others may drop parts of it
+  cv::Mat hints;                            // CV_32F, see HintTrack::cost; may be empty
+  cv::Mat more_cost;                        // CV_32F, nats against the object; may be empty
 };
 
 struct CameraMatte {

@@ -37,10 +37,10 @@ Image reduced(const Image& picture, int reduction) {
   return out;
 }
 
-capture::BackgroundModel reduced(const capture::BackgroundModel& plates, int reduction) {
+BackgroundModel reduced(const BackgroundModel& plates, int reduction) {
   if (reduction == 1) return plates;
   const cv::Size from(plates.width, plates.height), to = reducedSize(plates.width, plates.height, reduction);
-  capture::BackgroundModel out{to.width, to.height, plates.plates, {}, {}, {}};
+  BackgroundModel out{to.width, to.height, plates.plates, {}, {}, {}};
   const auto shrink = [&](const std::vector<float>& values, int channels, std::vector<float>& result) {
     result.resize(size_t(to.area()) * size_t(channels));
     const cv::Mat in(from, CV_32FC(channels), const_cast<float*>(values.data()));

@@ -5,8 +5,8 @@
 #include <opencv2/core.hpp>
 
 #include "base/image.h"
-#include "capture/background_model.h"
 #include "capture/capture.h"
+#include "mattes/background_model.h"
 
 namespace fourdvt::mattes {
 
@@ -15,7 +15,7 @@ int reductionFor(const capture::CaptureCamera& camera, double pixels);
 cv::Size reducedSize(int width, int height, int reduction);
 capture::CaptureCamera reduced(const capture::CaptureCamera& camera, int reduction);
 Image reduced(const Image& picture, int reduction);
-capture::BackgroundModel reduced(const capture::BackgroundModel& plates, int reduction);
+BackgroundModel reduced(const BackgroundModel& plates, int reduction);
 // A mask (CV_8U, 0 or 255) at another size.
 cv::Mat resizedMask(const cv::Mat& mask, const cv::Size& size);
 

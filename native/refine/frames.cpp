@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "mattes/frame_reader.h"
 #include "refine/matte_bias.h"
 
 namespace fourdvt::refine {
@@ -56,7 +57,7 @@ Result<RefineFrames> readRefineFrames(const capture::Capture& capture, const Ope
   RefineFrames out;
   out.matte_edges.resize(capture.cameras.size());
   for (const capture::CaptureSequence& sequence : capture.sequences) {
-    FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture, sequence, open_video));
+    FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(capture, sequence, open_video));
     for (uint32_t f = 0; f < sequence.frame_count; f += stride) {
       if (!on_frame((read + f) / all))
         return Error{ErrorId::Interrupted, "stopped; the refinement was not saved, run the same command again"};

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "base/robust.h"
+#include "mattes/frame_reader.h"
 #include "refine/camera_refit.h"
 #include "refine/frames.h"
 #include "refine/outline_picture.h"
@@ -353,7 +354,7 @@ Status Refiner::drawWorst(const OpenVideo& open_video) {
     capture::Capture alone = capture_;
     alone.cameras = {capture_.cameras[worst.camera]};
     const capture::CaptureSequence& sequence = *alone.find(worst.sequence);
-    FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(alone, sequence, open_video, worst.frame));
+    FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(alone, sequence, open_video, worst.frame));
     FOURDVT_ASSIGN(const auto captured, reader->next());
     const auto frame = std::find_if(frames_.begin(), frames_.end(), [&](const RefineFrame& f) {
       return f.sequence->name == worst.sequence && f.index == worst.frame;

@@ -6,6 +6,7 @@
 #include "bake/texels/picture_crop.h"
 #include "capture/capture.h"
 #include "edge/room_file.h"
+#include "mattes/frame_reader.h"
 #include "platform/files.h"
 #include "platform/video_writer.h"
 #include "render/cameras/fvvr.h"
@@ -33,7 +34,7 @@ Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, c
   // All sequences, so that the mesh is refined as in a bake of all of them.
   const bool refines = arguments.fvvr.refine.any();
   const std::vector<std::string> only = refines ? std::vector<std::string>() : std::vector{sequence};
-  auto capture = capture::openCapture(arguments.fvvr.capture_folder, videoOpener(), only);
+  auto capture = mattes::openCapture(arguments.fvvr.capture_folder, videoOpener(), only);
   if (!capture.ok()) return capture.error();
   const capture::CaptureSequence* found = capture.value().find(sequence);
   if (!found)
@@ -54,7 +55,7 @@ Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, c
     if (!refinement) return refinement.error();
     refine::applyRefinement(refinement.value(), capture.value());
   }
-  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture.value(), filmed, videoOpener(), arguments.frame));
+  FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(capture.value(), filmed, videoOpener(), arguments.frame));
   FOURDVT_ASSIGN(auto frame, reader->next());
   for (Image& picture : frame.pictures) bake::replaceEdgeColours(picture);
   std::vector<PinholeCamera> cameras;

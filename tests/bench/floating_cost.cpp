@@ -12,6 +12,7 @@
 
 #include "bake/method/frame_drawing.h"
 #include "capture/capture.h"
+#include "mattes/frame_reader.h"
 #include "or_stop.h"
 #include "platform/egl_context.h"
 #include "platform/ffmpeg_video.h"
@@ -61,10 +62,9 @@ int main(int argc, char** argv) {
   const OpenVideo open_video = [](const std::string& path, int channels) {
     return platform::openVideoFile(path, channels);
   };
-  const auto capture =
-      orStop(capture::openCapture(argv[1], open_video, {sequence_name}, capture::MeshNeed::AnySurface));
+  const auto capture = orStop(mattes::openCapture(argv[1], open_video, {sequence_name}, capture::MeshNeed::AnySurface));
   const capture::CaptureSequence& sequence = capture.sequences.at(0);
-  const auto reader = orStop(capture::FrameReader::open(capture, sequence, open_video));
+  const auto reader = orStop(mattes::FrameReader::open(capture, sequence, open_video));
   const auto captured = orStop(reader->next());
   const TriangleMesh surface = orStop(capture::readSurfaceFrame(capture, sequence, 0));
   std::vector<PinholeCamera> cameras;

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "lab/study/steps/frame_rate.h"
+#include "mattes/frame_reader.h"
 #include "or_stop.h"
 #include "platform/egl_context.h"
 #include "platform/ffmpeg_video.h"
@@ -24,7 +25,7 @@ int main(int argc, char** argv) {
   };
   const auto context = orStop(platform::EglContext::create());
   const auto device = orStop(gpu::createGlesDevice());
-  const auto capture = orStop(capture::openCapture(argv[2], open_video));
+  const auto capture = orStop(mattes::openCapture(argv[2], open_video));
   study::FrameRateOptions options;
   if (argc > 3) options.frames = std::max(1, std::atoi(argv[3]));
   if (argc > 4) options.closest = {0, std::max(0, std::atoi(argv[4]))};

@@ -17,6 +17,7 @@
 #include "bake/texels/gpu_capture.h"
 #include "capture/capture.h"
 #include "lab/labels/paper_labellings.h"
+#include "mattes/frame_reader.h"
 #include "or_stop.h"
 #include "package/base_mesh.h"
 #include "platform/egl_context.h"
@@ -61,7 +62,7 @@ Measured measure(const std::string& folder, const std::string& sequence_name) {
   };
   const auto context = orStop(platform::EglContext::create());
   const auto device = orStop(gpu::createGlesDevice());
-  const capture::Capture capture = orStop(capture::openCapture(folder, open_video));
+  const capture::Capture capture = orStop(mattes::openCapture(folder, open_video));
   const capture::CaptureSequence* sequence = capture.find(sequence_name);
   if (!sequence) orStop(Result<int>(Error{ErrorId::InvalidArgument, folder + " has no sequence " + sequence_name}));
   const auto mesh = orStop(
@@ -71,11 +72,11 @@ Measured measure(const std::string& folder, const std::string& sequence_name) {
   for (const capture::CaptureCamera& camera : capture.cameras) cameras.push_back(camera.pinhole);
   auto gpu_capture = orStop(bake::GpuCapture::create(*device, cameras, topology, false));
   auto visibility = orStop(bake::Visibility::create(*device, gpu_capture));
-  const auto reader = orStop(capture::FrameReader::open(capture, *sequence, open_video));
+  const auto reader = orStop(mattes::FrameReader::open(capture, *sequence, open_video));
   std::vector<Positions> positions;
   std::vector<std::vector<float>> fractions;
   for (uint32_t f = 0; f < sequence->frame_count; ++f) {
-    const capture::CaptureFrame frame = orStop(reader->next());
+    const mattes::CaptureFrame frame = orStop(reader->next());
     positions.push_back(inDecodedOrder(mesh, frame.positions));
     std::vector<bake::PictureCrop> crops;
     for (size_t c = 0; c < cameras.size(); ++c)

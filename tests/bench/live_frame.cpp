@@ -18,6 +18,7 @@
 #include "live/server/live_hull.h"
 #include "live/server/pipeline.h"
 #include "live/server/tile_painter.h"
+#include "mattes/frame_reader.h"
 #include "or_stop.h"
 #include "platform/ffmpeg_video.h"
 
@@ -75,10 +76,10 @@ Seen seen(const Image& rgba, int width, int height) {
 
 Setup setUp(const std::string& folder, int width, int height) {
   const auto capture =
-      orStop(capture::openCapture(folder, platform::openVideoFile, {"walk"}, capture::MeshNeed::Nothing));
+      orStop(mattes::openCapture(folder, platform::openVideoFile, {"walk"}, capture::MeshNeed::Nothing));
   Setup out;
   for (size_t c = 0; c < 6; ++c) out.cameras.push_back(boxedCamera(capture.cameras[c].pinhole, width, height));
-  auto reader = orStop(capture::FrameReader::open(capture, capture.sequences[0], platform::openVideoFile));
+  auto reader = orStop(mattes::FrameReader::open(capture, capture.sequences[0], platform::openVideoFile));
   for (uint32_t f = 0; f < kFrames; ++f) {
     const auto frame = orStop(reader->next());
     out.frames.emplace_back();

@@ -7,11 +7,12 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "capture/background_key.h"
-#include "capture/matte.h"
 #include "capture/pictures.h"
 #include "capture/plates.h"
 #include "live/camera/keyer.h"
+#include "mattes/background_key.h"
+#include "mattes/frame_reader.h"
+#include "mattes/plate_key.h"
 #include "or_stop.h"
 #include "platform/ffmpeg_video.h"
 #include "silhouette/contour.h"
@@ -97,9 +98,9 @@ void measure(const std::vector<View>& views, int width, int height) {
     std::vector<Image> plates;
     for (const Image& plate : view.plates) plates.push_back(fitted(plate, plate, width, height));
     const auto keyer = orStop(live::Keyer::create(plates));
-    const auto model = capture::makeBackgroundModel(plates);
-    const Image mean = capture::meanPicture(model);
-    const bool chroma = capture::isChromaPlate(mean);
+    const auto model = mattes::makeBackgroundModel(plates);
+    const Image mean = mattes::meanPicture(model);
+    const bool chroma = mattes::isChromaPlate(mean);
     for (size_t i = 0; i < view.pictures.size(); ++i, ++pictures) {
       const Image picture = fitted(view.pictures[i], view.plates[0], width, height);
       const Image truth = fitted(view.mattes[i], Image(view.mattes[i].width, view.mattes[i].height, 1), width, height);
@@ -110,7 +111,7 @@ void measure(const std::vector<View>& views, int width, int height) {
       for (const auto& ring : outline.rings) points += double(ring.size());
       Image offline;
       offline_ms += leastCost_ms(
-          1, [&] { offline = chroma ? capture::chromaKey(picture, mean) : capture::backgroundKey(picture, model); });
+          1, [&] { offline = chroma ? mattes::chromaKey(picture, mean) : mattes::backgroundKey(picture, model); });
       live_truth.add(*live, truth);
       offline_truth.add(offline, truth);
     }
@@ -126,7 +127,7 @@ int main(int argc, char** argv) {
   cv::setNumThreads(1);
   const std::string folder = argc > 1 ? argv[1] : "site/sample/actor_a", truth = argc > 2 ? argv[2] : folder;
   const auto capture = orStop(
-      capture::openCapture(folder, platform::openVideoFile, {}, capture::MeshNeed::Nothing, capture::MatteNeed::None));
+      mattes::openCapture(folder, platform::openVideoFile, {}, capture::MeshNeed::Nothing, capture::MatteNeed::None));
   const std::vector<View> views = readViews(capture, truth);
   std::printf("pictures         live    outline points     offline offl/live   live IoU   offl IoU\n");
   measure(views, 320, 240);

@@ -13,6 +13,7 @@
 #include "bake/motion/root_track.h"
 #include "bench/blend_cost.h"
 #include "capture/capture.h"
+#include "mattes/frame_reader.h"
 #include "or_stop.h"
 #include "platform/ffmpeg_video.h"
 
@@ -132,7 +133,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: bench_mesh_blend CAPTURE_FOLDER [MEMBER MEMBER]\n");
     return 2;
   }
-  const capture::Capture capture = orStop(capture::openCapture(argv[1], platform::openVideoFile));
+  const capture::Capture capture = orStop(mattes::openCapture(argv[1], platform::openVideoFile));
   const bake::ReadPositions read = [&](const capture::CaptureSequence& sequence, uint32_t frame) {
     return capture::readMeshFrame(capture, sequence, frame);
   };

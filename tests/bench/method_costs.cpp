@@ -15,6 +15,7 @@
 #include "bake/method/method_choice.h"
 #include "capture/capture.h"
 #include "encode/surfaces.h"
+#include "mattes/frame_reader.h"
 #include "or_stop.h"
 #include "platform/egl_context.h"
 #include "platform/ffmpeg_video.h"
@@ -59,8 +60,8 @@ int main(int argc, char** argv) {
   const OpenVideo open_video = [](const std::string& path, int channels) {
     return platform::openVideoFile(path, channels);
   };
-  const auto capture = orStop(capture::openCapture(argv[1], open_video, {name}, capture::MeshNeed::AnySurface));
-  const auto reader = orStop(capture::FrameReader::open(capture, capture.sequences.at(0), open_video));
+  const auto capture = orStop(mattes::openCapture(argv[1], open_video, {name}, capture::MeshNeed::AnySurface));
+  const auto reader = orStop(mattes::FrameReader::open(capture, capture.sequences.at(0), open_video));
   const auto captured = orStop(reader->next());
   TriangleMesh given = orStop(capture::readSurfaceFrame(capture, capture.sequences.at(0), 0));
   std::vector<PinholeCamera> cameras;

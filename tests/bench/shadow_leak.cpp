@@ -12,6 +12,7 @@
 #include <cstdlib>
 
 #include "capture/capture.h"
+#include "mattes/frame_reader.h"
 #include "or_stop.h"
 #include "platform/egl_context.h"
 #include "platform/ffmpeg_video.h"
@@ -110,8 +111,8 @@ CaptureScene captureScene(const char* folder, const char* sequence, uint32_t fra
   const OpenVideo open_video = [](const std::string& path, int channels) {
     return platform::openVideoFile(path, channels);
   };
-  const auto capture = orStop(capture::openCapture(folder, open_video, {sequence}));
-  const auto reader = orStop(capture::FrameReader::open(capture, capture.sequences[0], open_video, frame));
+  const auto capture = orStop(mattes::openCapture(folder, open_video, {sequence}));
+  const auto reader = orStop(mattes::FrameReader::open(capture, capture.sequences[0], open_video, frame));
   auto captured = orStop(reader->next());
   CaptureScene out{{capture.topology, std::move(captured.positions), {}, {}}, std::move(captured.pictures)};
   for (const capture::CaptureCamera& camera : capture.cameras) out.cameras.push_back(camera.pinhole);

@@ -7,6 +7,7 @@
 #include "capture/capture.h"
 #include "gl_fixture.h"
 #include "lab/measure/held_out_truth.h"
+#include "mattes/frame_reader.h"
 #include "measure/picture_score.h"
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
@@ -25,7 +26,7 @@ constexpr double kDegrees = 180 / 3.14159265358979323846;
 bool goOn(const std::string&, double) { return true; }
 
 capture::Capture sampleRun() {
-  auto capture = capture::openCapture(kSample, platform::openVideoFile, {"run"});
+  auto capture = mattes::openCapture(kSample, platform::openVideoFile, {"run"});
   EXPECT_TRUE(capture.ok()) << capture.error().message;
   return capture.take();
 }
@@ -41,7 +42,7 @@ struct RefineSample : testing::GlFixture {
   // FVVR at the held-out cameras, frame 8 of the run.
   measure::PictureScore heldOut(const capture::Capture& capture) {
     const capture::CaptureSequence& sequence = capture.sequences[0];
-    auto reader = capture::FrameReader::open(capture, sequence, platform::openVideoFile, 8).take();
+    auto reader = mattes::FrameReader::open(capture, sequence, platform::openVideoFile, 8).take();
     auto frame = reader->next().take();
     for (Image& picture : frame.pictures) bake::replaceEdgeColours(picture);
     std::vector<PinholeCamera> cameras;

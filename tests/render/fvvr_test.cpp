@@ -7,8 +7,9 @@
 #include "bake/texels/picture_crop.h"
 #include "capture/capture.h"
 #include "gl_fixture.h"
-#include "measure/metrics.h"
 #include "lab/measure/projective.h"
+#include "mattes/frame_reader.h"
+#include "measure/metrics.h"
 #include "platform/ffmpeg_video.h"
 #include "shadow_leak.h"
 
@@ -331,9 +332,9 @@ TEST_F(FvvrTest, AgreesWithTheYardstickOnTheSample) {
   const OpenVideo open_video = [](const std::string& path, int channels) {
     return platform::openVideoFile(path, channels);
   };
-  auto capture = capture::openCapture(FOURDVT_SOURCE_DIR "/site/sample/actor_a", open_video, {"walk"});
+  auto capture = mattes::openCapture(FOURDVT_SOURCE_DIR "/site/sample/actor_a", open_video, {"walk"});
   ASSERT_TRUE(capture) << capture.error().message;
-  auto reader = capture::FrameReader::open(capture.value(), capture.value().sequences[0], open_video);
+  auto reader = mattes::FrameReader::open(capture.value(), capture.value().sequences[0], open_video);
   ASSERT_TRUE(reader) << reader.error().message;
   auto frame = reader.value()->next();
   ASSERT_TRUE(frame) << frame.error().message;

@@ -12,6 +12,7 @@
 #include "encode/tile.h"
 #include "gl_fixture.h"
 #include "lab/measure/seam_contrast.h"
+#include "mattes/frame_reader.h"
 #include "platform/ffmpeg_video.h"
 #include "seam_scene.h"
 
@@ -207,9 +208,9 @@ struct SampleSeams : Seams {
 
   void SetUp() override {
     Seams::SetUp();
-    auto capture = capture::openCapture(folder, platform::openVideoFile, {"run"});
+    auto capture = mattes::openCapture(folder, platform::openVideoFile, {"run"});
     ASSERT_TRUE(capture) << capture.error().message;
-    auto reader = capture::FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile);
+    auto reader = mattes::FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile);
     ASSERT_TRUE(reader) << reader.error().message;
     auto frame = reader.value()->next();
     ASSERT_TRUE(frame) << frame.error().message;

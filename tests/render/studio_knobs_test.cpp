@@ -6,6 +6,7 @@
 #include "capture/capture.h"
 #include "capture/pictures.h"
 #include "lab/studio/set.h"
+#include "mattes/frame_reader.h"
 #include "platform/ffmpeg_video.h"
 #include "studio_fixture.h"
 
@@ -36,7 +37,7 @@ TEST_F(StudioKnobsTest, FirstFramesOfAClipAreThoseOfTheWhole) {
   const auto cut = filesOf(o.folder);
   EXPECT_TRUE(cut.at("walk/cam01/000001.png") == whole.at("walk/cam01/000001.png"));
   EXPECT_EQ(cut.count("walk/cam01/000002.png"), 0u);
-  auto capture = capture::openCapture(o.folder, platform::openVideoFile);
+  auto capture = mattes::openCapture(o.folder, platform::openVideoFile);
   ASSERT_TRUE(capture) << capture.error().message;
   EXPECT_TRUE(capture.value().classes.empty());
   for (const capture::CaptureSequence& sequence : capture.value().sequences) {
@@ -165,13 +166,13 @@ TEST_F(StudioKnobsTest, FilmedThroughALensAndUndistortedAreTheSame) {
   o.height = 320;
   const auto first = [&](const StudioOptions& options) {
     EXPECT_TRUE(run(options));
-    const auto capture = capture::openCapture(options.folder, platform::openVideoFile).take();
-    return capture::FrameReader::open(capture, capture.sequences[0], platform::openVideoFile).take()->next().take();
+    const auto capture = mattes::openCapture(options.folder, platform::openVideoFile).take();
+    return mattes::FrameReader::open(capture, capture.sequences[0], platform::openVideoFile).take()->next().take();
   };
-  const capture::CaptureFrame pinhole = first(o);
+  const mattes::CaptureFrame pinhole = first(o);
   o.folder = folder_ + "/lens";
   o.knobs.lens = {-0.25, 0.1, 0.5};
-  const capture::CaptureFrame lens = first(o);
+  const mattes::CaptureFrame lens = first(o);
   const auto files = filesOf(o.folder), plain = filesOf(folder_ + "/pinhole");
   EXPECT_NE(files.at("cameras/cameras.txt").find("FULL_OPENCV 240"), std::string::npos);
   EXPECT_NE(files.at("cameras_true/cameras.txt").find("FULL_OPENCV 240"), std::string::npos);
@@ -261,7 +262,7 @@ TEST_F(StudioKnobsTest, ScaledWorldLooksTheSame) {
   o.room = true;
   ASSERT_TRUE(run(o));
   const auto one_files = filesOf(o.folder);
-  const auto one = capture::openCapture(o.folder, platform::openVideoFile).take();
+  const auto one = mattes::openCapture(o.folder, platform::openVideoFile).take();
   for (const double scale : {0.05, 20.0}) {
     o.folder = folder_ + "/scaled";
     o.scale = scale;
@@ -271,7 +272,7 @@ TEST_F(StudioKnobsTest, ScaledWorldLooksTheSame) {
       if (!name.ends_with(".png") && !name.ends_with(".i16")) continue;
       EXPECT_TRUE(files.at(name) == bytes) << name;
     }
-    auto opened = capture::openCapture(o.folder, platform::openVideoFile);
+    auto opened = mattes::openCapture(o.folder, platform::openVideoFile);
     ASSERT_TRUE(opened) << opened.error().message;
     const capture::Capture& scaled = opened.value();
     const Positions small = capture::readMeshFrame(one, one.sequences[1], 2).take();
@@ -305,7 +306,7 @@ TEST_F(StudioKnobsTest, RoomMustHoldTheCameras) {
   EXPECT_EQ(refused.error().id, ErrorId::InvalidArgument);
   o.room_size_m = 15;
   ASSERT_TRUE(run(o));
-  auto capture = capture::openCapture(o.folder, platform::openVideoFile);
+  auto capture = mattes::openCapture(o.folder, platform::openVideoFile);
   ASSERT_TRUE(capture) << capture.error().message;
   ASSERT_TRUE(capture.value().room);
   EXPECT_EQ(capture.value().room->max.x, 7.5f);

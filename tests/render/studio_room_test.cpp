@@ -6,6 +6,7 @@
 #include "capture/capture.h"
 #include "capture/pictures.h"
 #include "lab/measure/matte_score.h"
+#include "mattes/frame_reader.h"
 #include "platform/ffmpeg_video.h"
 #include "studio_fixture.h"
 
@@ -54,10 +55,10 @@ Image row(const Image& picture, const Image& plate, const Image& truth) {
 
 void StudioRoomTest::expectTrueMattes(const StudioOptions& options, const std::string& sheets) {
   make(options);
-  auto capture = capture::openCapture(options.folder, platform::openVideoFile);
+  auto capture = mattes::openCapture(options.folder, platform::openVideoFile);
   ASSERT_TRUE(capture) << capture.error().message;
   const auto& sequence = capture.value().sequences[0];
-  auto reader = capture::FrameReader::open(capture.value(), sequence, platform::openVideoFile);
+  auto reader = mattes::FrameReader::open(capture.value(), sequence, platform::openVideoFile);
   ASSERT_TRUE(reader) << reader.error().message;
   const size_t cameras = capture.value().cameras.size();
   fs::create_directories("room_mattes");
@@ -90,12 +91,12 @@ TEST_F(StudioRoomTest, MattesOfVideosAreTheTrueOnes) {
   o.images = false;
   make(o);
   const auto first = [&](const std::string& folder) {
-    auto capture = capture::openCapture(folder, platform::openVideoFile);
+    auto capture = mattes::openCapture(folder, platform::openVideoFile);
     EXPECT_TRUE(capture) << capture.error().message;
-    auto reader = capture::FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile);
+    auto reader = mattes::FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile);
     return reader.value()->next().take();
   };
-  const capture::CaptureFrame images = first(folder_ + "/capture"), videos = first(o.folder);
+  const mattes::CaptureFrame images = first(folder_ + "/capture"), videos = first(o.folder);
   for (size_t c = 0; c < images.pictures.size(); ++c) {
     Image matte(images.pictures[c].width, images.pictures[c].height, 1);
     for (size_t i = 0; i < matte.pixels.size(); ++i) matte.pixels[i] = images.pictures[c].pixels[4 * i + 3];

@@ -5,6 +5,7 @@
 
 #include "capture/capture.h"
 #include "lab/studio/set.h"
+#include "mattes/frame_reader.h"
 #include "platform/ffmpeg_video.h"
 #include "studio_fixture.h"
 
@@ -111,7 +112,7 @@ TEST_F(StudioTest, CaptureOpensAndTruthEndsAreTheSequencesOwnPictures) {
   EXPECT_TRUE(walk.substr(0, size_t{vertices} * 6) == truth.substr(0, size_t{vertices} * 6));
   EXPECT_EQ(files.at("truth/locomotion/alignment/run/0001.bin").size(), size_t{vertices} * 12);
 
-  auto capture = capture::openCapture(o.folder, platform::openVideoFile);
+  auto capture = mattes::openCapture(o.folder, platform::openVideoFile);
   ASSERT_TRUE(capture) << capture.error().message;
   ASSERT_EQ(capture.value().sequences.size(), 2u);
   EXPECT_EQ(capture.value().sequences[0].frame_count, 6u);
@@ -130,15 +131,15 @@ TEST_F(StudioTest, VideosDecodeToThePicturesAndMattesAreLossless) {
   o.images = false;
   ASSERT_TRUE(run(o));
   const auto open = [&](const std::string& name) {
-    auto capture = capture::openCapture(folder_ + name, platform::openVideoFile);
+    auto capture = mattes::openCapture(folder_ + name, platform::openVideoFile);
     EXPECT_TRUE(capture) << capture.error().message;
     auto reader =
-        capture::FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile).take();
+        mattes::FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile).take();
     return reader;
   };
   auto pictures = open("/pictures"), videos = open("/videos");
   for (int frame = 0; frame < 4; ++frame) {
-    const capture::CaptureFrame a = pictures->next().take(), b = videos->next().take();
+    const mattes::CaptureFrame a = pictures->next().take(), b = videos->next().take();
     for (size_t c = 0; c < a.pictures.size(); ++c) {
       double difference = 0;
       for (size_t i = 0; i < a.pictures[c].pixels.size(); ++i) {

@@ -11,6 +11,7 @@
 
 #include "capture/capture.h"
 #include "matte_with.h"
+#include "mattes/frame_reader.h"
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
 
@@ -87,7 +88,7 @@ class SmallCapture : public TempFolder {
            R"(", "sequences": [{"name": "walk", "frames": 3, "loop": true, "root_velocity": [0, 0, 1.5])" +
            sequence_extra + "}]}";
   }
-  Result<Capture> open() const { return openCapture(path(), platform::openVideoFile); }
+  Result<Capture> open() const { return mattes::openCapture(path(), platform::openVideoFile); }
 };
 
 // The same without meshes; a test adds files and lines to capture.json.
@@ -102,7 +103,7 @@ class BareCapture : public SmallCapture {
                const std::string& units = "metre") const {
     write("capture.json", "{\"topology\": \"" + topology + "\", " + json(sequence_extra, units).substr(1));
   }
-  Result<Capture> openAs(MeshNeed need) const { return openCapture(path(), platform::openVideoFile, {}, need); }
+  Result<Capture> openAs(MeshNeed need) const { return mattes::openCapture(path(), platform::openVideoFile, {}, need); }
 };
 
 inline std::string replaced(std::string text, const std::string& from, const std::string& to) {

@@ -7,6 +7,8 @@
 
 #include "bake/run/renditions.h"
 
+#include "mattes/frame_reader.h"
+
 namespace fourdvt::bake {
 
 Result<std::unique_ptr<StreamReader>> StreamReader::create(BakeRun& run, const StreamPlan& plan) {
@@ -53,8 +55,8 @@ Result<SourceFrame> StreamReader::readSource(size_t member, uint32_t source_fram
   StageClock::Span span(run_.clock, Stage::Decode);
   Source& source = sources_[member];
   if (!source.reader || source_frame < source.next) {
-    FOURDVT_ASSIGN(source.reader, capture::FrameReader::open(run_.job.capture, *plan_.motion.members[member].source,
-                                                             run_.environment.open_video, source_frame));
+    FOURDVT_ASSIGN(source.reader, mattes::FrameReader::open(run_.job.capture, *plan_.motion.members[member].source,
+                                                            run_.environment.open_video, source_frame));
     source.next = source_frame;
   }
   for (; source.next < source_frame; ++source.next) FOURDVT_TRY(source.reader->next());

@@ -71,7 +71,7 @@ class StreamReader {
 
  private:
   struct Source {
-    std::unique_ptr<capture::FrameReader> reader;
+    std::unique_ptr<mattes::FrameReader> reader;
     uint32_t next = 0;
     std::optional<uint32_t> last;  // read last
   };

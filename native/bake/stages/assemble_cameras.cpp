@@ -5,6 +5,7 @@
 #include "bake/stages/assembly.h"
 #include "base/bytes.h"
 #include "base/hash.h"
+#include "mattes/frame_reader.h"
 #include "render/cameras/fvvr.h"
 
 namespace fourdvt::bake {
@@ -50,17 +51,17 @@ ReportTiles describeTiles(const Job& job, const StreamPlan& plan) {
 }
 
 // The first frame, its pictures in the colours that the cameras share.
-Result<capture::CaptureFrame> readFirstFrame(const BakeRun& run, const std::vector<ColourMap>& maps) {
+Result<mattes::CaptureFrame> readFirstFrame(const BakeRun& run, const std::vector<ColourMap>& maps) {
   const Job& job = run.job;
   FOURDVT_ASSIGN(const auto reader,
-                 capture::FrameReader::open(job.capture, job.capture.sequences[0], run.environment.open_video));
+                 mattes::FrameReader::open(job.capture, job.capture.sequences[0], run.environment.open_video));
   FOURDVT_ASSIGN(auto frame, reader->next());
   for (size_t c = 0; c < maps.size(); ++c) applyColours(maps[c], frame.pictures[c]);
   return frame;
 }
 
 // It from the view that the page starts with, textured by FVVR, which reads the cameras' whole pictures.
-Result<Image> drawPoster(const BakeRun& run, const capture::CaptureFrame& frame) {
+Result<Image> drawPoster(const BakeRun& run, const mattes::CaptureFrame& frame) {
   const Job& job = run.job;
   MeshTopology topology;
   topology.vertex_count = static_cast<uint32_t>(frame.positions.size());

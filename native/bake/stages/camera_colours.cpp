@@ -5,13 +5,14 @@
 #include "bake/stages/stages.h"
 #include "bake/stages/survey.h"
 #include "bake/texels/frame_baker.h"
+#include "mattes/frame_reader.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 
 namespace fourdvt::bake {
 namespace {
 
-MeshTopology topologyOf(const Job& job, const capture::CaptureFrame& frame) {
+MeshTopology topologyOf(const Job& job, const mattes::CaptureFrame& frame) {
   MeshTopology t;
   t.vertex_count = static_cast<uint32_t>(frame.positions.size());
   t.uvs = {{0, 0}};  // visibility asks for none
@@ -20,7 +21,7 @@ MeshTopology topologyOf(const Job& job, const capture::CaptureFrame& frame) {
   return t;
 }
 
-Status addFrame(BakeRun& run, const capture::CaptureFrame& frame, ColourCalibrator& calibrator) {
+Status addFrame(BakeRun& run, const mattes::CaptureFrame& frame, ColourCalibrator& calibrator) {
   const Job& job = run.job;
   const MeshTopology topology = topologyOf(job, frame);
   std::vector<PictureCrop> crops;
@@ -39,7 +40,7 @@ Result<std::vector<ColourMap>> measure(BakeRun& run, StageProgress& progress) {
   ColourCalibrator calibrator(job.cameras.size());
   double before = 0;
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
-    FOURDVT_ASSIGN(const auto reader, capture::FrameReader::open(job.capture, sequence, run.environment.open_video));
+    FOURDVT_ASSIGN(const auto reader, mattes::FrameReader::open(job.capture, sequence, run.environment.open_video));
     const uint32_t end = std::min(sequence.frame_count, kColourFrames);
     for (uint32_t f = 0; f < end; f += kColourEvery) {
       if (run.stopped()) return Error{ErrorId::Interrupted, "stopped; nothing was written"};

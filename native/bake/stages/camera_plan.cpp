@@ -6,6 +6,7 @@
 #include "bake/run/renditions.h"
 #include "bake/stages/stages.h"
 #include "base/length_scale.h"
+#include "mattes/frame_reader.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -124,7 +125,7 @@ Result<double> planStreamsOf(Job& job, const std::function<void(size_t sequence)
 
 }  // namespace
 
-TriangleMesh streamedSurface(const Job& job, const capture::CaptureFrame& frame) {
+TriangleMesh streamedSurface(const Job& job, const mattes::CaptureFrame& frame) {
   if (job.oneTopology()) return {frame.positions, job.capture.topology.face_vertices};
   return encode::simplified({frame.positions, frame.faces}, static_cast<size_t>(job.options.cameras.faces));
 }

@@ -346,8 +346,8 @@ class CameraGops : GopWork {
 
  private:
   Status bakeStream(const StreamPlan& plan);
-  Result<std::unique_ptr<CameraGop>> drawGop(const StreamPlan& plan, uint32_t gop, capture::FrameReader& reader);
-  Status drawFrame(CameraGop& open, const StreamPlan& plan, const capture::CaptureFrame& frame);
+  Result<std::unique_ptr<CameraGop>> drawGop(const StreamPlan& plan, uint32_t gop, mattes::FrameReader& reader);
+  Status drawFrame(CameraGop& open, const StreamPlan& plan, const mattes::CaptureFrame& frame);
   Status saveGop(CameraGop& open, const StreamPlan& plan, uint32_t gop);
 
   const std::vector<ColourMap>& maps_;
@@ -362,14 +362,14 @@ Result<uint32_t> CameraGops::run() {
 Status CameraGops::runOne(const StreamPlan& plan, uint32_t gop) {
   if (isFinished(plan, gop)) return {};
   FOURDVT_ASSIGN(const auto reader,
-                 capture::FrameReader::open(job_.capture, *plan.motion.members[0].source, run_.environment.open_video,
+                 mattes::FrameReader::open(job_.capture, *plan.motion.members[0].source, run_.environment.open_video,
                                             plan.gop_first_frames[gop]));
   FOURDVT_ASSIGN(const auto open, drawGop(plan, gop, *reader));
   return saveGop(*open, plan, gop);
 }
 
 Status CameraGops::bakeStream(const StreamPlan& plan) {
-  std::unique_ptr<capture::FrameReader> reader;
+  std::unique_ptr<mattes::FrameReader> reader;
   for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
     const uint32_t first = plan.gop_first_frames[g];
     if (isFinished(plan, g)) {
@@ -377,7 +377,7 @@ Status CameraGops::bakeStream(const StreamPlan& plan) {
       continue;
     }
     if (!reader) {
-      FOURDVT_ASSIGN(reader, capture::FrameReader::open(job_.capture, *plan.motion.members[0].source,
+      FOURDVT_ASSIGN(reader, mattes::FrameReader::open(job_.capture, *plan.motion.members[0].source,
                                                         run_.environment.open_video, first));
     } else {
       reader->skipTo(first);
@@ -390,7 +390,7 @@ Status CameraGops::bakeStream(const StreamPlan& plan) {
 }
 
 Result<std::unique_ptr<CameraGop>> CameraGops::drawGop(const StreamPlan& plan, uint32_t gop,
-                                                       capture::FrameReader& reader) {
+                                                       mattes::FrameReader& reader) {
   auto open = std::make_unique<CameraGop>();
   open->number = gop;
   const auto read = [&] {
@@ -398,7 +398,7 @@ Result<std::unique_ptr<CameraGop>> CameraGops::drawGop(const StreamPlan& plan, u
     return reader.next();
   };
   const uint32_t first = plan.gop_first_frames[gop], end = plan.gopEnd(gop);
-  std::future<Result<capture::CaptureFrame>> next = std::async(run_.lane(), read);  // futures join on every way out
+  std::future<Result<mattes::CaptureFrame>> next = std::async(run_.lane(), read);  // futures join on every way out
   for (uint32_t f = first; f < end; ++f) {
     FOURDVT_ASSIGN(const auto frame, next.get());
     if (f + 1 < end) next = std::async(run_.lane(), read);
@@ -410,7 +410,7 @@ Result<std::unique_ptr<CameraGop>> CameraGops::drawGop(const StreamPlan& plan, u
   return open;
 }
 
-Status CameraGops::drawFrame(CameraGop& open, const StreamPlan& plan, const capture::CaptureFrame& frame) {
+Status CameraGops::drawFrame(CameraGop& open, const StreamPlan& plan, const mattes::CaptureFrame& frame) {
   const auto& tiles = plan.cameras.gops[open.number];
   std::vector<Image> drawn(tiles.size());
   std::atomic<size_t> next = 0;

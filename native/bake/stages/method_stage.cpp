@@ -6,6 +6,7 @@
 #include "bake/run/job_keys.h"
 #include "bake/stages/stages.h"
 #include "base/bytes.h"
+#include "mattes/frame_reader.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "render/cameras/camera_method.h"
@@ -75,7 +76,7 @@ Result<TrialSums> measure(BakeRun& run, const std::vector<ColourMap>& maps, cons
                           const std::vector<std::string>& methods) {
   const Job& job = run.job;
   FOURDVT_ASSIGN(const auto reader,
-                 capture::FrameReader::open(job.capture, *place.sequence, run.environment.open_video, place.frame));
+                 mattes::FrameReader::open(job.capture, *place.sequence, run.environment.open_video, place.frame));
   FOURDVT_ASSIGN(auto captured, reader->next());
   for (size_t c = 0; c < maps.size(); ++c) applyColours(maps[c], captured.pictures[c]);
   const TriangleMesh surface = streamedSurface(job, captured);

@@ -5,7 +5,7 @@
 #include "bake/stages/stages.h"
 #include "base/hash.h"
 #include "base/text.h"
-#include "capture/plates.h"
+#include "mattes/plate_key.h"
 #include "platform/files.h"
 
 namespace fourdvt::store {
@@ -27,7 +27,7 @@ Result<std::vector<RoomPlate>> readPlates(const Job& job, const std::vector<Colo
   std::vector<RoomPlate> plates;
   for (const capture::CaptureCamera& camera : job.capture.cameras) {
     RoomPlate plate{camera.pinhole, {}};
-    FOURDVT_ASSIGN(plate.picture, capture::readRoomPlate(job.capture, camera));
+    FOURDVT_ASSIGN(plate.picture, mattes::readRoomPlate(job.capture, camera));
     if (!colour_maps.empty()) {
       const ColourMap& map = colour_maps[plates.size()];
       plate.colour_matrix = map.matrix;

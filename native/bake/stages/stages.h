@@ -72,7 +72,7 @@ bool loadRefinementPictures(Job& job);
 // of capture, NothingVisible, InvalidArgument, Interrupted.
 Status planCameraSurfaces(Job& job, const BakeEnvironment& environment);
 // The surface of a frame as it is streamed, but for the grid of its positions.
-TriangleMesh streamedSurface(const Job& job, const capture::CaptureFrame& frame);
+TriangleMesh streamedSurface(const Job& job, const mattes::CaptureFrame& frame);
 // Completes job.streams: one per captured sequence. Errors: InvalidArgument (the tiled picture is too large).
 Status planCameraStreams(BakeRun& run);
 
@@ -142,9 +142,9 @@ struct BakedRoom {
   std::vector<uint8_t> picture;  // the bytes of the file that it names
 };
 // Refuses a room that does not hold the performer in all frames, and one without plates. Errors: CaptureJson, those of
-// capture::readRoomPlate.
+// mattes::readRoomPlate.
 Status checkRoom(const Job& job);
-// None if the capture has no room. `colour_maps`: one per camera, or none. Errors: those of capture::readRoomPlate,
+// None if the capture has no room. `colour_maps`: one per camera, or none. Errors: those of mattes::readRoomPlate,
 // Internal.
 Result<std::optional<BakedRoom>> makeRoom(BakeRun& run, const std::vector<ColourMap>& colour_maps);
 

@@ -8,6 +8,7 @@
 #include "bake/run/job_keys.h"
 #include "bake/stages/stages.h"
 #include "base/text.h"
+#include "mattes/frame_reader.h"
 #include "package/character.h"
 #include "platform/folders.h"
 #include "store/record_file.h"
@@ -214,7 +215,7 @@ Status Survey::measureWindow(BakeRun& run, const capture::CaptureSequence& seque
     measuring.reader->skipTo(first);
   } else {
     FOURDVT_ASSIGN(measuring.reader,
-                   capture::FrameReader::open(job_->capture, sequence, run.environment.open_video, first));
+                   mattes::FrameReader::open(job_->capture, sequence, run.environment.open_video, first));
   }
   const auto needed = [&, calibrator](uint32_t f) {  // the first frame from f on that is looked at
     while (f < std::min(known, window.end) && !(calibrator && bake::showsColours(f))) ++f;

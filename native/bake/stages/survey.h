@@ -13,6 +13,7 @@
 #include "bake/labels/schedule.h"
 #include "bake/run/bake_run.h"
 #include "bake/texels/frame_baker.h"
+#include "mattes/frame_reader.h"
 
 namespace fourdvt::bake {
 
@@ -66,8 +67,8 @@ class Survey {
                            const LabelSink& sink, const LabelSolve& solve);
   struct Measuring {
     std::unique_ptr<FrameBaker> baker;
-    ColourCalibrator* calibrator = nullptr;        // null: the colour maps are known already
-    std::unique_ptr<capture::FrameReader> reader;  // stays open over neighbouring windows
+    ColourCalibrator* calibrator = nullptr;       // null: the colour maps are known already
+    std::unique_ptr<mattes::FrameReader> reader;  // stays open over neighbouring windows
     OnFrame on_frame;
   };
   explicit Survey(const Job& job);

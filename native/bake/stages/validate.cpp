@@ -16,6 +16,7 @@
 #include "base/length_scale.h"
 #include "base/text.h"
 #include "capture/mesh_sequence.h"
+#include "mattes/frame_reader.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "render/character_model.h"
@@ -174,7 +175,7 @@ Status openCapture(Job& job, const BakeEnvironment& environment) {
   BakeOptions& o = job.options;
   const bool any = o.appearance != package::AppearanceKind::Layers;
   FOURDVT_ASSIGN(job.capture,
-                 capture::openCapture(o.capture_folder, environment.open_video, o.sequences,
+                 mattes::openCapture(o.capture_folder, environment.open_video, o.sequences,
                                       any ? capture::MeshNeed::AnySurface : capture::MeshNeed::ConstantTopology));
   const bool constant = job.oneTopology();
   const bool chosen = !o.appearance;

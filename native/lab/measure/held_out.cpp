@@ -8,6 +8,7 @@
 #include "lab/measure/appearance_score.h"
 #include "lab/measure/held_out_truth.h"
 #include "lab/measure/projective.h"
+#include "mattes/frame_reader.h"
 #include "measure/metrics.h"
 #include "platform/files.h"
 
@@ -53,7 +54,7 @@ class Evaluation {
     return {};
   }
 
-  Status frame(const capture::CaptureSequence& sequence, const capture::CaptureFrame& input) {
+  Status frame(const capture::CaptureSequence& sequence, const mattes::CaptureFrame& input) {
     const auto& test = sequence.test_frames;
     if (std::find(test.begin(), test.end(), input.index) != test.end()) FOURDVT_TRY(heldOutViews(sequence, input));
     if (options_.input_every && input.index % options_.input_every == 0) FOURDVT_TRY(inputViews(sequence, input));
@@ -65,7 +66,7 @@ class Evaluation {
     const size_t count = std::min<size_t>(options_.flicker_cameras, cameras_.size());
     if (count == 0 || capture_.meshes != capture::CaptureMeshes::ConstantTopology) return {};
     for (size_t c = 0; c < count; ++c) {
-      FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture_, sequence, open_video));
+      FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(capture_, sequence, open_video));
       FOURDVT_TRY(flickerAt(sequence, c, *reader));
     }
     FOURDVT_ASSIGN(const Positions mesh, capture::readMeshFrame(capture_, sequence, 0));
@@ -75,7 +76,7 @@ class Evaluation {
   HeldOutReport take() { return std::move(report_); }
 
  private:
-  Status flickerAt(const capture::CaptureSequence& sequence, size_t camera, capture::FrameReader& reader) {
+  Status flickerAt(const capture::CaptureSequence& sequence, size_t camera, mattes::FrameReader& reader) {
     const uint32_t count = std::min(sequence.frame_count, kMostFlickerFrames);
     const PinholeCamera& view = bakedCamera(camera);
     TrueAndDrawn before;
@@ -118,7 +119,7 @@ class Evaluation {
     return {};
   }
 
-  Status heldOutViews(const capture::CaptureSequence& sequence, const capture::CaptureFrame& input) {
+  Status heldOutViews(const capture::CaptureSequence& sequence, const mattes::CaptureFrame& input) {
     for (const PinholeCamera& camera : test_cameras_) {
       FOURDVT_ASSIGN(auto truth, heldOutTruth(sequence, camera, input.index));
       Image yardstick;
@@ -130,7 +131,7 @@ class Evaluation {
   }
 
   // Through the character's cameras: the bake may have refined them.
-  Status inputViews(const capture::CaptureSequence& sequence, const capture::CaptureFrame& input) {
+  Status inputViews(const capture::CaptureSequence& sequence, const mattes::CaptureFrame& input) {
     for (size_t c = 0; c < cameras_.size(); ++c)
       FOURDVT_TRY(score({sequence.name, cameras_[c].name, input.index, false}, bakedCamera(c),
                         withoutBackdrop(input.pictures[c], plates_[c]), {}));
@@ -230,7 +231,7 @@ Result<HeldOutReport> evaluateHeldOut(const capture::Capture& capture, const Ope
   FOURDVT_TRY(evaluation.prepare(any_held_out));
   for (const std::string& name : names) {
     const capture::CaptureSequence& sequence = *capture.find(name);
-    FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture, sequence, open_video));
+    FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(capture, sequence, open_video));
     for (uint32_t frame = 0; frame <= lastFrame(sequence, options.input_every); ++frame) {
       FOURDVT_ASSIGN(auto input, reader->next());
       FOURDVT_TRY(evaluation.frame(sequence, input));

@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "capture/pictures.h"
 #include "capture/undistort.h"
+#include "mattes/frame_reader.h"
 
 namespace fourdvt::measure {
 namespace {
@@ -61,7 +62,7 @@ Result<std::vector<MatteScore>> scoreMattes(
       truth.push_back(std::move(mattes));
       scores.push_back({sequence.name, camera.pinhole.name, {}});
     }
-    FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture, sequence, open_video));
+    FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(capture, sequence, open_video));
     for (uint32_t frame = 0; frame < sequence.frame_count; ++frame) {
       FOURDVT_ASSIGN(const auto captured, reader->next());
       for (size_t c = 0; c < truth.size(); ++c) {

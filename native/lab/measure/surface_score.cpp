@@ -10,6 +10,7 @@
 #include "lab/measure/held_out_truth.h"
 #include "lab/measure/matte_agreement.h"
 #include "lab/measure/projective.h"
+#include "mattes/frame_reader.h"
 #include "render/cameras/fvvr.h"
 
 namespace fourdvt::measure {
@@ -84,7 +85,7 @@ Result<std::vector<SurfaceScore>> scoreSurfaces(
   std::vector<SurfaceScore> out;
   for (const capture::CaptureSequence& sequence : capture.sequences) {
     if (sequence.test_frames.empty()) continue;
-    FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture, sequence, open_video));
+    FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(capture, sequence, open_video));
     ScoreLane lane;
     MatteAgreement silhouettes;
     Distances distances;

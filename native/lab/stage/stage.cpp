@@ -5,11 +5,12 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "capture/background_model.h"
 #include "capture/plates.h"
 #include "capture/undistort.h"
 #include "lab/stage/counter.h"
 #include "lab/stage/fit.h"
+#include "mattes/background_model.h"
+#include "mattes/frame_reader.h"
 #include "platform/files.h"
 #include "platform/video_writer.h"
 
@@ -95,7 +96,7 @@ class StageWriter {
                                                     "no readable picture of the empty stage, which live keying needs; "
                                                     "add it to the capture"));
     const capture::Undistorter undistorter(camera);
-    const Image mean = capture::meanPicture(capture::makeBackgroundModel(plates.pictures));
+    const Image mean = mattes::meanPicture(mattes::makeBackgroundModel(plates.pictures));
     const std::string stem = options_.folder + "/background/" + camera.pinhole.name;
     if (plates.pictures.size() > 1) std::filesystem::create_directories(stem);
     for (size_t i = 0; i < plates.pictures.size(); ++i) {
@@ -114,7 +115,7 @@ class StageWriter {
     capture::Capture alone = capture_;
     alone.cameras = {camera};
     const auto need = options_.counter ? capture::MatteNeed::Required : capture::MatteNeed::None;
-    FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(alone, *sequence_, open_video_, 0, need));
+    FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(alone, *sequence_, open_video_, 0, need));
     const int frames = std::min(pictures_, int(sequence_->frame_count));
     std::vector<Image> pictures;
     std::vector<std::optional<glm::ivec2>> corners;

@@ -4,6 +4,7 @@
 #include "lab/measure/matte_score.h"
 #include "lab/tools/commands.h"
 #include "lab/tools/progress.h"
+#include "mattes/frame_reader.h"
 #include "platform/files.h"
 #include "tools/args.h"
 #include "tools/common_options.h"
@@ -18,8 +19,8 @@ struct Arguments {
 };
 
 Status score(const Arguments& arguments) {
-  FOURDVT_ASSIGN(auto capture, capture::openCapture(arguments.capture, tools::videoOpener(), arguments.sequences,
-                                                    capture::MeshNeed::Nothing));
+  FOURDVT_ASSIGN(auto capture, mattes::openCapture(arguments.capture, tools::videoOpener(), arguments.sequences,
+                                                   capture::MeshNeed::Nothing));
   const FrameLine line;
   FOURDVT_ASSIGN(const auto scores,
                  measure::scoreMattes(capture, capture.folder + "/" + arguments.against, tools::videoOpener(), line));

@@ -6,6 +6,7 @@
 #include "lab/tools/commands.h"
 #include "lab/tools/progress.h"
 #include "lab/tools/run_study.h"
+#include "mattes/frame_reader.h"
 #include "package/character.h"
 #include "render/cameras/camera_method.h"
 #include "tools/args.h"
@@ -64,8 +65,8 @@ void check(tools::Args& args, const study::StudyOptions& study) {
 }
 
 Status printTable(Arguments& arguments) {
-  FOURDVT_ASSIGN(auto capture, capture::openCapture(arguments.study.capture_folder, tools::videoOpener(),
-                                                    arguments.study.sequences, capture::MeshNeed::AnySurface));
+  FOURDVT_ASSIGN(auto capture, mattes::openCapture(arguments.study.capture_folder, tools::videoOpener(),
+                                                   arguments.study.sequences, capture::MeshNeed::AnySurface));
   FOURDVT_ASSIGN(auto gpu, tools::openGpu());
   study::MethodScoreOptions& options = arguments.table;
   if (options.methods.empty()) options.methods = render::cameraMethodNames(render::MethodGroup::Textured);

@@ -5,6 +5,7 @@
 
 #include "base/watch.h"
 #include "lab/tools/progress.h"
+#include "mattes/frame_reader.h"
 #include "tools/args.h"
 #include "tools/session.h"
 #include "tools/terminal.h"
@@ -13,7 +14,7 @@ namespace fourdvt::lab {
 
 Result<int> runStudyCommand(const study::StudyOptions& options, capture::MeshNeed need, StudyRunner run) {
   FOURDVT_ASSIGN(const auto capture,
-                 capture::openCapture(options.capture_folder, tools::videoOpener(), options.sequences, need));
+                 mattes::openCapture(options.capture_folder, tools::videoOpener(), options.sequences, need));
   const std::atomic<bool>* stop = tools::listenForStop();
   FOURDVT_ASSIGN(const auto gpu, tools::openGpu());
   StudyLine line;

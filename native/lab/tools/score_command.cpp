@@ -4,6 +4,7 @@
 #include "lab/measure/held_out.h"
 #include "lab/tools/commands.h"
 #include "lab/tools/progress.h"
+#include "mattes/frame_reader.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "tools/args.h"
@@ -53,8 +54,8 @@ Status score(const Arguments& arguments) {
   FOURDVT_ASSIGN(auto session, tools::openCharacter(arguments.character, arguments.rendition));
   if (!arguments.method.empty()) FOURDVT_TRY(tools::useMethod(session, arguments.method));
   if (arguments.closest) session.player->player().setMethod({.closest = *arguments.closest});
-  FOURDVT_ASSIGN(auto capture, capture::openCapture(arguments.capture, tools::videoOpener(),
-                                                    arguments.held_out.sequences, capture::MeshNeed::AnySurface));
+  FOURDVT_ASSIGN(auto capture, mattes::openCapture(arguments.capture, tools::videoOpener(),
+                                                   arguments.held_out.sequences, capture::MeshNeed::AnySurface));
   const FrameLine line;
   FOURDVT_ASSIGN(const auto report,
                  measure::evaluateHeldOut(capture, tools::videoOpener(), *session.player, arguments.held_out, line));

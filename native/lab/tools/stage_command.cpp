@@ -4,6 +4,7 @@
 #include "lab/stage/stage.h"
 #include "lab/tools/commands.h"
 #include "lab/tools/progress.h"
+#include "mattes/frame_reader.h"
 #include "tools/args.h"
 #include "tools/session.h"
 
@@ -15,7 +16,7 @@ Status write(const std::string& folder, const stage::StageOptions& options) {
       options.sequence.empty() ? std::vector<std::string>{} : std::vector{options.sequence};
   const auto need = options.counter ? capture::MatteNeed::Required : capture::MatteNeed::None;
   FOURDVT_ASSIGN(auto capture,
-                 capture::openCapture(folder, tools::videoOpener(), only, capture::MeshNeed::Nothing, need));
+                 mattes::openCapture(folder, tools::videoOpener(), only, capture::MeshNeed::Nothing, need));
   const FrameLine line;
   const Status written = stage::writeStage(capture, options, tools::videoOpener(), line);
   line.end();

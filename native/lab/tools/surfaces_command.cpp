@@ -5,6 +5,7 @@
 #include "lab/measure/surface_score.h"
 #include "lab/tools/commands.h"
 #include "lab/tools/progress.h"
+#include "mattes/frame_reader.h"
 #include "package/character.h"
 #include "tools/args.h"
 #include "tools/common_options.h"
@@ -21,7 +22,7 @@ struct Arguments {
 
 Status score(const Arguments& arguments) {
   const auto open = [&](const std::string& folder) {
-    return capture::openCapture(folder, tools::videoOpener(), arguments.sequences, capture::MeshNeed::AnySurface);
+    return mattes::openCapture(folder, tools::videoOpener(), arguments.sequences, capture::MeshNeed::AnySurface);
   };
   FOURDVT_ASSIGN(auto capture, open(arguments.capture));
   std::optional<capture::Capture> reference;

@@ -9,8 +9,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "capture/background_model.h"
 #include "live/camera/key_cells.h"
+#include "mattes/background_model.h"
 
 namespace fourdvt::live {
 namespace {
@@ -29,9 +29,9 @@ cv::Mat wrapped(const Image& image) {
 
 class PlateKeyer final : public Keyer {
  public:
-  explicit PlateKeyer(const capture::BackgroundModel& model)
-      : mean_(capture::meanPicture(model)),
-        chroma_(capture::isChromaPlate(mean_)),
+  explicit PlateKeyer(const mattes::BackgroundModel& model)
+      : mean_(mattes::meanPicture(model)),
+        chroma_(mattes::isChromaPlate(mean_)),
         shade_beside_(chroma_ ? kChromaShadeBeside : kShadeBeside),
         cell_px_(cellSideFor(mean_.width, mean_.height)),
         tolerance_(tolerances(model)),
@@ -52,7 +52,7 @@ class PlateKeyer final : public Keyer {
 
  private:
   // Levels by which a pixel of the background may differ.
-  Image tolerances(const capture::BackgroundModel& model) const {
+  Image tolerances(const mattes::BackgroundModel& model) const {
     Image out(model.width, model.height, 1);
     for (size_t i = 0; i < out.pixels.size(); ++i)
       out.pixels[i] = uint8_t(std::min(255.0f, kPixelTolerance + kFromModel * std::sqrt(3 * model.extra[i])));
@@ -175,7 +175,7 @@ Result<std::unique_ptr<Keyer>> Keyer::create(const std::vector<Image>& plates) {
   for (const Image& plate : plates)
     if (plate.empty() || plate.channels != 3 || plate.width != plates[0].width || plate.height != plates[0].height)
       return Error{ErrorId::InvalidArgument, "keyer: plates must be RGB and of one size; take them again"};
-  return std::unique_ptr<Keyer>(std::make_unique<PlateKeyer>(capture::makeBackgroundModel(plates)));
+  return std::unique_ptr<Keyer>(std::make_unique<PlateKeyer>(mattes::makeBackgroundModel(plates)));
 }
 
 }  // namespace fourdvt::live

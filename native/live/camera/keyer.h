@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fast keying against plates of the empty stage: a model per pixel, difference on reduced pictures, shadows told by
-// their colour, holes closed. Made for live use; offline mattes are capture/plate_key.h. Does NOT look at other frames
+// their colour, holes closed. Made for live use; offline mattes are mattes/plate_key.h. Does NOT look at other frames
 // or cameras.
 #pragma once
 

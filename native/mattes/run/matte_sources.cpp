@@ -123,7 +123,7 @@ Result<bool> wantsMattes(const capture::Capture& capture, const OpenVideo& open_
     FOURDVT_ASSIGN(const bool lacks, lacksMattes(capture, camera, open_video));
     if (!lacks) continue;
     if (hints) return true;
-    const auto key = capture::PlateKey::open(capture, camera);
+    const auto key = PlateKey::open(capture, camera);
     if (!key.ok() && key.error().id != ErrorId::FileMissing) return key.error();
     if (!key.ok() || key.value().natural()) return true;
   }
@@ -137,7 +137,7 @@ Result<std::vector<MatteSource>> openSources(const capture::Capture& capture, co
     const capture::CaptureCamera& camera = capture.cameras[i];
     FOURDVT_ASSIGN(const bool lacks, lacksMattes(capture, camera, environment.open_video));
     if (!lacks) continue;
-    auto key = capture::PlateKey::open(capture, camera);
+    auto key = PlateKey::open(capture, camera);
     if (key.ok())
       out[i].key = key.take();
     else if (key.error().id == ErrorId::FileMissing)

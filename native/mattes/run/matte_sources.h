@@ -8,18 +8,18 @@
 #include <vector>
 
 #include "capture/capture.h"
-#include "capture/plate_key.h"
 #include "mattes/clip_plates.h"
+#include "mattes/plate_key.h"
 #include "mattes/run/options.h"
 
 namespace fourdvt::mattes {
 
 // One camera's plates, if mattes have to be made of any sequence.
 struct MatteSource {
-  std::optional<capture::PlateKey> key;               // plates of the capture
-  std::optional<capture::BackgroundModel> from_clip;  // else
-  ClipCamera clip;                                    // with `from_clip`, without its masks
-  const char* name() const;                           // "plates", "colour key", "clips" or "none"
+  std::optional<PlateKey> key;               // plates of the capture
+  std::optional<BackgroundModel> from_clip;  // else
+  ClipCamera clip;                           // with `from_clip`, without its masks
+  const char* name() const;                  // "plates", "colour key", "clips" or "none"
 };
 
 // True where the capture lacks a camera's mattes in a sequence.

@@ -9,6 +9,7 @@
 #include "capture/folder/linked_capture.h"
 #include "capture/folder/result_folder.h"
 #include "mattes/agreement.h"
+#include "mattes/frame_reader.h"
 #include "mattes/matrices.h"
 #include "mattes/run/contact_sheet.h"
 #include "mattes/run/report.h"
@@ -262,8 +263,8 @@ Result<MattesSummary> addMattes(const capture::Capture& capture, const std::stri
 Result<MattesSummary> makeMattes(const MattesOptions& options, const MattesEnvironment& environment) {
   FOURDVT_ASSIGN(const auto target, capture::checkedTarget(options.folder, options.capture_folder, kWriter));
   if (options.jobs > 0) cv::setNumThreads(options.jobs);
-  FOURDVT_ASSIGN(auto capture, capture::openCapture(options.capture_folder, environment.open_video, options.sequences,
-                                                    capture::MeshNeed::Nothing, capture::MatteNeed::None));
+  FOURDVT_ASSIGN(auto capture, openCapture(options.capture_folder, environment.open_video, options.sequences,
+                                           capture::MeshNeed::Nothing, capture::MatteNeed::None));
   FOURDVT_TRY(capture::leaveOut(options.leave_out, capture));
   const capture::ResultFolder folder(target, kWriter);
   FOURDVT_TRY(folder.open(settingsKey(options, capture), options.resume));

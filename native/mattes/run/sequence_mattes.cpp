@@ -77,8 +77,8 @@ Status SequenceMattes::checkPlates(const MattesFrame& frame) {
     const cv::Mat& own = frame.mattes[i].own;
     Image key_alone(own.cols, own.rows, 1);
     std::copy(own.begin<uint8_t>(), own.end<uint8_t>(), key_alone.pixels.begin());
-    if (capture::keepsTheBorder(key_alone) || frame.mattes[i].residual_levels > capture::kMostResidual)
-      return capture::plateDoesNotFit(key->path(), pictures_[i].path(), capture_->cameras[i].pinhole.name);
+    if (capture::keepsTheBorder(key_alone) || frame.mattes[i].residual_levels > kMostResidual)
+      return plateDoesNotFit(key->path(), pictures_[i].path(), capture_->cameras[i].pinhole.name);
   }
   return {};
 }

@@ -2,12 +2,13 @@
 #include "reconstruct/run/finish.h"
 
 #include "base/warning_lines.h"
+#include "mattes/frame_reader.h"
 
 namespace fourdvt::reconstruct {
 
 Status drawKept(const Prepared& job, const FrameStore& store, const capture::CaptureSequence& sequence, uint32_t frame,
                 const OpenVideo& open_video, ReportPictures& pictures) {
-  FOURDVT_ASSIGN(const auto reader, capture::FrameReader::open(job.capture, sequence, open_video, frame));
+  FOURDVT_ASSIGN(const auto reader, mattes::FrameReader::open(job.capture, sequence, open_video, frame));
   FOURDVT_ASSIGN(const auto captured, reader->next());
   std::vector<PinholeCamera> cameras;
   for (const capture::CaptureCamera& camera : job.capture.cameras) cameras.push_back(camera.pinhole);

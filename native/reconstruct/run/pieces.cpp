@@ -11,6 +11,7 @@
 
 #include "capture/folder/linked_capture.h"
 #include "capture/input_files.h"
+#include "mattes/frame_reader.h"
 #include "platform/files.h"
 #include "reconstruct/run/finish.h"
 #include "reconstruct/run/job_file.h"
@@ -231,7 +232,7 @@ Status reconstructPiece(const std::string& job_folder, const jobs::Piece& piece,
   FOURDVT_ASSIGN(auto maker, SurfaceMaker::create(job.options, job.capture.cameras, environment.device));
   SequenceFrames frames(job, environment, store, maker, sequence);
   uint32_t done = 0;
-  const auto made = [&](uint32_t frame, const capture::CaptureFrame&, const FrameSurface&) {
+  const auto made = [&](uint32_t frame, const mattes::CaptureFrame&, const FrameSurface&) {
     if (environment.progress)
       environment.progress(
           {sequence.name + " " + std::to_string(frame + 1) + "/" + std::to_string(sequence.frame_count), ++done,

@@ -9,6 +9,7 @@
 #include "capture/folder/linked_capture.h"
 #include "jobs/plan.h"
 #include "jobs/tool.h"
+#include "mattes/frame_reader.h"
 #include "mattes/run/matte_sources.h"
 #include "mattes/run/mattes.h"
 #include "reconstruct/run/frame_store.h"
@@ -41,8 +42,8 @@ Status Preparation::openGiven() {
   ReconstructOptions& options = out_.options;
   FOURDVT_ASSIGN(options.folder, capture::checkedTarget(options.folder, options.capture_folder, kWriter));
   const auto open = [&](capture::MatteNeed need) {
-    return capture::openCapture(options.capture_folder, environment_.open_video, options.sequences,
-                                capture::MeshNeed::Nothing, need);
+    return mattes::openCapture(options.capture_folder, environment_.open_video, options.sequences,
+                               capture::MeshNeed::Nothing, need);
   };
   FOURDVT_ASSIGN(given_, open(capture::MatteNeed::None));
   FOURDVT_TRY(capture::leaveOut(options.leave_out, given_));

@@ -2,6 +2,7 @@
 #include "reconstruct/run/reconstruct.h"
 
 #include "base/watch.h"
+#include "mattes/frame_reader.h"
 #include "reconstruct/run/finish.h"
 #include "reconstruct/run/sequence_frames.h"
 
@@ -32,7 +33,7 @@ class Run {
     FOURDVT_TRY(store_.makeFolders(sequence.name));
     const uint32_t shown = shownFrame(sequence);
     bool drawn = false;
-    const auto made = [&](uint32_t frame, const capture::CaptureFrame& captured, const FrameSurface& surface) {
+    const auto made = [&](uint32_t frame, const mattes::CaptureFrame& captured, const FrameSurface& surface) {
       if (frame == shown) {
         pictures_.add(sequence.name, frame, captured.pictures, surface);
         drawn = true;

@@ -7,6 +7,7 @@
 
 #include "base/watch.h"
 #include "mattes/agreement.h"
+#include "mattes/frame_reader.h"
 
 namespace fourdvt::reconstruct {
 namespace {
@@ -45,7 +46,7 @@ Status SequenceFrames::begin(uint32_t frame) {
   if (!earliest && frame > 0)
     return Error{ErrorId::Internal, nameOf(frame) + "cannot be made before the sequence's first frame"};
   FOURDVT_TRY(maker_.begin(earliest ? &*earliest : nullptr));
-  FOURDVT_ASSIGN(reader_, capture::FrameReader::open(job_.capture, sequence_, environment_.open_video, frame));
+  FOURDVT_ASSIGN(reader_, mattes::FrameReader::open(job_.capture, sequence_, environment_.open_video, frame));
   return {};
 }
 

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "mattes/frame_reader.h"
 #include "reconstruct/run/frame_store.h"
 #include "reconstruct/run/frame_surface.h"
 #include "reconstruct/run/prepare.h"
@@ -28,7 +29,7 @@ inline uint32_t windowEnd(const capture::CaptureSequence& sequence, uint32_t win
 
 class SequenceFrames {
  public:
-  using Made = std::function<void(uint32_t frame, const capture::CaptureFrame& captured, const FrameSurface& surface)>;
+  using Made = std::function<void(uint32_t frame, const mattes::CaptureFrame& captured, const FrameSurface& surface)>;
 
   // Borrows all of them. The maker serves no other sequence meanwhile.
   SequenceFrames(const Prepared& job, const ReconstructEnvironment& environment, const FrameStore& store,
@@ -56,8 +57,8 @@ class SequenceFrames {
   const FrameStore& store_;
   SurfaceMaker& maker_;
   const capture::CaptureSequence& sequence_;
-  std::unique_ptr<capture::FrameReader> reader_;  // null: no frame was made yet
-  bool agreed_ = false;                           // silhouettes were judged, in this window or in frame 0
+  std::unique_ptr<mattes::FrameReader> reader_;  // null: no frame was made yet
+  bool agreed_ = false;                          // silhouettes were judged, in this window or in frame 0
 };
 
 }  // namespace fourdvt::reconstruct

@@ -5,6 +5,7 @@
 
 #include "capture/folder/linked_capture.h"
 #include "capture/folder/result_folder.h"
+#include "mattes/frame_reader.h"
 #include "refine/run/calibration_report.h"
 
 namespace fourdvt::refine {
@@ -37,8 +38,8 @@ Result<Calibration> calibrateCapture(const CalibrateOptions& options, const Open
   }
   if (options.jobs > 0) cv::setNumThreads(options.jobs);
   // Meshes go along as they are: none is read here.
-  FOURDVT_ASSIGN(auto capture, capture::openCapture(options.capture_folder, open_video, options.sequences,
-                                                    capture::MeshNeed::Nothing));
+  FOURDVT_ASSIGN(auto capture, mattes::openCapture(options.capture_folder, open_video, options.sequences,
+                                                   capture::MeshNeed::Nothing));
   FOURDVT_TRY(capture::leaveOut(options.leave_out, capture));
   FOURDVT_ASSIGN(auto calibration, calibrate(capture, open_video, options.calibration, on_progress));
   if (target.empty()) return calibration;

@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "base/warning_lines.h"
 #include "capture/matted_pictures.h"
+#include "mattes/frame_reader.h"
 #include "refine/outline_picture.h"
 
 namespace fourdvt::refine {
@@ -244,7 +245,7 @@ class Calibrator {
     alone.cameras = {capture_.cameras[c]};
     const capture::CaptureSequence& sequence = alone.sequences.front();
     CalibrationPicture picture{worst->name, sequence.name, clip.first_frame + uint32_t(frame), {}, {}};
-    FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(alone, sequence, open_video, picture.frame));
+    FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(alone, sequence, open_video, picture.frame));
     FOURDVT_ASSIGN(const auto captured, reader->next());
     const auto draw = [&](const PinholeCamera& camera, const RigState& rig) {
       std::vector<OutlinePoint> points;

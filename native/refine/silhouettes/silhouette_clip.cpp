@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/parallel.h"
+#include "mattes/frame_reader.h"
 
 namespace fourdvt::refine {
 namespace {
@@ -126,7 +127,7 @@ Result<SilhouetteClip> readSilhouetteClip(const capture::Capture& capture, const
   const uint32_t first = (sequence.frame_count - count) / 2;
   SilhouetteClip clip(cameras, sequence.loop && count == sequence.frame_count);
   clip.first_frame = first;
-  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture, sequence, open_video, first));
+  FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(capture, sequence, open_video, first));
   for (uint32_t f = 0; f < count; ++f) {
     if (!on_frame(double(f) / count))
       return Error{ErrorId::Interrupted, "stopped; nothing was saved, run the same command again"};

@@ -2,6 +2,7 @@
 // The classes of capture.json: what they may say, and one message that names the file for what they may not.
 #include "capture/capture_json.h"
 #include "capture_fixture.h"
+#include "mattes/frame_reader.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -108,7 +109,7 @@ TEST(CaptureClasses, LoopsMixedWithMotionsThatEnd) {
 // The sample declares walk and run as one class.
 TEST(CaptureClasses, OnlyThoseWhoseMembersAreAllAsked) {
   const auto classesOf = [](const std::vector<std::string>& only) {
-    auto capture = openCapture(kSample, platform::openVideoFile, only);
+    auto capture = mattes::openCapture(kSample, platform::openVideoFile, only);
     EXPECT_TRUE(capture.ok());
     return capture.ok() ? capture.value().classes.size() : size_t(99);
   };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What users get wrong: one message that names the file, found when the capture is opened.
 #include "capture_fixture.h"
+#include "mattes/frame_reader.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -106,7 +107,7 @@ TEST(CaptureErrors, DeepCaptureJson) {
 
 TEST(CaptureErrors, UnknownSequenceAsked) {
   SmallCapture capture;
-  expectError(openCapture(capture.path(), platform::openVideoFile, {"jump"}), ErrorId::InvalidArgument,
+  expectError(mattes::openCapture(capture.path(), platform::openVideoFile, {"jump"}), ErrorId::InvalidArgument,
               capture / "capture.json");
 }
 
@@ -168,9 +169,9 @@ TEST(CaptureErrors, VideoEndsEarlyWithoutHint) {
   const OpenVideo open = [](const std::string&, int) -> Result<std::unique_ptr<VideoSource>> {
     return std::unique_ptr<VideoSource>(std::make_unique<TwoPictures>());
   };
-  auto capture = openCapture(files.path(), open);
+  auto capture = mattes::openCapture(files.path(), open);
   ASSERT_TRUE(capture.ok()) << capture.error().message;
-  auto reader = FrameReader::open(capture.value(), capture.value().sequences[0], open);
+  auto reader = mattes::FrameReader::open(capture.value(), capture.value().sequences[0], open);
   ASSERT_TRUE(reader.ok());
   EXPECT_TRUE(reader.value()->next().ok());
   EXPECT_TRUE(reader.value()->next().ok());
@@ -194,7 +195,7 @@ TEST(CaptureErrors, PictureSizeChangesLater) {
   files.write("walk/cam01/000001.png", Image(18, 12, 3));
   auto capture = files.open();
   ASSERT_TRUE(capture.ok());
-  auto reader = FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile, 1);
+  auto reader = mattes::FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile, 1);
   ASSERT_TRUE(reader.ok());
   expectError(reader.value()->next(), ErrorId::FrameSize, files / "walk/cam01/");
 }

@@ -4,6 +4,7 @@
 
 #include "capture/import/calibration_files.h"
 #include "import_fixture.h"
+#include "mattes/frame_reader.h"
 #include "png_marks.h"
 
 namespace fourdvt::capture {
@@ -34,7 +35,9 @@ class ImportFolder : public TempFolder {
     return Image(width, height, 3, static_cast<uint8_t>(level));
   }
   Result<ImportSummary> run() const { return importCapture(options, platform::openVideoFile); }
-  Result<Capture> open() const { return openCapture(options.folder, platform::openVideoFile, {}, MeshNeed::Nothing); }
+  Result<Capture> open() const {
+    return mattes::openCapture(options.folder, platform::openVideoFile, {}, MeshNeed::Nothing);
+  }
   ImportOptions options;
 };
 
@@ -63,7 +66,7 @@ TEST(ImportCapture, OpensAsACapture) {
   EXPECT_EQ(capture.cameras[1].pinhole.width, 16);
   EXPECT_EQ(capture.cameras[0].distortion.skew, 0);
   EXPECT_EQ(capture.cameras[1].distortion.skew, 1);
-  auto reader = FrameReader::open(capture, capture.sequences[0], platform::openVideoFile);
+  auto reader = mattes::FrameReader::open(capture, capture.sequences[0], platform::openVideoFile);
   ASSERT_TRUE(reader.ok()) << reader.error().message;
   for (int frame = 0; frame < 3; ++frame) {
     auto pictures = reader.value()->next();
@@ -192,7 +195,7 @@ TEST(ImportCapture, AlphaOfPicturesIsAMatte) {
   ASSERT_TRUE(summary.ok()) << summary.error().message;
   EXPECT_EQ(summary.value().warnings, std::vector<std::string>{});
   EXPECT_TRUE(mentions(summary.value().done, "2 with mattes in their alpha"));
-  EXPECT_TRUE(openCapture(files.options.folder, platform::openVideoFile, {}, MeshNeed::Nothing).ok());
+  EXPECT_TRUE(mattes::openCapture(files.options.folder, platform::openVideoFile, {}, MeshNeed::Nothing).ok());
 }
 
 // The message names the user's clip, not the link to it.

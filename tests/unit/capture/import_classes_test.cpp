@@ -5,6 +5,7 @@
 #include "capture/import/class_option.h"
 #include "capture/import/import_capture.h"
 #include "import_fixture.h"
+#include "mattes/frame_reader.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -89,7 +90,7 @@ class ImportWithMeshes : public TempFolder {
   }
   Result<ImportSummary> run() const { return importCapture(options, platform::openVideoFile); }
   Result<Capture> open(MeshNeed need) const {
-    return openCapture(options.folder, platform::openVideoFile, {}, need, MatteNeed::None);
+    return mattes::openCapture(options.folder, platform::openVideoFile, {}, need, MatteNeed::None);
   }
   ImportOptions options;
 };

@@ -5,6 +5,7 @@
 #include "capture/import/lens_fit.h"
 #include "capture/pictures.h"
 #include "import_fixture.h"
+#include "mattes/frame_reader.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -113,7 +114,7 @@ TEST(DialectNerfstudio, MattesAreWhereMaskPathNamesThem) {
   ASSERT_TRUE(summary.ok()) << summary.error().message;
   EXPECT_TRUE(says(summary.value().done, "2 frames, 2 cameras with mattes"));
   EXPECT_TRUE(files.has("take/mask01/000001.png"));
-  auto capture = openCapture(files.options.folder, platform::openVideoFile, {}, MeshNeed::Nothing);
+  auto capture = mattes::openCapture(files.options.folder, platform::openVideoFile, {}, MeshNeed::Nothing);
   ASSERT_TRUE(capture.ok()) << capture.error().message;
   EXPECT_NEAR(capture.value().cameras[0].pinhole.fx, 8 / std::tan(0.6), 1e-6) << "by the size of the pictures";
 }

@@ -3,6 +3,7 @@
 #include "capture/import/import_capture.h"
 #include "capture_fixture.h"
 #include "clip_files.h"
+#include "mattes/frame_reader.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -38,11 +39,12 @@ class TimedFolder : public TempFolder {
   }
   // [camera] tens of grey of the frames; empty: an error.
   std::vector<std::vector<int>> greys(MatteNeed need = MatteNeed::None) const {
-    auto capture = openCapture(options.folder, platform::openVideoFile, {}, MeshNeed::Nothing, need);
+    auto capture = mattes::openCapture(options.folder, platform::openVideoFile, {}, MeshNeed::Nothing, need);
     EXPECT_TRUE(capture.ok()) << (capture.ok() ? "" : capture.error().message);
     if (!capture.ok()) return {};
     std::vector<std::vector<int>> out(capture.value().cameras.size());
-    auto reader = FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile, 0, need);
+    auto reader =
+        mattes::FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile, 0, need);
     for (uint32_t f = 0; f < capture.value().sequences[0].frame_count; ++f) {
       const auto frame = reader.value()->next();
       EXPECT_TRUE(frame.ok()) << (frame.ok() ? "" : frame.error().message);
@@ -94,7 +96,7 @@ TEST(ImportTimes, CapturesWithSuchAClipAreRefusedByHand) {
   files.remove("in/cam1.mp4");
   writeClip(files / "in/cam1.mp4", {.pictures = 9, .time_s = lostAt3, .grey = greyWithout3});
   const auto open = [&] {
-    return openCapture(files.options.folder, platform::openVideoFile, {}, MeshNeed::Nothing, MatteNeed::None);
+    return mattes::openCapture(files.options.folder, platform::openVideoFile, {}, MeshNeed::Nothing, MatteNeed::None);
   };
   expectError(open(), ErrorId::VideoTooShort, "take/cam1.mp4: lacks a picture at 0.120 s, after picture 2");
   for (const char* name : {"in/cam0.mp4", "in/cam2.mp4"}) {
@@ -287,8 +289,9 @@ TEST(ImportTimes, CutFilesAreSaid) {
   EXPECT_TRUE(files.says(files.warnings, "in/cam1.mp4: is cut off: ", "its header announces 40")) << files.all();
   EXPECT_LT(files.greys()[0].size(), 40u);
   files.write("out/capture.json", std::string(R"({"fps": 25, "sequences": [{"name": "take", "frames": 40}]})"));
-  expectError(openCapture(files.options.folder, platform::openVideoFile, {}, MeshNeed::Nothing, MatteNeed::None),
-              ErrorId::VideoTooShort, "take/cam1.mp4: has ");
+  expectError(
+      mattes::openCapture(files.options.folder, platform::openVideoFile, {}, MeshNeed::Nothing, MatteNeed::None),
+      ErrorId::VideoTooShort, "take/cam1.mp4: has ");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "capture/still_marks.h"
 #include "capture/upright.h"
 #include "capture_fixture.h"
+#include "mattes/frame_reader.h"
 #include "png_marks.h"
 
 namespace fourdvt::capture {
@@ -174,9 +175,9 @@ TEST(Upright, CapturesAreReadAsTheyAreCalibrated) {
   }
   const auto opened = capture.open();
   ASSERT_TRUE(opened.ok()) << opened.error().message;
-  auto reader = FrameReader::open(opened.value(), opened.value().sequences[0], platform::openVideoFile);
+  auto reader = mattes::FrameReader::open(opened.value(), opened.value().sequences[0], platform::openVideoFile);
   ASSERT_TRUE(reader.ok());
-  const CaptureFrame frame = reader.value()->next().take();
+  const mattes::CaptureFrame frame = reader.value()->next().take();
   EXPECT_EQ(frame.pictures[1].width, 16);
   EXPECT_EQ(*frame.pictures[1].at(15, 0), 200);  // the first row is seen at the right
 }

@@ -6,6 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "capture_fixture.h"
+#include "mattes/frame_reader.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -45,7 +46,8 @@ TEST(MattedPictures, AlphaOfColourIsTheMatte) {
   files.write("background/cam00.png", SmallCapture::grey(90));  // plates come after it
   const auto capture = files.open();
   ASSERT_TRUE(capture.ok()) << capture.error().message;
-  auto reader = FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile).take();
+  auto reader =
+      mattes::FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile).take();
   const auto frame = reader->next();
   ASSERT_TRUE(frame.ok()) << frame.error().message;
   for (const Image& picture : frame.value().pictures) EXPECT_EQ(picture.pixels, cutOut().pixels);
@@ -55,9 +57,9 @@ TEST(MattedPictures, AlphaIsNotReadWhereColourAloneIsRequired) {
   const CutOuts files;
   const auto capture = files.open();
   ASSERT_TRUE(capture.ok()) << capture.error().message;
-  auto reader =
-      FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile, 0, MatteNeed::None)
-          .take();
+  auto reader = mattes::FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile, 0,
+                                          MatteNeed::None)
+                    .take();
   EXPECT_EQ(reader->next().value().pictures[0].at(0, 0)[3], 255);
 }
 
@@ -68,7 +70,8 @@ TEST(MattedPictures, FilesComeBeforeAlpha) {
   EXPECT_EQ(files.origin(), MatteOrigin::Files);
   const auto capture = files.open();
   ASSERT_TRUE(capture.ok()) << capture.error().message;
-  auto reader = FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile).take();
+  auto reader =
+      mattes::FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile).take();
   EXPECT_EQ(reader->next().value().pictures[0].at(1, 1)[3], 255);
 }
 
@@ -98,7 +101,8 @@ TEST(MattedPictures, SixteenBitsAreRead) {
   ASSERT_TRUE(cv::imwrite(files / "walk/cam00/000000.png", wide));
   const auto capture = files.open();
   ASSERT_TRUE(capture.ok()) << capture.error().message;
-  auto reader = FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile).take();
+  auto reader =
+      mattes::FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile).take();
   const Image picture = reader->next().value().pictures[0];
   EXPECT_EQ(std::vector<uint8_t>(picture.at(5, 5), picture.at(5, 5) + 4), (std::vector<uint8_t>{10, 20, 30, 255}));
   EXPECT_EQ(picture.at(0, 0)[3], 0);
@@ -135,9 +139,9 @@ TEST(MattedPictures, AlphaOfVideosIsTheMatte) {
   const OpenVideo video = [](const std::string&, int channels) -> Result<std::unique_ptr<VideoSource>> {
     return std::unique_ptr<VideoSource>(std::make_unique<AlphaVideo>(channels));
   };
-  const auto capture = openCapture(files.path(), video);
+  const auto capture = mattes::openCapture(files.path(), video);
   ASSERT_TRUE(capture.ok()) << capture.error().message;
-  auto reader = FrameReader::open(capture.value(), capture.value().sequences[0], video).take();
+  auto reader = mattes::FrameReader::open(capture.value(), capture.value().sequences[0], video).take();
   EXPECT_EQ(reader->next().value().pictures[0].pixels, cutOut().pixels);
 }
 
@@ -148,8 +152,8 @@ TEST(MattedPictures, AlphaThatDoesNotDecodeIsAnError) {
     if (channels != 3) return Error{ErrorId::FileUnreadable, path + ": alpha is not decoded; export it again"};
     return std::unique_ptr<VideoSource>(std::make_unique<AlphaVideo>(channels));
   };
-  expectError(openCapture(files.path(), video), ErrorId::FileUnreadable, files / "walk/cam00.mov");
-  EXPECT_TRUE(openCapture(files.path(), video, {}, MeshNeed::ConstantTopology, MatteNeed::None).ok());
+  expectError(mattes::openCapture(files.path(), video), ErrorId::FileUnreadable, files / "walk/cam00.mov");
+  EXPECT_TRUE(mattes::openCapture(files.path(), video, {}, MeshNeed::ConstantTopology, MatteNeed::None).ok());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // OBJ, PLY, GLB and glTF of one mesh give one mesh, and sequences of changing topology give one capture.
 #include "capture/mesh_file.h"
 #include "capture_fixture.h"
+#include "mattes/frame_reader.h"
 #include "mesh_files.h"
 
 namespace fourdvt::capture {
@@ -217,7 +218,7 @@ TriangleMesh withoutBand(const TriangleMesh& mesh, float from_m, float to_m) {
 }
 
 TEST(MeshFormats, SequencesOfChangingTopologyAgree) {
-  const auto sample = openCapture(kSample, platform::openVideoFile, {"run"});
+  const auto sample = mattes::openCapture(kSample, platform::openVideoFile, {"run"});
   ASSERT_TRUE(sample.ok()) << sample.error().message;
   std::vector<TriangleMesh> truth;
   for (uint32_t k = 0; k < 3; ++k) {
@@ -242,7 +243,7 @@ TEST(MeshFormats, SequencesOfChangingTopologyAgree) {
     }
     const auto capture = files.openAs(MeshNeed::AnySurface);
     ASSERT_TRUE(capture.ok()) << capture.error().message;
-    auto reader = FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile);
+    auto reader = mattes::FrameReader::open(capture.value(), capture.value().sequences[0], platform::openVideoFile);
     ASSERT_TRUE(reader.ok());
     for (int k = 0; k < 3; ++k) {
       auto frame = reader.value()->next();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Captures whose meshes change their topology, captures of one frame, and captures without meshes.
 #include "capture_fixture.h"
+#include "mattes/frame_reader.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -13,14 +14,14 @@ std::string fanObj(int triangles, double depth) {
   return text;
 }
 
-std::unique_ptr<FrameReader> readerOf(const Capture& capture) {
-  return FrameReader::open(capture, capture.sequences[0], platform::openVideoFile).take();
+std::unique_ptr<mattes::FrameReader> readerOf(const Capture& capture) {
+  return mattes::FrameReader::open(capture, capture.sequences[0], platform::openVideoFile).take();
 }
 
 TEST(CaptureMeshKinds, ConstantTopologyIsTheDefault) {
   SmallCapture files;
   for (const MeshNeed need : {MeshNeed::ConstantTopology, MeshNeed::AnySurface}) {
-    const auto capture = openCapture(files.path(), platform::openVideoFile, {}, need);
+    const auto capture = mattes::openCapture(files.path(), platform::openVideoFile, {}, need);
     ASSERT_TRUE(capture.ok()) << capture.error().message;
     EXPECT_EQ(capture.value().meshes, CaptureMeshes::ConstantTopology);
     EXPECT_EQ(capture.value().topology.vertex_count, 4u);
@@ -179,7 +180,7 @@ TEST(CaptureMeshKinds, MeshesThatNobodyWantsAreNotRead) {
   constant.write("walk/mesh/000000.obj", std::string("v nan\n"));
   BareCapture per_frame;  // no files at all
   for (const std::string& path : {constant.path(), per_frame.path()}) {
-    const auto capture = openCapture(path, platform::openVideoFile, {}, MeshNeed::Nothing);
+    const auto capture = mattes::openCapture(path, platform::openVideoFile, {}, MeshNeed::Nothing);
     ASSERT_TRUE(capture.ok()) << capture.error().message;
     EXPECT_EQ(capture.value().meshes, CaptureMeshes::None);
     EXPECT_TRUE(readerOf(capture.value())->next().ok());
@@ -241,7 +242,7 @@ TEST(CaptureMeshKinds, OneSequenceWithoutMeshes) {
   files.write("capture.json", std::string(R"({"fps": 25, "sequences": [{"name": "walk", "frames": 3},
                                              {"name": "run", "frames": 3}]})"));
   expectError(files.open(), ErrorId::FileMissing, files / "run/mesh");
-  EXPECT_TRUE(openCapture(files.path(), platform::openVideoFile, {"walk"}).ok());
+  EXPECT_TRUE(mattes::openCapture(files.path(), platform::openVideoFile, {"walk"}).ok());
 }
 
 TEST(CaptureMeshKinds, WrongDeclarations) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cameras that are off in time, and clips that start later: which picture, mesh and matte is read for a frame.
 #include "capture_fixture.h"
+#include "mattes/frame_reader.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -8,7 +9,7 @@ namespace {
 // [camera] grey level of each frame: 10 times the picture's number, and the camera's.
 std::vector<std::vector<int>> greysOf(const Capture& capture) {
   std::vector<std::vector<int>> out(capture.cameras.size());
-  auto reader = FrameReader::open(capture, capture.sequences[0], platform::openVideoFile);
+  auto reader = mattes::FrameReader::open(capture, capture.sequences[0], platform::openVideoFile);
   EXPECT_TRUE(reader.ok()) << reader.error().message;
   for (uint32_t f = 0; reader.ok() && f < capture.sequences[0].frame_count; ++f) {
     const auto frame = reader.value()->next();

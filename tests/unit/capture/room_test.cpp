@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The room that capture.json may give, and the plates that it is textured from.
-#include "capture/plates.h"
 #include "capture_fixture.h"
+#include "mattes/plate_key.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -41,13 +41,13 @@ TEST(CaptureRoom, PlatesAreAveragedAndSayWhereTheyReach) {
   const auto capture = files.open();
   ASSERT_TRUE(capture.ok());
   CaptureCamera camera = capture.value().cameras[0];
-  const auto plate = readRoomPlate(capture.value(), camera);
+  const auto plate = mattes::readRoomPlate(capture.value(), camera);
   ASSERT_TRUE(plate.ok()) << plate.error().message;
   ASSERT_EQ(plate.value().channels, 4);
   EXPECT_EQ(plate.value().at(8, 6)[0], 50);
   EXPECT_EQ(plate.value().at(0, 0)[3], 255);
   camera.distortion.k1 = 0.5;  // the corners of the pinhole's picture lie beyond the lens's
-  const auto pincushion = readRoomPlate(capture.value(), camera);
+  const auto pincushion = mattes::readRoomPlate(capture.value(), camera);
   ASSERT_TRUE(pincushion.ok());
   EXPECT_EQ(pincushion.value().at(8, 6)[3], 255);
   EXPECT_LT(pincushion.value().at(0, 0)[3], 255);
@@ -57,7 +57,7 @@ TEST(CaptureRoom, MissingPlatesSayWhyTheyAreNeeded) {
   SmallCapture files;
   const auto capture = files.open();
   ASSERT_TRUE(capture.ok());
-  const auto plate = readRoomPlate(capture.value(), capture.value().cameras[0]);
+  const auto plate = mattes::readRoomPlate(capture.value(), capture.value().cameras[0]);
   expectError(plate, ErrorId::FileMissing, files / "background/cam00.png");
   EXPECT_NE(plate.error().message.find("\"room\""), std::string::npos);
 }

@@ -11,6 +11,7 @@
 
 #include "live/server/tiles.h"
 #include "live_fixture.h"
+#include "mattes/frame_reader.h"
 #include "package/barcode.h"
 #include "package/live_frame.h"
 #include "package/surface_chunk.h"
@@ -301,7 +302,7 @@ TEST(LivePipeline, RecordsTakesThatACaptureReaderOpens) {
   }();
   stage.pipeline.reset();
   EXPECT_TRUE(stage.warnings.empty()) << stage.warnings[0];
-  const auto capture = capture::openCapture(folder.path, platform::openVideoFile, {}, capture::MeshNeed::Nothing);
+  const auto capture = mattes::openCapture(folder.path, platform::openVideoFile, {}, capture::MeshNeed::Nothing);
   ASSERT_TRUE(capture.ok()) << capture.error().message;
   EXPECT_EQ(capture.value().fps, 25);
   EXPECT_EQ(capture.value().ground_y_m, -0.5);
@@ -310,7 +311,7 @@ TEST(LivePipeline, RecordsTakesThatACaptureReaderOpens) {
   ASSERT_EQ(capture.value().sequences.size(), 2u);
   EXPECT_EQ(capture.value().sequences[0].frame_count, 8u);
   EXPECT_EQ(capture.value().sequences[1].frame_count, 6u);
-  auto reader = capture::FrameReader::open(capture.value(), capture.value().sequences[1], platform::openVideoFile);
+  auto reader = mattes::FrameReader::open(capture.value(), capture.value().sequences[1], platform::openVideoFile);
   ASSERT_TRUE(reader.ok()) << reader.error().message;
   for (int f = 0; f < 6; ++f) {
     const auto frame = reader.value()->next();

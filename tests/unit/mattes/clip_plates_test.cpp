@@ -19,7 +19,7 @@ TEST(ClipPlates, ShowWhatIsBehindTheMasks) {
     pictures.push_back(filmed(rig, 0, balls, k));
     masks.push_back(maskOf(rig[0], balls));
   }
-  const capture::BackgroundModel plate = plateBehind(pictures, masks);
+  const BackgroundModel plate = plateBehind(pictures, masks);
   ASSERT_EQ(plate.known.size(), size_t(kSide * kSide));
   const cv::Mat hidden = maskOf(rig[0], {{{0, -0.3, 0}, 0.15}});
   double worst = 0;

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "capture/key_cut.h"
+#include "mattes/background_key.h"
 #include "mattes/hints.h"
 #include "mattes/matrices.h"
 #include "mattes_fixture.h"
@@ -18,14 +18,14 @@ constexpr double kFloor_m = -0.5;
 struct Scene {
   std::vector<capture::CaptureCamera> rig;
   std::vector<Image> pictures;
-  std::vector<capture::BackgroundModel> plates;
+  std::vector<BackgroundModel> plates;
 
   explicit Scene(const std::vector<Ball>& balls, int cameras = 6) : rig(ringOf(cameras)) {
     for (int i = 0; i < int(rig.size()); ++i) {
       pictures.push_back(filmed(rig, i, balls, 7 + uint32_t(i)));
       std::vector<Image> empty;
       for (uint32_t k = 0; k < 4; ++k) empty.push_back(filmed(rig, i, {}, 100 + 10 * uint32_t(i) + k));
-      plates.push_back(capture::makeBackgroundModel(empty));
+      plates.push_back(makeBackgroundModel(empty));
     }
   }
   std::vector<MatteView> views() const {
@@ -178,10 +178,10 @@ TEST(JointMattes, CutsLargePicturesAsSmallOnes) {
     PinholeCamera& p = c.pinhole;
     p.width *= 5, p.height *= 5, p.fx *= 5, p.fy *= 5, p.cx *= 5, p.cy *= 5;
   }
-  std::vector<capture::BackgroundModel> plates;
+  std::vector<BackgroundModel> plates;
   std::vector<MatteView> views(rig.size());
   for (int i = 0; i < int(rig.size()); ++i) {
-    plates.push_back(capture::makeBackgroundModel(std::vector<Image>{filmed(rig, i, {}, 50 + uint32_t(i))}));
+    plates.push_back(makeBackgroundModel(std::vector<Image>{filmed(rig, i, {}, 50 + uint32_t(i))}));
     views[size_t(i)].picture = filmed(rig, i, {kPerformer}, 60 + uint32_t(i));
   }
   for (size_t i = 0; i < rig.size(); ++i) views[i].plates = &plates[i];
@@ -195,7 +195,7 @@ TEST(JointMattes, CutsLargePicturesAsSmallOnes) {
 TEST(KeyCut, JudgesByColoursWhereNoPlateShowsTheBackground) {
   const auto rig = ringOf(3);
   const Image picture = filmed(rig, 0, {kPerformer}, 3);
-  capture::BackgroundModel plate = capture::makeBackgroundModel(std::vector<Image>{filmed(rig, 0, {}, 4)});
+  BackgroundModel plate = makeBackgroundModel(std::vector<Image>{filmed(rig, 0, {}, 4)});
   const cv::Mat truth = maskOf(rig[0], {kPerformer});
   // Nothing is known round the performer, and what the plate has there is the performer itself.
   plate.known.assign(size_t(kSide * kSide), 1);
@@ -207,8 +207,8 @@ TEST(KeyCut, JudgesByColoursWhereNoPlateShowsTheBackground) {
       plate.known[size_t(i)] = 0;
       for (size_t c = 0; c < 3; ++c) plate.mean[3 * size_t(i) + c] = picture.pixels[3 * size_t(i) + c];
     }
-  capture::KeyCut key(picture, plate);
-  capture::ColourCounts colours;
+  KeyCut key(picture, plate);
+  ColourCounts colours;
   key.count(truth, colours);
   key.use(colours);
   EXPECT_GT(unionShare(key.cut(), truth), 0.95);

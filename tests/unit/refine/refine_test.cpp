@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "capture_fixture.h"
+#include "mattes/frame_reader.h"
 #include "platform/files.h"
 #include "refine/kept_refinement.h"
 #include "sphere_fixture.h"
@@ -51,7 +52,7 @@ class BallCapture : public capture::TempFolder {
     }
   }
   capture::Capture open() const {
-    auto capture = capture::openCapture(path(), platform::openVideoFile);
+    auto capture = mattes::openCapture(path(), platform::openVideoFile);
     EXPECT_TRUE(capture.ok()) << capture.error().message;
     return capture.take();
   }

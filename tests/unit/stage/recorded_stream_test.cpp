@@ -15,6 +15,7 @@
 #include "live/camera/source.h"
 #include "live/rig/rig.h"
 #include "live/server/pipeline.h"
+#include "mattes/frame_reader.h"
 
 namespace fourdvt::stage {
 namespace {
@@ -81,7 +82,7 @@ class Recording {
 
 TEST(RecordedStream, TellsWhichPicturesItShows) {
   const TempFolder folder;  // stage and recording
-  const auto capture = capture::openCapture(kSample, platform::openVideoFile, {"run"}, capture::MeshNeed::Nothing);
+  const auto capture = mattes::openCapture(kSample, platform::openVideoFile, {"run"}, capture::MeshNeed::Nothing);
   ASSERT_TRUE(capture.ok()) << capture.error().message;
   const Status written =
       writeStage(capture.value(), {folder.path(), 320, 240, "run", kCameras, true, kPictures}, platform::openVideoFile);

@@ -15,6 +15,7 @@
 #include "live/camera/keyer.h"
 #include "live/camera/outline_message.h"
 #include "live/rig/rig.h"
+#include "mattes/frame_reader.h"
 #include "platform/video_input.h"
 
 namespace fourdvt::stage {
@@ -25,7 +26,7 @@ using capture::kSample;
 using capture::TempFolder;
 
 Result<capture::Capture> sample() {
-  return capture::openCapture(kSample, platform::openVideoFile, {"run"}, capture::MeshNeed::Nothing);
+  return mattes::openCapture(kSample, platform::openVideoFile, {"run"}, capture::MeshNeed::Nothing);
 }
 
 TEST(Counter, ComesBackAtEveryPlace) {

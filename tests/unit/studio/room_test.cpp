@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "capture/background_model.h"
 #include "capture/undistort.h"
 #include "lab/studio/sensor.h"
 #include "lab/studio/shadow.h"
+#include "mattes/background_model.h"
 
 namespace fourdvt::studio {
 namespace {
@@ -124,8 +124,8 @@ TEST(StudioRoom, IsNoBackdropAndTheGreenStudioIsOne) {
   StudioKnobs knobs;
   knobs.gain_percent = 5;
   for (int camera = 0; camera < 4; ++camera) {
-    EXPECT_TRUE(capture::isChromaPlate(Sensor(knobs, camera, 96, 128).plate())) << camera;
-    EXPECT_FALSE(capture::isChromaPlate(shared().room.empty(size_t(camera)))) << camera;
+    EXPECT_TRUE(mattes::isChromaPlate(Sensor(knobs, camera, 96, 128).plate())) << camera;
+    EXPECT_FALSE(mattes::isChromaPlate(shared().room.empty(size_t(camera)))) << camera;
   }
 }
 

@@ -3,13 +3,15 @@
 
 #include <algorithm>
 
+#include "mattes/frame_reader.h"
+
 namespace fourdvt::study {
 
-Result<const capture::CaptureFrame*> FrameWindow::at(uint32_t frame) {
-  for (const capture::CaptureFrame& kept : kept_)
+Result<const mattes::CaptureFrame*> FrameWindow::at(uint32_t frame) {
+  for (const mattes::CaptureFrame& kept : kept_)
     if (kept.index == frame) return &kept;
   if (!reader_ || frame < next_) {
-    FOURDVT_ASSIGN(reader_, capture::FrameReader::open(capture_, sequence_, open_video_, frame));
+    FOURDVT_ASSIGN(reader_, mattes::FrameReader::open(capture_, sequence_, open_video_, frame));
   } else {
     reader_->skipTo(frame);
   }

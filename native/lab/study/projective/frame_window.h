@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "capture/capture.h"
+#include "mattes/frame_reader.h"
 
 namespace fourdvt::study {
 
@@ -16,7 +17,7 @@ class FrameWindow {
       : capture_(capture), sequence_(sequence), open_video_(std::move(open_video)) {}
   const capture::CaptureSequence& sequence() const { return sequence_; }
   // Valid until the next call. Errors: those of FrameReader.
-  Result<const capture::CaptureFrame*> at(uint32_t frame);
+  Result<const mattes::CaptureFrame*> at(uint32_t frame);
 
  private:
   static constexpr size_t kKept = 8;  // more than a run of frames
@@ -24,9 +25,9 @@ class FrameWindow {
   const capture::Capture& capture_;
   const capture::CaptureSequence& sequence_;
   const OpenVideo open_video_;
-  std::unique_ptr<capture::FrameReader> reader_;
-  uint32_t next_ = 0;                       // what the reader gives next
-  std::deque<capture::CaptureFrame> kept_;  // the newest last
+  std::unique_ptr<mattes::FrameReader> reader_;
+  uint32_t next_ = 0;                      // what the reader gives next
+  std::deque<mattes::CaptureFrame> kept_;  // the newest last
 };
 
 // `count` of the sequence's test frames, spread over them.

@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "base/watch.h"
 #include "lab/measure/held_out_truth.h"
+#include "mattes/frame_reader.h"
 #include "render/cameras/camera_method.h"
 
 namespace fourdvt::study {
@@ -30,7 +31,7 @@ Result<std::vector<MethodScore>> scoreMethods(gpu::Device& device, const capture
   std::vector<MethodScore> out;
   for (const capture::CaptureSequence& sequence : capture.sequences) {
     if (sequence.test_frames.empty()) continue;
-    FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture, sequence, open_video));
+    FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(capture, sequence, open_video));
     std::vector<SequenceLanes> lanes(options.methods.size());
     for (const uint32_t frame : sequence.test_frames) {
       reader->skipTo(frame);

@@ -8,6 +8,7 @@
 #include "bake/stages/stages.h"
 #include "base/text.h"
 #include "lab/study/run/run_steps.h"
+#include "mattes/frame_reader.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 
@@ -82,7 +83,7 @@ void cleanEdges(std::vector<Image>& pictures) {
     running.push_back(std::async(std::launch::async, [&picture] { bake::replaceEdgeColours(picture); }));
 }
 
-Result<capture::CaptureFrame> nextCleanFrame(capture::FrameReader& reader) {
+Result<mattes::CaptureFrame> nextCleanFrame(mattes::FrameReader& reader) {
   auto frame = reader.next();
   if (frame) cleanEdges(frame.value().pictures);
   return frame;
@@ -170,7 +171,7 @@ Result<std::unique_ptr<bake::FrameBaker>> makeBaker(const StudyContext& context,
   return bake::FrameBaker::create(*context.device, job.cameras, mesh.topology, mesh.positions, options);
 }
 
-void setBakerFrame(bake::FrameBaker& baker, const bake::Job& job, const capture::CaptureFrame& frame) {
+void setBakerFrame(bake::FrameBaker& baker, const bake::Job& job, const mattes::CaptureFrame& frame) {
   const Positions positions = bake::reordered(job.mesh, frame.positions);
   std::vector<bake::PictureCrop> crops;
   for (size_t c = 0; c < job.cameras.size(); ++c)

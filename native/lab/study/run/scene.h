@@ -12,9 +12,10 @@
 #include "bake/stages/survey.h"
 #include "edge/character_player.h"
 #include "lab/measure/held_out_truth.h"
-#include "measure/picture_score.h"
 #include "lab/study/run/context.h"
 #include "lab/study/run/ring.h"
+#include "mattes/frame_reader.h"
+#include "measure/picture_score.h"
 #include "render/cameras/fvvr.h"
 
 namespace fourdvt::study {
@@ -43,7 +44,7 @@ Result<std::vector<PinholeCamera>> heldOutCameras(const StudyContext& context);
 // Runs bake::replaceEdgeColours on all pictures in parallel.
 void cleanEdges(std::vector<Image>& pictures);
 // A captured frame with clean edges.
-Result<capture::CaptureFrame> nextCleanFrame(capture::FrameReader& reader);
+Result<mattes::CaptureFrame> nextCleanFrame(mattes::FrameReader& reader);
 
 Result<std::unique_ptr<render::Fvvr>> makeFvvr(const StudyContext& context);
 
@@ -77,7 +78,7 @@ Result<std::unique_ptr<SurveyedJob>> surveyOnly(const StudyContext& context, con
 bake::FrameBakerOptions bakerOptions(const SurveyedJob& surveyed);
 Result<std::unique_ptr<bake::FrameBaker>> makeBaker(const StudyContext& context, const bake::Job& job,
                                                     const bake::FrameBakerOptions& options);
-void setBakerFrame(bake::FrameBaker& baker, const bake::Job& job, const capture::CaptureFrame& frame);
+void setBakerFrame(bake::FrameBaker& baker, const bake::Job& job, const mattes::CaptureFrame& frame);
 
 // No shadow, transparent background.
 render::RecipeOptions studyRecipe();

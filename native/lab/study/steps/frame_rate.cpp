@@ -9,6 +9,7 @@
 #include "base/robust.h"
 #include "base/text.h"
 #include "base/watch.h"
+#include "mattes/frame_reader.h"
 #include "package/base_mesh.h"
 #include "package/chunk_mesh.h"
 #include "package/stream_file.h"
@@ -111,15 +112,15 @@ Result<LoadedCharacter> loadCharacter(const std::filesystem::path& folder, const
 }
 
 // The same frames of the capture, with clean matte edges.
-Result<std::vector<capture::CaptureFrame>> readCapturedFrames(const capture::Capture& capture,
-                                                              const OpenVideo& open_video,
-                                                              const LoadedCharacter& character) {
+Result<std::vector<mattes::CaptureFrame>> readCapturedFrames(const capture::Capture& capture,
+                                                             const OpenVideo& open_video,
+                                                             const LoadedCharacter& character) {
   const capture::CaptureSequence* sequence = capture.find(character.sequence.name);
   if (!sequence)
     return Error{ErrorId::InvalidArgument, capture.folder + ": has no sequence \"" + character.sequence.name +
                                                "\"; name the capture that the character was baked from"};
-  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture, *sequence, open_video));
-  std::vector<capture::CaptureFrame> frames;
+  FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(capture, *sequence, open_video));
+  std::vector<mattes::CaptureFrame> frames;
   while (frames.size() < character.frames.size()) {
     FOURDVT_ASSIGN(auto frame, reader->next());
     for (Image& picture : frame.pictures) bake::replaceEdgeColours(picture);
@@ -160,7 +161,7 @@ PassTimes medians(const Samples& s) {
 // Both renderers on one device, with the frames they show.
 class Race {
  public:
-  Race(gpu::Device& device, const LoadedCharacter& loaded, const std::vector<capture::CaptureFrame>& captured,
+  Race(gpu::Device& device, const LoadedCharacter& loaded, const std::vector<mattes::CaptureFrame>& captured,
        const FrameRateOptions& options)
       : device_(device), loaded_(loaded), captured_(captured) {
     recipe_options_.ground_shadow = false;
@@ -293,7 +294,7 @@ class Race {
 
   gpu::Device& device_;
   const LoadedCharacter& loaded_;
-  const std::vector<capture::CaptureFrame>& captured_;
+  const std::vector<mattes::CaptureFrame>& captured_;
   std::vector<Entry> entries_;
   render::RecipeOptions recipe_options_;
   Drain drain_;

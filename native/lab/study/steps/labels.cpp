@@ -10,6 +10,7 @@
 #include "lab/study/run/rows.h"
 #include "lab/study/run/run_steps.h"
 #include "lab/study/run/scene.h"
+#include "mattes/frame_reader.h"
 
 namespace fourdvt::study {
 namespace {
@@ -24,7 +25,7 @@ struct Measured {
 Result<Measured> measureFrames(const StudyContext& context, const bake::Job& job,
                                const capture::CaptureSequence& sequence, uint32_t frames) {
   FOURDVT_ASSIGN(auto baker, makeBaker(context, job, {}));
-  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(*context.capture, sequence, context.open_video));
+  FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(*context.capture, sequence, context.open_video));
   Measured out;
   for (uint32_t f = 0; f < frames; ++f) {
     FOURDVT_TRY(checkStop(context));

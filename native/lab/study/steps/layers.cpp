@@ -17,6 +17,7 @@
 #include "lab/study/steps/codec.h"
 #include "lab/study/steps/layers_drawing.h"
 #include "lab/study/steps/steps.h"
+#include "mattes/frame_reader.h"
 #include "measure/picture_score.h"
 #include "platform/files.h"
 
@@ -140,7 +141,7 @@ Status LayerStudy::drawReferences() {
     for (int k = 0; k < plan_.views; ++k) views_[frame].push_back(ring[(j + k * plan_.frames) % ring.size()].camera);
   }
   FOURDVT_ASSIGN(auto fvvr, makeFvvr(context_));
-  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(*context_.capture, sequence_, context_.open_video));
+  FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(*context_.capture, sequence_, context_.open_video));
   for (uint32_t f = 0; f <= views_.rbegin()->first; ++f) {
     FOURDVT_TRY(checkStop(context_));
     FOURDVT_ASSIGN(auto frame, isDrawn(f) ? nextCleanFrame(*reader) : reader->next());
@@ -285,7 +286,7 @@ Result<Rows> LayerStudy::measureSize(int size, double before, double share) {
     FOURDVT_ASSIGN(auto bytes, drawing_->gpuBytes(variant.layers));
     shown_[keyOf(variant)].gpu_bytes = static_cast<double>(bytes);
   }
-  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(*context_.capture, sequence_, context_.open_video));
+  FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(*context_.capture, sequence_, context_.open_video));
   const std::vector<uint32_t> gops = encode::planGops(sequence_.frame_count, kStudyGop);
   const uint32_t frames = std::max(plan_.video_frames, views_.empty() ? 0 : views_.rbegin()->first + 1);
   for (uint32_t f = 0; f < frames; ++f) {

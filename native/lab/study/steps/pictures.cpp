@@ -13,6 +13,7 @@
 #include "lab/study/run/run_steps.h"
 #include "lab/study/run/scene.h"
 #include "lab/study/steps/steps.h"
+#include "mattes/frame_reader.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "report/picture_sheets.h"
@@ -78,7 +79,7 @@ Result<Image> PictureStep::draw(const Subject& subject, const PinholeCamera& cam
 Result<Image> PictureStep::drawFvvr(const PinholeCamera& camera) {
   if (!fvvr_) {
     FOURDVT_ASSIGN(auto fvvr, makeFvvr(context_));
-    FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(*context_.capture, sequence_, context_.open_video, frame_));
+    FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(*context_.capture, sequence_, context_.open_video, frame_));
     FOURDVT_ASSIGN(auto frame, nextCleanFrame(*reader));
     FOURDVT_TRY(fvvr->setFrame(frame.positions, frame.pictures));
     fvvr_ = std::move(fvvr);

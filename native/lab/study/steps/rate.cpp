@@ -14,6 +14,7 @@
 #include "lab/study/run/scene.h"
 #include "lab/study/steps/rate_point.h"
 #include "lab/study/steps/steps.h"
+#include "mattes/frame_reader.h"
 
 namespace fourdvt::study {
 namespace {
@@ -112,7 +113,7 @@ Status RateStudy::bakeLayers(SurveyedJob& surveyed, RateClip& clip) const {
   const bake::Job& job = surveyed.job;
   FOURDVT_ASSIGN(auto baker, makeBaker(context_, job, bakerOptions(surveyed)));
   FOURDVT_ASSIGN(auto reader,
-                 capture::FrameReader::open(job.capture, *job.capture.find(sequence_.name), context_.open_video));
+                 mattes::FrameReader::open(job.capture, *job.capture.find(sequence_.name), context_.open_video));
   encode::I420Picture picture(job.layout.width, job.layout.height);
   for (uint32_t f = 0; f < clip.frame_count; ++f) {
     FOURDVT_TRY(checkStop(context_));

@@ -16,6 +16,7 @@
 #include "lab/study/run/scene.h"
 #include "lab/study/steps/codec.h"
 #include "lab/study/steps/steps.h"
+#include "mattes/frame_reader.h"
 #include "measure/metrics.h"
 #include "measure/picture_score.h"
 #include "platform/files.h"
@@ -54,10 +55,10 @@ class Reference {
   Result<Rows> encode();
 
  private:
-  Status drawFrame(const capture::CaptureFrame& frame, render::Fvvr& fvvr);
-  Status heldOut(const capture::CaptureFrame& frame, render::Fvvr& fvvr);
+  Status drawFrame(const mattes::CaptureFrame& frame, render::Fvvr& fvvr);
+  Status heldOut(const mattes::CaptureFrame& frame, render::Fvvr& fvvr);
   // The same with mesh and cameras as given, if there are others.
-  Status heldOutAsGiven(const capture::CaptureFrame& frame);
+  Status heldOutAsGiven(const mattes::CaptureFrame& frame);
   bool isHeldOut(uint32_t frame) const;
   bool isDrawn(uint32_t frame) const;
   // Bytes and error of one camera's foreground video at every rate factor.
@@ -74,7 +75,7 @@ class Reference {
     std::vector<std::unique_ptr<encode::GopEncoder>> encoders;  // one per rate factor
   };
   Result<CameraVideo> encodeCamera(size_t camera) const;
-  Status pushGop(capture::FrameReader& reader, uint32_t frames, CameraGop& gop) const;
+  Status pushGop(mattes::FrameReader& reader, uint32_t frames, CameraGop& gop) const;
   Status finishGop(CameraGop& gop, CameraVideo& out) const;
   Status takeDecoded(const CameraGop& gop, uint32_t frame, const I420View& view, size_t rate, CameraVideo& out) const;
   Result<measure::MeanScores> scoreDecoded(int crf, render::Fvvr& fvvr) const;
@@ -112,7 +113,7 @@ bool Reference::isDrawn(uint32_t frame) const {
          std::any_of(ring_.begin(), ring_.end(), [&](const RingView& view) { return view.frame == frame; });
 }
 
-Status Reference::heldOutAsGiven(const capture::CaptureFrame& frame) {
+Status Reference::heldOutAsGiven(const mattes::CaptureFrame& frame) {
   if (!context_.options.refine.any()) return {};
   if (!given_fvvr_) {
     std::vector<PinholeCamera> cameras;
@@ -129,7 +130,7 @@ Status Reference::heldOutAsGiven(const capture::CaptureFrame& frame) {
   return {};
 }
 
-Status Reference::heldOut(const capture::CaptureFrame& captured, render::Fvvr& fvvr) {
+Status Reference::heldOut(const mattes::CaptureFrame& captured, render::Fvvr& fvvr) {
   const uint32_t frame = captured.index;
   if (!isHeldOut(frame)) return {};
   FOURDVT_TRY(heldOutAsGiven(captured));
@@ -146,7 +147,7 @@ Status Reference::heldOut(const capture::CaptureFrame& captured, render::Fvvr& f
   return {};
 }
 
-Status Reference::drawFrame(const capture::CaptureFrame& frame, render::Fvvr& fvvr) {
+Status Reference::drawFrame(const mattes::CaptureFrame& frame, render::Fvvr& fvvr) {
   for (const RingView& view : ring_) {
     if (view.frame != frame.index) continue;
     FOURDVT_ASSIGN(auto picture, fvvr.renderStill(render::viewFromCamera(view.camera), {}));
@@ -170,7 +171,7 @@ Result<Rows> Reference::draw() {
   const uint64_t gpu_before = context_.device->counters().live_texture_bytes;
   FOURDVT_ASSIGN(auto fvvr, makeFvvr(context_));
   const Watch start;
-  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(*context_.capture, sequence_, context_.open_video));
+  FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(*context_.capture, sequence_, context_.open_video));
   double loading_s = 0, first_s = 0;  // decoding, upload and depth maps; first: until the first picture
   uint64_t gpu_bytes = 0;
   for (uint32_t f = 0; f < sequence_.frame_count; ++f) {
@@ -251,7 +252,7 @@ Image spreadColours(const Image& rgba) {
   return out;
 }
 
-Status Reference::pushGop(capture::FrameReader& reader, uint32_t frames, CameraGop& gop) const {
+Status Reference::pushGop(mattes::FrameReader& reader, uint32_t frames, CameraGop& gop) const {
   encode::I420Picture picture;
   for (uint32_t f = 0; f < frames; ++f) {
     FOURDVT_TRY(checkStop(context_));
@@ -307,7 +308,7 @@ Status Reference::finishGop(CameraGop& gop, CameraVideo& out) const {
 Result<Reference::CameraVideo> Reference::encodeCamera(size_t camera) const {
   capture::Capture alone = *context_.capture;
   alone.cameras = {context_.capture->cameras[camera]};
-  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(alone, sequence_, context_.open_video));
+  FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(alone, sequence_, context_.open_video));
   CameraVideo out{camera, std::vector<uint64_t>(ladder().size()), std::vector<SquaredError>(ladder().size())};
   const std::vector<uint32_t> firsts = encode::planGops(sequence_.frame_count, kStudyGop);
   for (size_t g = 0; g < firsts.size(); ++g) {

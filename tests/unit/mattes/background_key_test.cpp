@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // The key against a natural background, on pictures whose mattes are known: a textured wall, an object with a texture
 // of its own, a hard shadow, sensor noise.
-#include "capture/background_key.h"
+#include "mattes/background_key.h"
 
 #include <cmath>
 #include <functional>
 
-#include "capture/key_evidence.h"
 #include "capture_fixture.h"
+#include "mattes/key_evidence.h"
 
-namespace fourdvt::capture {
+namespace fourdvt::mattes {
+
+using namespace capture;
+
 namespace {
 
 constexpr int kWidth = 200, kHeight = 160;
@@ -285,4 +288,4 @@ TEST(CaptureBackgroundKey, PlatesOfABackdropAreTold) {
 }
 
 }  // namespace
-}  // namespace fourdvt::capture
+}  // namespace fourdvt::mattes

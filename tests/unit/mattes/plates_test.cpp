@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // A capture without mattes: which key its plates get, how capture.json overrides that, and what is wrong with plates
 // and mattes.
-#include "capture/background_key.h"
-#include "capture/matte.h"
 #include "capture/matte_flaw.h"
-#include "capture/plate_fit.h"
-#include "capture/plate_key.h"
 #include "capture_fixture.h"
+#include "mattes/background_key.h"
+#include "mattes/background_model.h"
+#include "mattes/plate_key.h"
 
-namespace fourdvt::capture {
+namespace fourdvt::mattes {
+
+using namespace capture;
+
 namespace {
 
 constexpr int kWidth = 96, kHeight = 72;
@@ -250,4 +252,4 @@ TEST(CapturePlates, EmptyMattesAreNotJudged) {
 }
 
 }  // namespace
-}  // namespace fourdvt::capture
+}  // namespace fourdvt::mattes

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The minimum cut of a matte against all splits of a small picture.
-#include "capture/matte_cut.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
 
-namespace fourdvt::capture {
+#include "mattes/background_key.h"
+
+namespace fourdvt::mattes {
+
+using namespace capture;
+
 namespace {
 
 constexpr int kSide = 4;
@@ -64,4 +67,4 @@ TEST(CaptureMatteCut, NoSplitIsCheaper) {
 }
 
 }  // namespace
-}  // namespace fourdvt::capture
+}  // namespace fourdvt::mattes

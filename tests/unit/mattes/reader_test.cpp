@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/pictures.h"
 #include "capture_fixture.h"
+#include "mattes/frame_reader.h"
 
-namespace fourdvt::capture {
+namespace fourdvt::mattes {
+
+using namespace capture;
+
 namespace {
 
 TEST(CaptureReader, ReadsASmallCapture) {
@@ -163,4 +167,4 @@ TEST(CaptureReader, SampleMeshProjectsOntoItsMattes) {
 }
 
 }  // namespace
-}  // namespace fourdvt::capture
+}  // namespace fourdvt::mattes

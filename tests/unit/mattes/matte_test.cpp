@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/matte.h"
-
 #include "capture_fixture.h"
+#include "mattes/plate_key.h"
 
-namespace fourdvt::capture {
+namespace fourdvt::mattes {
+
+using namespace capture;
+
 namespace {
 
 void paint(Image& image, int x0, int y0, int x1, int y1, std::initializer_list<uint8_t> colour) {
@@ -82,4 +84,4 @@ TEST(CaptureMatte, AgreesWithTheSamplesMattes) {
 }
 
 }  // namespace
-}  // namespace fourdvt::capture
+}  // namespace fourdvt::mattes

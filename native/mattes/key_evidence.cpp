@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/key_evidence.h"
+#include "mattes/key_evidence.h"
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "capture/median.h"
+#include "mattes/median.h"
 
-namespace fourdvt::capture {
+namespace fourdvt::mattes {
 namespace {
 
 constexpr float kTint = 0.08f;          // how far a shadow's channels may differ, as a share of what it takes away
@@ -277,4 +277,4 @@ cv::Mat KeyEvidence::ratio() const {
   return out;
 }
 
-}  // namespace fourdvt::capture
+}  // namespace fourdvt::mattes

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace fourdvt::capture {
+namespace fourdvt::mattes {
 
 // The upper one of the two middle values where their number is even; there is at least one.
 inline float median(std::vector<float> values) {
@@ -14,4 +14,4 @@ inline float median(std::vector<float> values) {
   return *middle;
 }
 
-}  // namespace fourdvt::capture
+}  // namespace fourdvt::mattes

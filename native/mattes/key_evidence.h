@@ -6,9 +6,18 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "capture/background_key.h"
+#include "mattes/background_model.h"
 
-namespace fourdvt::capture {
+namespace fourdvt::mattes {
+
+struct BackgroundKeyOptions {
+  float min_shadow = 0.2f;      // background may be darker than its plate down to this ratio (encoded values)
+  float max_highlight = 1.25f;  // … and brighter up to this one
+  float smoothness = 2.2f;      // cost of a border between object and background per pixel of its length, in nats
+  int rounds = 2;               // how often the object's colours and the shadow's ratio are learnt anew
+  float speck_share = 1e-4f;    // parts and holes of less than this share of the picture, or of less than 12 pixels, go
+  float blur_pixels = 0.7f;     // the outline's softness where picture and plate do not tell it
+};
 
 // How often colours were seen, [red][green][blue] of kColourBins bins each: of several pictures of one camera, say.
 inline constexpr int kColourBins = 24;
@@ -76,4 +85,4 @@ class KeyEvidence {
   std::vector<float> others_;   // [bin] density of the background, where the plates do not show it
 };
 
-}  // namespace fourdvt::capture
+}  // namespace fourdvt::mattes

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plates fitted to pictures of another exposure, white balance or camera position, with the truth known.
-#include "capture/plate_fit.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 #include <vector>
 
-#include "capture/background_key.h"
+#include "mattes/background_key.h"
+#include "mattes/background_model.h"
 
 using namespace fourdvt;
-using namespace fourdvt::capture;
+using namespace fourdvt::mattes;
 
 namespace {
 

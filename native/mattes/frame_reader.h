@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frames of a capture: all cameras in step, one frame at a time, so that memory does not grow with the length. Cameras
+// are decoded in parallel on OpenCV's threads; those without mattes of their own are keyed against their plates.
+// Pictures are undistorted to the capture's pinhole cameras, which have no skew. Does NOT cache, does NOT touch the
+// GPU. Errors name the file and the remedy.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/image.h"
+#include "base/mesh.h"
+#include "base/result.h"
+#include "base/video.h"
+#include "capture/capture.h"
+
+namespace fourdvt::mattes {
+
+// Opens a capture folder and checks everything that can be checked without decoding whole videos, before any long work
+// starts: capture::openDescription, the videos' containers, and the first frame of every sequence.
+Result<capture::Capture> openCapture(const std::string& folder, const OpenVideo& open_video,
+                                     const std::vector<std::string>& only = {},
+                                     capture::MeshNeed need = capture::MeshNeed::ConstantTopology,
+                                     capture::MatteNeed mattes = capture::MatteNeed::Required);
+
+struct CaptureFrame {
+  uint32_t index = 0;
+  std::vector<Image> pictures;    // RGBA per camera: sRGB colour, alpha = matte
+  Positions positions;            // metres; empty if the capture has no meshes
+  std::vector<glm::uvec3> faces;  // of per-frame topology; else empty: constant faces are in the capture's topology
+};
+
+class FrameReader {
+ public:
+  // The first call of next() returns `first_frame`. With MatteNeed::None, alpha is 255 all over. Errors: those of
+  // openCapture for pictures.
+  static Result<std::unique_ptr<FrameReader>> open(const capture::Capture& capture,
+                                                   const capture::CaptureSequence& sequence,
+                                                   const OpenVideo& open_video, uint32_t first_frame = 0,
+                                                   capture::MatteNeed mattes = capture::MatteNeed::Required);
+  ~FrameReader();
+  // The next frame will be this one, which must not lie before it.
+  void skipTo(uint32_t frame);
+  // The next frame. Errors: VideoTooShort, FrameSize, FileUnreadable, MeshTopology, MeshNotFinite …
+  Result<CaptureFrame> next();
+
+ private:
+  class Camera;
+  FrameReader(const capture::Capture& capture, const capture::CaptureSequence& sequence, uint32_t first);
+  Status readSurface(CaptureFrame& frame) const;
+
+  const capture::Capture capture_;
+  const capture::CaptureSequence sequence_;
+  uint32_t next_frame_;
+  std::vector<Camera> cameras_;
+};
+
+}  // namespace fourdvt::mattes
