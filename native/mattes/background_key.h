@@ -2,7 +2,7 @@
 // Mattes in front of a natural background: tells what was not in the room when its plates were taken, in front of walls
 // and floors of any texture, with the object's shadows and highlights counted as background. The room and the camera
 // must stand still, and exposure and white balance must be those of the plates: see fitPlate. Does NOT look at other
-// cameras or other frames, and does NOT remove colour spill. Method and sources: native/ALGORITHMS.md, 2.1.
+// cameras or other frames, and does NOT remove colour spill. Method and sources: algorithms/mattes.md.
 #pragma once
 
 #include <memory>

@@ -37,7 +37,7 @@ bool isChromaPlate(const Image& plate);
 // Plates fitted to one picture whose exposure, white balance or camera position differs a little: gain and offset per
 // channel, a homography, and the noise that is left, by brightness and at edges. All are fitted robustly to what looks
 // like background; the object may cover up to half of the picture. Cameras that turned by more than about 2 % of the
-// picture are not followed. Method: native/ALGORITHMS.md, 2.1.
+// picture are not followed. Method: algorithms/mattes.md.
 struct PlateFit {
   BackgroundModel background;          // the plates as this picture would show them
   std::array<float, 3> gain{1, 1, 1};  // RGB, picture / plates, sRGB-encoded levels above the curve's toe
