@@ -102,16 +102,7 @@ class Cutter {
 
   void cutLayers() {
     for (const capture::CaptureSequence& sequence : job_.capture.sequences) cutSurvey(sequence);
-    if (job_.options.colour_calibration && job_.cameras.size() > 1) {
-      std::vector<std::string> needs;
-      Frames frames;
-      for (const capture::CaptureSequence& s : job_.capture.sequences)
-        for (uint32_t f = 0; f < std::min(kColourFrames, s.frame_count); ++f) {
-          addOnce(needs, surveyOf(s, f));
-          frames.push_back({numberOf(job_, &s), f});
-        }
-      addColours(std::move(needs), frames);
-    }
+    addColours();
     for (const capture::CaptureSequence& sequence : job_.capture.sequences) cutLabels(sequence);
     for (size_t s = 0; s < job_.streams.size(); ++s) cutGops(s);
     for (size_t s = 0; s < job_.streams.size(); ++s)
@@ -125,30 +116,14 @@ class Cutter {
   }
 
   void cutCameras() {
-    if (job_.options.colour_calibration && job_.cameras.size() > 1) {
-      Frames frames;
-      for (const capture::CaptureSequence& s : job_.capture.sequences)
-        for (uint32_t f = 0; f < std::min(kColourFrames, s.frame_count); ++f) frames.push_back({numberOf(job_, &s), f});
-      addColours({}, frames);
-    }
+    addColours();
     for (uint32_t i = 0; i < triedFrames(job_); ++i) {
       BakePiece& piece = add(PieceKind::Method, std::to_string(i), colours());
       piece.index = i;
       readsFrames(piece, {{0, 0}, triedFrame(job_, i)});  // counts the first one's faces
       cost(piece, 60, costs_.room_mb());
     }
-    for (size_t s = 0; s < job_.streams.size(); ++s) {
-      const StreamPlan& plan = job_.streams[s];
-      for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
-        BakePiece& piece = add(PieceKind::Gop, plan.name + "-" + std::to_string(g), colours());
-        piece.number = s, piece.index = g;
-        Frames frames;
-        for (uint32_t f = plan.gop_first_frames[g]; f < plan.gopEnd(g); ++f)
-          frames.push_back({numberOf(job_, plan.motion.members[0].source), f});
-        readsFrames(piece, frames);
-        cost(piece, costs_.gop_s(plan) * double(frames.size()), costs_.gop_mb(plan));
-      }
-    }
+    for (size_t s = 0; s < job_.streams.size(); ++s) cutGops(s);
   }
 
   std::string surveyOf(const capture::CaptureSequence& sequence, uint32_t frame) const {
@@ -223,11 +198,11 @@ class Cutter {
       for (size_t m = 0; m < plan.motion.members.size(); ++m) {
         const size_t source = numberOf(job_, plan.motion.members[m].source);
         for (uint32_t f = plan.gop_first_frames[g]; f < plan.gopEnd(g); ++f) {
-          const uint32_t frame = plan.sourceFrame(m, f);
+          const uint32_t frame = job_.fromCameras() ? f : plan.sourceFrame(m, f);
           frames.push_back({source, frame});
           if (plan.isClass()) addOnce(piece.piece.needs, gopOf(source, frame));
         }
-        addOnce(piece.piece.needs, "label-" + plan.motion.members[m].source->name);
+        if (!job_.fromCameras()) addOnce(piece.piece.needs, "label-" + plan.motion.members[m].source->name);
       }
       readsFrames(piece, frames);
       cost(piece, costs_.gop_s(plan) * double(plan.gopEnd(g) - plan.gop_first_frames[g]), costs_.gop_mb(plan));
@@ -268,8 +243,15 @@ class Cutter {
     return {};
   }
 
-  void addColours(std::vector<std::string> needs, const Frames& frames) {
-    BakePiece& piece = add(PieceKind::Colours, "", std::move(needs));
+  void addColours() {
+    if (!job_.options.colour_calibration || job_.cameras.size() < 2) return;
+    BakePiece& piece = add(PieceKind::Colours, "", {});
+    Frames frames;
+    for (const capture::CaptureSequence& s : job_.capture.sequences)
+      for (uint32_t f = 0; f < std::min(kColourFrames, s.frame_count); ++f) {
+        if (!job_.fromCameras()) addOnce(piece.piece.needs, surveyOf(s, f));
+        frames.push_back({numberOf(job_, &s), f});
+      }
     readsFrames(piece, frames);
     cost(piece, costs_.survey_s() * double(frames.size()) / kColourEvery, costs_.frames_mb());
   }

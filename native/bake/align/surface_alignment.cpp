@@ -8,6 +8,8 @@
 #include "bake/align/in_order.h"
 #include "bake/align/tangent_field.h"
 #include "bake/align/views.h"
+#include "render/passes.h"
+#include "render/table.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -33,6 +35,115 @@ float minInformation(const glm::mat2& m) {
   const float mean = 0.5f * (m[0][0] + m[1][1]), half = 0.5f * (m[0][0] - m[1][1]);
   return std::max(mean - std::hypot(half, m[0][1]), 0.0f);
 }
+
+// Two texels per corner, as CharacterModel::corners has them; looks that move by their own texture coordinates need no
+// uv_from_tangents.
+std::vector<glm::vec4> cornersWith(const MeshTopology& topology, const std::vector<glm::vec2>& uvs) {
+  std::vector<glm::vec4> table;
+  render::resizeToRows(table, 6ull * topology.faceCount(), glm::vec4(0));
+  for (uint32_t face = 0; face < topology.faceCount(); ++face)
+    for (int corner = 0; corner < 3; ++corner) {
+      const glm::vec2& uv = uvs[topology.face_uvs[face][corner]];
+      table[2 * (3 * face + corner)] = {uv.x, uv.y, static_cast<float>(topology.face_vertices[face][corner]), 0};
+    }
+  return table;
+}
+
+// Draws each member's look alone on the common mesh, with moved texture coordinates, as the recipe shows it. Looks of
+// one view share their depth, so that only visible surface is shaded. Topology is borrowed.
+class LookDrawer {
+ public:
+  LookDrawer(gpu::Device& device, const MeshTopology& topology, render::CharacterModel model, gpu::Program depth)
+      : device_(device), topology_(topology), model_(std::move(model)), depth_(std::move(depth)) {
+    options_.align = render::Align::None;
+  }
+
+  // Sets the mesh to draw on and, per member, its texture coordinates (as many as the topology has).
+  Status setFrame(const Positions& positions, const std::vector<std::vector<glm::vec2>>& member_uvs) {
+    model_.setPositions(device_, positions);
+    while (corners_.size() < member_uvs.size()) {
+      FOURDVT_ASSIGN(auto corners, render::makeTable(device_, gpu::PixelFormat::RGBA32F, 6ull * model_.face_count,
+                                                     "alignment corners"));
+      corners_.push_back(std::move(corners));
+    }
+    corners_.resize(member_uvs.size());
+    for (size_t member = 0; member < corners_.size(); ++member)
+      render::uploadTable(device_, corners_[member], cornersWith(topology_, member_uvs[member]));
+    return {};
+  }
+
+  // [member] CV_8UC4, premultiplied.
+  Result<std::vector<cv::Mat>> draw(const PinholeCamera& camera, const render::Appearance& appearance,
+                                    const render::PictureTextures& picture) {
+    FOURDVT_TRY(resize(camera.width, camera.height));
+    const render::View view = render::viewFromCamera(camera, {model_.length_scale, model_.length_scale});
+    drawDepth(view);
+    std::vector<cv::Mat> looks;
+    for (size_t member = 0; member < corners_.size(); ++member) {
+      FOURDVT_TRY(drawMember(member, view, appearance, picture));
+      cv::Mat rgba(camera.height, camera.width, CV_8UC4);
+      FOURDVT_TRY(device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8,
+                                     {.width = camera.width, .height = camera.height}, rgba.data));
+      looks.push_back(rgba);
+    }
+    return looks;
+  }
+
+ private:
+  // Looks differ only in their texture coordinates. Their common depth is drawn first, so that hidden surface is never
+  // shaded; the colours of this pass do not matter, because every look draws over the same pixels.
+  void drawDepth(const render::View& view) {
+    device_.beginPass({.target = target_.id(), .clear_color = true, .clear_depth = true, .label = "look depth"});
+    device_.draw(
+        {.program = depth_.id(),
+         .textures = {{"u_corners", model_.corners.id()}, {"u_positions_normals", model_.positions_normals.id()}},
+         .uniforms = {gpu::uniform("u_clip_from_character", view.clip_from_world)},
+         .vertex_count = static_cast<int>(3 * model_.face_count),
+         .depth_test = true,
+         .depth_write = true,
+         .cull = model_.closed_surface ? gpu::Cull::Back : gpu::Cull::None});
+    device_.endPass();
+  }
+
+  Status drawMember(size_t member, const render::View& view, const render::Appearance& appearance,
+                    const render::PictureTextures& picture) {
+    std::vector<float> weights(corners_.size(), 0.0f);
+    weights[member] = 1;
+    const render::Look look{&appearance, &picture, weights};
+    FOURDVT_TRY(render::checkFigure({&model_, std::span(&look, 1)}, options_.recipe));
+    const render::Part part{&look, {{static_cast<int>(member), 1.0f}}};
+    const render::CharacterView unmoved{view.clip_from_world, view.eye_in_world};  // the character stands in the origin
+    FOURDVT_TRY(layered_.prepare(device_, model_, part, unmoved, options_));
+    device_.beginPass({.target = target_.id(), .label = "look"});
+    std::swap(model_.corners, corners_[member]);
+    layered_.draw(device_, model_, part, unmoved, options_);
+    std::swap(model_.corners, corners_[member]);
+    device_.endPass();
+    return {};
+  }
+
+  Status resize(int width, int height) {
+    if (color_ && width == width_ && height == height_) return {};
+    target_.reset();
+    FOURDVT_ASSIGN(color_, gpu::makeTexture(device_, {.width = width, .height = height, .label = "alignment look"}));
+    FOURDVT_ASSIGN(target_,
+                   gpu::makeTarget(device_, {.colors = {color_.id()}, .own_depth = true, .label = "alignment look"}));
+    width_ = width;
+    height_ = height;
+    return {};
+  }
+
+  gpu::Device& device_;
+  const MeshTopology& topology_;
+  render::CharacterModel model_;
+  gpu::Program depth_;
+  render::LayeredPass layered_;
+  render::DrawOptions options_;
+  std::vector<gpu::Texture> corners_;  // [member], with the member's texture coordinates
+  gpu::Texture color_;
+  gpu::Target target_;
+  int width_ = 0, height_ = 0;
+};
 
 class Aligner final : public SurfaceAligner {
  public:
@@ -176,7 +287,9 @@ Result<std::unique_ptr<SurfaceAligner>> SurfaceAligner::create(gpu::Device& devi
                                                                const package::BaseMesh& mesh,
                                                                const AlignmentOptions& options) {
   FOURDVT_TRY(whyNot(options, mesh));
-  FOURDVT_ASSIGN(auto drawer, LookDrawer::create(device, character, mesh));
+  FOURDVT_ASSIGN(auto model, render::CharacterModel::create(device, character, mesh));
+  FOURDVT_ASSIGN(auto depth, render::makeEmbeddedProgram(device, "mesh_picture.vert", "bake_depth.frag"));
+  auto drawer = std::make_unique<LookDrawer>(device, mesh.topology, std::move(model), std::move(depth));
   return std::unique_ptr<SurfaceAligner>(std::make_unique<Aligner>(mesh, options, std::move(drawer)));
 }
 

@@ -2,6 +2,7 @@
 // The rule by which a method is taken. Does NOT draw or measure.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -18,6 +19,12 @@ struct MethodScore {
   double own_psnr_db = 0;              // the same with the view's own camera among those that are drawn from
   double psnr_fg_db = 0, ssim_fg = 0;  // over all of the figure, as measure::PictureScore
 };
+
+// Its measured values, of which sums and means are made.
+template <class Score>
+auto measuredOf(Score& s) {
+  return std::array{&s.psnr_db, &s.ssim, &s.own_psnr_db, &s.psnr_fg_db, &s.ssim_fg};
+}
 
 struct ChoiceRule {
   double most_cost = 2.5;         // FVVR's frames

@@ -206,10 +206,9 @@ void add(const TrialSums& more, TrialSums& sums) {
   sums.shift_px += more.shift_px;
   sums.gap_deg += more.gap_deg;
   for (size_t m = 0; m < sums.scores.size(); ++m) {
-    const MethodScore& s = more.scores[m];
-    MethodScore& to = sums.scores[m];
-    to.psnr_db += s.psnr_db, to.ssim += s.ssim, to.own_psnr_db += s.own_psnr_db, to.psnr_fg_db += s.psnr_fg_db,
-        to.ssim_fg += s.ssim_fg;
+    const auto values = measuredOf(more.scores[m]);
+    const auto to = measuredOf(sums.scores[m]);
+    for (size_t v = 0; v < to.size(); ++v) *to[v] += *values[v];
   }
 }
 
@@ -220,7 +219,7 @@ LeftOut meanViews(const TrialSums& sums) {
 std::vector<MethodScore> meanScores(const TrialSums& sums, size_t faces) {
   std::vector<MethodScore> out = sums.scores;
   for (MethodScore& s : out) {
-    for (double* value : {&s.psnr_db, &s.ssim, &s.own_psnr_db, &s.psnr_fg_db, &s.ssim_fg}) *value /= double(sums.views);
+    for (double* value : measuredOf(s)) *value /= double(sums.views);
     s.cost = methodCost(s.method, faces);
   }
   return out;
