@@ -19,7 +19,7 @@ FakeCharacter twoSequences() {
 // Loading whose fetches are all answered, with a slice that decodes all it may.
 struct Held {
   explicit Held(uint32_t rendition = kHighestRendition)
-      : character(twoSequences()), loading(outbox, 1 << 20, nullptr, rendition) {
+      : character(twoSequences()), loading(outbox, 1 << 20, rendition) {
     EXPECT_TRUE(loading.readManifest(character.manifest).ok());
     loading.sliceDecoding({.steps = 1000});
   }

@@ -21,7 +21,7 @@ FakeCharacter twoSequences() {
 struct Shelf {
   explicit Shelf(FakeCharacter made = twoSequences(), uint64_t budget_bytes = 1 << 20,
                  uint32_t rendition = kHighestRendition)
-      : character(std::move(made)), loading(outbox, budget_bytes, nullptr, rendition) {
+      : character(std::move(made)), loading(outbox, budget_bytes, rendition) {
     EXPECT_TRUE(loading.readManifest(character.manifest).ok());
   }
   std::vector<FetchRange> asked() {

@@ -19,7 +19,7 @@ FakeCharacter twoSequences() {
 // Loading whose fetches are all answered.
 struct Held {
   explicit Held(FakeCharacter made = twoSequences(), uint32_t rendition = kHighestRendition)
-      : character(std::move(made)), loading(outbox, 1 << 20, nullptr, rendition) {
+      : character(std::move(made)), loading(outbox, 1 << 20, rendition) {
     EXPECT_TRUE(loading.readManifest(character.manifest).ok());
   }
   void fill(const Need& need) {
