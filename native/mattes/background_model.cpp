@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "mattes/median.h"
+#include "base/robust.h"
 
 namespace fourdvt::mattes {
 namespace {
@@ -30,7 +30,7 @@ cv::Mat flicker(const std::vector<cv::Mat>& plates, const cv::Mat& mean) {
   }
   sum /= double(plates.size() - 1);
   cv::blur(sum, sum, {5, 5});
-  const float noise = median({sum.begin<float>(), sum.end<float>()});
+  const float noise = median(std::vector<float>(sum.begin<float>(), sum.end<float>()));
   // Two plates: the mean of 75 squares strays by a sixth. Half as much again is not noise.
   return cv::max(sum - 1.5 * noise, 0.0);
 }
@@ -59,7 +59,7 @@ cv::Mat chromaVariance(const cv::Mat& mean) {
   cv::split(lost.mul(lost), planes);
   cv::Mat sum = (planes[0] + planes[1] + planes[2]) / 3;
   cv::blur(sum, sum, {3, 3});
-  return cv::max(sum - 3 * median({sum.begin<float>(), sum.end<float>()}), 0.0);
+  return cv::max(sum - 3 * median(std::vector<float>(sum.begin<float>(), sum.end<float>())), 0.0);
 }
 
 }  // namespace
@@ -131,7 +131,7 @@ cv::Mat wrap(const Image& picture) {
   return out;
 }
 
-float medianOf(std::vector<float> values) { return values.empty() ? 0 : median(std::move(values)); }
+float medianOf(std::vector<float> values) { return median(std::move(values)); }
 
 // Every n-th value of one channel, so that about 40,000 remain.
 struct Samples {

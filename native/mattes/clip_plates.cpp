@@ -6,9 +6,9 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "base/robust.h"
 #include "mattes/background_key.h"
 #include "mattes/matrices.h"
-#include "mattes/median.h"
 #include "mattes/reduced.h"
 #include "mattes/support.h"
 
@@ -73,7 +73,7 @@ Likeness likenessOf(std::span<const Image> pictures) {
   for (size_t a = 0; a < samples; ++a)
     for (size_t b = a + 1; b < samples; ++b) {
       const cv::Mat d = differenceOf(pictures[a], pictures[b]);
-      noise.push_back(std::max(kLeastNoise, median({d.begin<float>(), d.end<float>()})));
+      noise.push_back(std::max(kLeastNoise, median(std::vector<float>(d.begin<float>(), d.end<float>()))));
       const cv::Mat same = d < kAlike * noise.back();
       alike[a][b] = alike[b][a] = same;
       count[a] += same & 1;

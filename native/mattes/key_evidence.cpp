@@ -5,7 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "mattes/median.h"
+#include "base/robust.h"
 
 namespace fourdvt::mattes {
 namespace {
@@ -99,7 +99,8 @@ void KeyEvidence::measureNoise(const cv::Mat& picture, const cv::Mat& mean) {
   cv::Mat whitened;
   cv::multiply(difference, cv::Scalar(1 / noise_[0], 1 / noise_[1], 1 / noise_[2]), whitened);
   const cv::Mat squares = windowMean(sumOfChannels(whitened.mul(whitened)), kWindow) / (3 * (1 + plate_noise_));
-  noise_ *= std::sqrt(std::clamp(median({squares.begin<float>(), squares.end<float>()}), 1.0f, kMostUnderrated));
+  noise_ *= std::sqrt(
+      std::clamp(median(std::vector<float>(squares.begin<float>(), squares.end<float>())), 1.0f, kMostUnderrated));
 }
 
 // The best fit of a scaled plate to each neighbourhood. Channels may differ by the tint of a shadow.
