@@ -125,32 +125,31 @@ struct Canvas {
   Status prepare(gpu::Device& device, int width, int height);
 };
 
-// Draws one part of a figure alone.
-class PartPainter {
+// Mixes the pictures of a figure's parts, and draws the mesh with a mixed picture. In wasm it comes after the first
+// picture (base/later.h). Order of calls: begin → for each part { it is drawn alone into canvas() → add }.
+class MixPass {
  public:
-  virtual void paint(const Part& part, const Canvas& out) = 0;
-
- protected:
-  ~PartPainter() = default;
-};
-
-// Mixes the pictures of a figure's parts, and draws the mesh with a mixed picture. Behind an interface: a player can do
-// without until a figure has several parts.
-class Mixer {
- public:
-  virtual ~Mixer() = default;
-  virtual bool ready() const = 0;  // without flow
+  bool ready() const { return mix_ && mesh_; }  // without flow
   // Makes the programs. Errors: GpuFailure.
-  virtual Status prepare(gpu::Device& device, bool with_flow) = 0;
-  // Mixes the parts into `out`, each into the mixture of those before it. The order is that of looks and members, so that
-  // the picture changes smoothly with their shares. flow: null, or aligns each part with the mixture. Errors: GpuFailure.
-  virtual Status mix(gpu::Device& device, std::span<const Part> parts, PartPainter& painter, FlowSource* flow, int width,
-                     int height, Canvas& out) = 0;
-  virtual void drawMesh(gpu::Device& device, const CharacterModel& model, gpu::TextureId picture,
-                        const CharacterView& view) const = 0;
-  virtual void release() = 0;  // the pictures, of another size than the next ones
+  Status prepare(gpu::Device& device, bool with_flow);
+  // Errors: GpuFailure.
+  Status begin(gpu::Device& device, bool with_flow, int width, int height);
+  const Canvas& canvas() const { return parts_[share_ > 0]; }
+  // Mixes the part into `out`, with the mixture of those before it. The order is that of looks and members, so that the
+  // picture changes smoothly with their shares. flow: null, or aligns the part with the mixture. Errors: GpuFailure.
+  Status add(gpu::Device& device, const Part& part, FlowSource* flow, int width, int height, Canvas& out);
+  void drawMesh(gpu::Device& device, const CharacterModel& model, gpu::TextureId picture,
+                const CharacterView& view) const;
+  void release() {  // the pictures, of another size than the next ones
+    for (Canvas& part : parts_) part = {};
+  }
+
+ private:
+  gpu::Program mix_, mix_flow_, mesh_;
+  Canvas parts_[2];  // scratch: the mixture, or the first part, and the next part
+  float share_ = 0;  // of the mixture
+  bool mixed_ = false;
 };
-std::unique_ptr<Mixer> makeMixer();
 
 // Draws background and meshes of a Scene; programs are made on first use.
 class ScenePass {

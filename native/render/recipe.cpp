@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/later.h"
 #include "render/passes.h"
 
 namespace fourdvt::render {
@@ -61,8 +62,8 @@ class RecipeOnDevice final : public Recipe {
       FOURDVT_TRY(layered().prepare(device_, variant));
       return true;
     }
-    if (mixer().ready()) return false;
-    FOURDVT_TRY(mixer().prepare(device_, false));
+    if (mix_.ready()) return false;
+    FOURDVT_TRY(later<&MixPass::prepare>(mix_, device_, false));
     return true;
   }
 
@@ -118,30 +119,19 @@ class RecipeOnDevice final : public Recipe {
     Canvas& picture = pictures_[number];
     FOURDVT_TRY(picture.prepare(device_, region().width, region().height));
     if (mixes) {
-      Painter painter(*this, figure, options);
       FlowSource* flow = options.align == Align::Flow ? flow_.get() : nullptr;
-      FOURDVT_TRY(mixer().mix(device_, figure.parts, painter, flow, region().width, region().height, picture));
+      const int width = region().width, height = region().height;
+      FOURDVT_TRY(later<&MixPass::begin>(mix_, device_, flow != nullptr, width, height));
+      for (const Part& part : figure.parts) {
+        drawAlone(figure, number, &part, mix_.canvas(), options);
+        FOURDVT_TRY(later<&MixPass::add>(mix_, device_, part, flow, width, height, picture));
+      }
     } else {
       drawAlone(figure, number, figure.parts.data(), picture, options);
     }
     figure.picture = picture.color.id();
     return {};
   }
-
-  Mixer& mixer() {
-    if (!mixer_) mixer_ = makeMixer();
-    return *mixer_;
-  }
-
-  // Paints parts of the figure that is prepared.
-  struct Painter final : PartPainter {
-    Painter(RecipeOnDevice& recipe, const PlannedFigure& figure, const DrawOptions& options)
-        : recipe(recipe), figure(figure), options(options) {}
-    void paint(const Part& part, const Canvas& out) override { recipe.drawAlone(figure, 0, &part, out, options); }
-    RecipeOnDevice& recipe;
-    const PlannedFigure& figure;
-    const DrawOptions& options;
-  };
 
   // Multisamples the part as the figure will be, so that both cover the same pixels.
   void drawAlone(const PlannedFigure& figure, size_t number, const Part* part, const Canvas& out,
@@ -166,7 +156,7 @@ class RecipeOnDevice final : public Recipe {
     else if (style_)
       style_->draw(device_, *figure.model, figure.picture, figure.view);
     else
-      mixer_->drawMesh(device_, *figure.model, figure.picture, figure.view);
+      later<&MixPass::drawMesh>(mix_, device_, *figure.model, figure.picture, figure.view);
   }
 
   // Makes the targets of the figures' region, unless they are there. Scenes need the whole view, and so does flow,
@@ -179,7 +169,7 @@ class RecipeOnDevice final : public Recipe {
     if (main_ && !resized && samples == samples_) return {};
     main_.reset();
     resolved_ = {};
-    if (mixer_) mixer_->release();
+    mix_.release();
     pictures_.clear();
     samples_ = samples;
     FOURDVT_ASSIGN(main_, gpu::makeTarget(device_, {.width = region().width,
@@ -220,7 +210,7 @@ class RecipeOnDevice final : public Recipe {
   ShadowPass shadow_;
   gpu::Program over_;
   LayeredPass plain_;
-  std::unique_ptr<Mixer> mixer_;  // made when a figure has several parts
+  MixPass mix_;
   ScenePass scene_pass_;
   std::unique_ptr<FlowSource> flow_;
   std::unique_ptr<Method> method_;
