@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The GPU as fourdvt sees it: textures, index lists, programs, targets and draws, on GLES 3.0 = WebGL2.
 //
-// Does: own resources (move-only handles), cache uniform locations and state, count calls and bytes, label everything.
+// Does: own resources (move-only handles), check every call, count calls and bytes, label everything. A misused call is
+// recorded (takeErrors) and dropped, so that all devices agree on what is legal.
 // Does NOT: own the context (platform/egl_context or the page does), use vertex buffers (vertices are pulled with
 // texelFetch and gl_VertexID, which is a draw's index if it has indices), know about characters.
 // Order of calls: create resources → beginPass → draw… → endPass. updateTexture and updateIndices are legal
@@ -10,172 +11,141 @@
 // with v down (glTF). Targets are drawn y-up as GL does; readPixels returns the TOP row first.
 #pragma once
 
-#include <cstdint>
-#include <glm/glm.hpp>
+#include <map>
 #include <memory>
-#include <span>
-#include <string>
 #include <string_view>
-#include <vector>
+#include <utility>
 
-#include "base/image.h"
 #include "base/result.h"
+#include "gpu/commands.h"
 
 namespace fourdvt::gpu {
 
-enum class PixelFormat { R8, RG8, RGBA8, R32UI, RG32F, RGBA32F, R32F, Depth24, RG16F, RGBA16F };
-int bytesPerPixel(PixelFormat format);
-int readBytesPerPixel(PixelFormat format);  // of Device::readPixels
-
-enum class Filter { Nearest, Linear, LinearMipmap };
-
-struct TextureDesc {
-  PixelFormat format = PixelFormat::RGBA8;
-  int width = 1, height = 1;
-  int layers = 0;                   // 0: TEXTURE_2D, otherwise TEXTURE_2D_ARRAY of this many layers
-  Filter filter = Filter::Nearest;  // integer and 32F formats: Nearest only. LinearMipmap: call generateMipmaps
-  // Its storage may be specified anew by foreign code that has the context's own name (nativeTexture); 2D only.
-  bool respecifiable = false;
-  const char* label = "";
+// A texture, as the hooks of a device see it.
+struct TextureRecord {
+  TextureDesc desc;  // desc.label points to `label`'s text only inside hooks of creation; use `label`
+  std::string label;
+  int levels = 1;
+  uint64_t bytes = 0;
+  uint32_t native = 0;  // set by the hooks
 };
 
-// Handles are borrowed names; the RAII owners below free them. 0 is "none".
-using TextureId = uint32_t;
-using ProgramId = uint32_t;
-using TargetId = uint32_t;
-using ReadId = uint32_t;
-using IndexBufferId = uint32_t;
-constexpr TargetId kDefaultTarget = 0;  // the context's own framebuffer (the canvas); absent natively
-
-struct TargetDesc {
-  // Either: draw into existing textures (no multisampling) …
-  std::vector<TextureId> colors;
-  TextureId depth = 0;  // a Depth24 texture, which later passes can read
-  int color_layer = 0;  // for array textures
-  int depth_layer = 0;  // likewise, of `depth`
-  // … or: own renderbuffers, RGBA8 + depth, with `samples` > 1 (resolved by blit).
+// Likewise a target.
+struct TargetRecord {
+  TargetDesc desc;
+  std::string label;
   int width = 0, height = 0, samples = 0;
-  bool own_depth = false;  // a depth renderbuffer owned by the target
-  const char* label = "";
+  bool own_color = false, own_depth = false;
+  uint64_t bytes = 0;                                            // of the renderbuffers
+  std::vector<PixelFormat> formats;                              // of the colour attachments
+  uint32_t framebuffer = 0, color_buffer = 0, depth_buffer = 0;  // set by the hooks
 };
 
-enum class Blend { None, PremultipliedOver };
-enum class Cull { None, Back };
-
-struct TextureBinding {
-  const char* sampler;
-  TextureId texture;
-};
-
-struct Uniform {
-  enum class Kind { Int, UInt, Float, Vec2, Vec3, Vec4, Mat4 };
-  const char* name;
-  Kind kind;
-  int count;         // array length; 1 for a plain uniform
-  const void* data;  // borrowed until draw() returns
-};
-inline Uniform uniform(const char* name, const int& v) { return {name, Uniform::Kind::Int, 1, &v}; }
-inline Uniform uniform(const char* name, const uint32_t& v) { return {name, Uniform::Kind::UInt, 1, &v}; }
-inline Uniform uniform(const char* name, const float& v) { return {name, Uniform::Kind::Float, 1, &v}; }
-inline Uniform uniform(const char* name, const glm::vec2& v) { return {name, Uniform::Kind::Vec2, 1, &v}; }
-inline Uniform uniform(const char* name, const glm::vec3& v) { return {name, Uniform::Kind::Vec3, 1, &v}; }
-inline Uniform uniform(const char* name, const glm::vec4& v) { return {name, Uniform::Kind::Vec4, 1, &v}; }
-inline Uniform uniform(const char* name, const glm::mat4& v) { return {name, Uniform::Kind::Mat4, 1, &v}; }
-inline Uniform uniform(const char* name, std::span<const glm::vec4> v) {
-  return {name, Uniform::Kind::Vec4, static_cast<int>(v.size()), v.data()};
-}
-inline Uniform uniform(const char* name, std::span<const glm::mat4> v) {
-  return {name, Uniform::Kind::Mat4, static_cast<int>(v.size()), v.data()};
-}
-
-struct Draw {
-  ProgramId program = 0;
-  std::vector<TextureBinding> textures;
-  std::vector<Uniform> uniforms;  // names the program does not use are ignored
-  int vertex_count = 0;           // triangles: 3 per triangle, gl_VertexID counts from 0 …
-  IndexBufferId indices = 0;      // … or is what the first vertex_count of these say; equal ones are shaded once
-  bool depth_test = false, depth_write = false;
-  Blend blend = Blend::None;
-  Cull cull = Cull::None;
-};
-
-struct Pass {
-  TargetId target = kDefaultTarget;
-  // Viewport, GL convention (y up from the bottom); clears touch only it. It may reach beyond the target, which then
-  // holds a part of the picture. 0 × 0: the whole target (not the default one).
-  int x = 0, y = 0, width = 0, height = 0;
-  bool clear_color = false, clear_depth = false;
-  glm::vec4 color{0};
-  const char* label = "";
-};
-
-struct Caps {
-  int max_texture_size = 0, max_samples = 0;
-  bool float_targets = false;       // R32F, RG32F, RGBA32F renderable
-  bool half_float_targets = false;  // RG16F, RGBA16F renderable
-  std::string renderer;
-};
-
-struct Counters {  // since creation, or since resetCounters
-  uint64_t draws = 0, vertices = 0, passes = 0, texture_updates = 0, uploaded_bytes = 0;
-  uint64_t live_textures = 0, live_texture_bytes = 0, live_programs = 0, live_targets = 0;
-  uint64_t live_target_bytes = 0;  // of renderbuffers that targets own, with all samples
-  uint64_t live_index_buffers = 0;
-};
-
-// A rectangle in pixels. Of memory: y counts from the top row; of a target: from the bottom one, as GL does.
-struct Region {
-  int x = 0, y = 0, width = 0, height = 0;
-};
-
+// Checks and counts calls; draws nothing by itself. What draws derives from it (gles_device.cpp).
 class Device {
  public:
+  // Capabilities of a device that draws nothing. float_targets: of both kinds in Caps.
+  static Caps capsOfNone(bool float_targets = true);
+  explicit Device(Caps caps) : caps_(std::move(caps)) {}
   virtual ~Device() = default;
-  virtual const Caps& caps() const = 0;
-  virtual Result<TextureId> createTexture(const TextureDesc& desc) = 0;
+  const Caps& caps() const { return caps_; }
+  Result<TextureId> createTexture(const TextureDesc& desc);
   // Replaces a region. stride_bytes: from row to row, 0 if they are tightly packed. layer: of an array texture.
-  virtual void updateTexture(TextureId texture, const Region& region, const void* pixels, int stride_bytes = 0,
-                             int layer = 0) = 0;
-  virtual void generateMipmaps(TextureId texture) = 0;
-  virtual void destroyTexture(TextureId texture) = 0;
-  virtual IndexBufferId createIndexBuffer() = 0;                                            // without indices
-  virtual void updateIndices(IndexBufferId buffer, std::span<const uint32_t> indices) = 0;  // replaces all
-  virtual void destroyIndexBuffer(IndexBufferId buffer) = 0;
+  void updateTexture(TextureId texture, const Region& region, const void* pixels, int stride_bytes = 0, int layer = 0);
+  void generateMipmaps(TextureId texture);
+  void destroyTexture(TextureId texture);
+  IndexBufferId createIndexBuffer();                                            // without indices
+  void updateIndices(IndexBufferId buffer, std::span<const uint32_t> indices);  // replaces all
+  void destroyIndexBuffer(IndexBufferId buffer);
   // GLSL ES 3.00 texts without the #version line; `defines` ("LAYERS 3\n…", one per line, no "#define") go first,
-  // then highp as the default precision. Programs of the same texts are one, which is compiled once and destroyed as often
-  // as it was created. Error: GpuFailure with the label and the compiler's log.
-  virtual Result<ProgramId> createProgram(std::string_view label, std::string_view vertex_text,
-                                          std::string_view fragment_text, std::string_view defines = {}) = 0;
-  virtual void destroyProgram(ProgramId program) = 0;
-  virtual Result<TargetId> createTarget(const TargetDesc& desc) = 0;
-  virtual void destroyTarget(TargetId target) = 0;
-  virtual void beginPass(const Pass& pass) = 0;
-  virtual void draw(const Draw& draw) = 0;
-  virtual void endPass() = 0;
+  // then highp as the default precision. Programs of the same texts are one, which is compiled once and destroyed as
+  // often as it was created. Error: GpuFailure with the label and the compiler's log.
+  Result<ProgramId> createProgram(std::string_view label, std::string_view vertex_text, std::string_view fragment_text,
+                                  std::string_view defines = {});
+  void destroyProgram(ProgramId program);
+  Result<TargetId> createTarget(const TargetDesc& desc);
+  void destroyTarget(TargetId target);
+  void beginPass(const Pass& pass);
+  void draw(const Draw& draw);
+  void endPass();
   // Copies the colour of `from` at (0,0) into `region` of `to`; formats must be the same. A multisampled `from` is
   // resolved, to (0,0) only (a canvas: alpha, no antialias), and loses what it held: clear it before drawing.
-  virtual void blit(TargetId from, TargetId to, const Region& region) = 0;
+  void blit(TargetId from, TargetId to, const Region& region);
   // Reads colour attachment 0 as stored (RGBA8: 4 bytes; RGBA32F: 16; R32UI: 4 with `format`), top row first. 16F
   // formats are read as 32-bit floats.
-  virtual Status readPixels(TargetId target, PixelFormat format, const Region& region, void* out) = 0;
+  Status readPixels(TargetId target, PixelFormat format, const Region& region, void* out);
   // Starts to copy a rectangle of an RGBA8 target out, as readPixels would, without waiting for the GPU. 0: refused.
-  virtual ReadId beginRead(TargetId target, const Region& region) = 0;
+  ReadId beginRead(TargetId target, const Region& region);
   // True once the copy is there: it is written to `out` and forgotten. out null: it is forgotten, at once.
-  virtual bool endRead(ReadId read, void* out) = 0;
+  bool endRead(ReadId read, void* out);
   // The context's own name of a texture (GLuint), for edges that upload video frames themselves.
-  virtual uint32_t nativeTexture(TextureId texture) const = 0;
+  uint32_t nativeTexture(TextureId texture) const;
   // Drops cached GL state after foreign code touched the context.
-  virtual void invalidateState() = 0;
-  virtual const Counters& counters() const = 0;
-  virtual void resetCounters() = 0;  // live_… keep their values
+  virtual void invalidateState() {}
+  const Counters& counters() const { return counters_; }
+  void resetCounters();  // live_… keep their values
   // Misuse seen since the last call, one line per case; empty: none. A misused call is dropped. Slow on GLES
   // (glGetError).
-  virtual std::string takeErrors() = 0;
+  std::string takeErrors();
+
+ protected:
+  // Hooks, called with valid arguments only. Those of this class draw nothing and read zeros.
+  virtual Status onCreateTexture(TextureRecord& texture);
+  virtual void onUpdateTexture(const TextureRecord&, const Region&, const void*, int, int) {}
+  virtual void onGenerateMipmaps(const TextureRecord&) {}
+  virtual void onDestroyTexture(const TextureRecord&) {}
+  virtual IndexBufferId onCreateIndexBuffer() { return ++natives_; }  // the context's own name
+  virtual void onUpdateIndices(IndexBufferId, std::span<const uint32_t>) {}
+  virtual void onDestroyIndexBuffer(IndexBufferId) {}
+  // label, vertex text, fragment text
+  virtual Status onCreateProgram(ProgramId, const std::string&, const std::string&, const std::string&) { return {}; }
+  virtual void onDestroyProgram(ProgramId) {}
+  virtual Status onCreateTarget(TargetRecord&) { return {}; }
+  virtual void onDestroyTarget(const TargetRecord&) {}
+  virtual void onBeginPass(const Pass&, const TargetRecord*) {}  // target null: the default one
+  virtual void onDraw(const Draw&) {}
+  virtual void onBlit(const TargetRecord*, const TargetRecord*, const Region&) {}  // from, to
+  virtual Status onReadPixels(const TargetRecord* target, PixelFormat format, const Region& region, void* out);
+  virtual void onBeginRead(ReadId, const TargetRecord*, const Region&) {}
+  virtual bool onEndRead(ReadId read, const Region& region, void* out);  // out null: forget it
+  virtual std::string onTakeErrors() { return {}; }
+
+  const TextureRecord* texture(TextureId id) const;
+  const TargetRecord* target(TargetId id) const;
+
+ private:
+  Caps caps_;
+  uint32_t natives_ = 0;  // names that stand for a context's
+  void misuse(const std::string& line);
+  std::string whyNotTexture(const TextureDesc& desc) const;
+  std::string describeTarget(TargetRecord& record) const;
+  std::string whyNotRead(TargetId id, PixelFormat format, const Region& region) const;
+  bool hasIndices(IndexBufferId id, size_t count) const {
+    return id < index_counts_.size() && index_counts_[id] > count;
+  }
+  std::string whyNotDraw(const Draw& draw) const;
+  std::string whyNotBlit(TargetId from, TargetId to, const Region& region) const;
+
+  std::map<TextureId, TextureRecord> textures_;
+  // Indices of the buffers, and one more; 0: there is no such buffer. By id.
+  std::vector<uint32_t> index_counts_;
+  struct ProgramRecord {
+    uint64_t key = 0;     // of its texts
+    uint32_t owners = 1;  // programs of the same texts are one
+  };
+  std::map<ProgramId, ProgramRecord> programs_;
+  std::map<TargetId, TargetRecord> targets_;
+  std::map<ReadId, Region> reads_;
+  uint32_t next_id_ = 1;
+  bool in_pass_ = false;
+  TargetId pass_target_ = kDefaultTarget;
+  Counters counters_;
+  std::string errors_;
 };
 
 // Needs a current GLES 3.0 / WebGL2 context. Only gles_*.cpp call gl*.
 Result<std::unique_ptr<Device>> createGlesDevice();
-// Draws nothing, but validates handles, sizes, the order of passes and counts. float_targets: of both kinds in Caps.
+// Draws nothing; see Device.
 std::unique_ptr<Device> createNullDevice(bool float_targets = true);
 
 // Move-only owners.

@@ -6,7 +6,7 @@
 #include <array>
 #include <cstring>
 
-#include "gpu/checked_device.h"
+#include "gpu/device.h"
 #include "gpu/gles_platform.h"
 
 namespace fourdvt::gpu {
@@ -89,12 +89,9 @@ Error gpuError(const std::string& message) { return Error{ErrorId::GpuFailure, m
 
 void setCapability(GLenum capability, bool on) { on ? glEnable(capability) : glDisable(capability); }
 
-class GlesDevice final : public CheckedDevice {
+class GlesDevice final : public Device {
  public:
-  explicit GlesDevice(const Caps& caps) {
-    caps_ = caps;
-    invalidateState();
-  }
+  explicit GlesDevice(const Caps& caps) : Device(caps) { invalidateState(); }
 
   void invalidateState() override {
     program_ = 0;

@@ -357,10 +357,11 @@ inline void rehash(FakeCharacter& character) {
 
 inline package::BarcodeStrip fakeStrip() { return {{0, 4, 128, 4}, 4}; }
 
-// Forwards to the null device. Tags textures by what was uploaded; reads the tags when they are drawn together, and
-// gives those of pictures that the edge has filled as barcode cells, a few polls late.
+// Draws nothing. Tags textures by what was uploaded; reads the tags when they are drawn together, and gives those of
+// pictures that the edge has filled as barcode cells, a few polls late.
 class TaggingDevice final : public gpu::Device {
  public:
+  TaggingDevice() : Device(capsOfNone()) {}
   struct Drawn {
     int picture_frame = -1, geometry_frame = -1, geometry_sequence = -1, picture_width = 0;
     double x_m = 0;     // of vertex 0
@@ -368,39 +369,39 @@ class TaggingDevice final : public gpu::Device {
   };
   Drawn drawn;
 
-  const gpu::Caps& caps() const override { return null_->caps(); }
-  Result<gpu::TextureId> createTexture(const gpu::TextureDesc& desc) override {
-    auto made = null_->createTexture(desc);
-    if (made.ok()) descs_[made.value()] = desc;
-    return made;
+  // The edge has put a picture of this frame into the texture, which must be one that it may fill.
+  void fill(gpu::TextureId id, int frame) {
+    frame_of_[texture(id)->native] = texture(id)->desc.respecifiable ? frame : -1;
   }
-  void updateTexture(gpu::TextureId texture, const gpu::Region& region, const void* pixels, int stride_bytes,
-                     int layer) override {
-    null_->updateTexture(texture, region, pixels, stride_bytes, layer);
-    const gpu::TextureDesc& desc = descs_[texture];
+  int polls_of_reads = 2;
+  size_t openReads() const { return reads_.size(); }
+
+ protected:
+  void onUpdateTexture(const gpu::TextureRecord& texture, const gpu::Region& region, const void* pixels,
+                       int stride_bytes, int) override {
+    const gpu::TextureDesc& desc = texture.desc;
     if (desc.format == gpu::PixelFormat::RGBA32F) {  // two texels a vertex
       const float* texels = static_cast<const float*>(pixels);
-      first_of_[texture] = {texels[0], texels[9]};
+      first_of_[texture.native] = {texels[0], texels[9]};
     }
     if (desc.format != gpu::PixelFormat::R8 || desc.width < 128 || desc.height < 8) return;
-    const int stride = stride_bytes ? stride_bytes : region.width;
     // A part is uploaded out of the whole picture, which begins before it.
-    const uint8_t* whole = static_cast<const uint8_t*>(pixels) - ptrdiff_t{stride} * region.y - region.x;
-    const I420View view{desc.width, desc.height, whole, nullptr, nullptr, stride, 0, 0};
+    const uint8_t* whole = static_cast<const uint8_t*>(pixels) - ptrdiff_t{stride_bytes} * region.y - region.x;
+    const I420View view{desc.width, desc.height, whole, nullptr, nullptr, stride_bytes, 0, 0};
     const auto frame = package::readBarcode(fakeStrip(), view);
-    frame_of_[texture] = frame ? int(*frame) : -1;
+    frame_of_[texture.native] = frame ? int(*frame) : -1;
   }
-  void draw(const gpu::Draw& call) override {
-    null_->draw(call);
+  void onDraw(const gpu::Draw& call) override {
     for (const gpu::TextureBinding& binding : call.textures) {
       const std::string sampler = binding.sampler;
+      const gpu::TextureRecord& bound = *texture(binding.texture);
       if (sampler == "u_picture_rgba" && call.uniforms.size() == 1) {
-        cells_of_ = frame_of_[binding.texture];
+        cells_of_ = frame_of_[bound.native];
       } else if (sampler == "u_picture_y" || sampler == "u_picture_rgba") {
-        drawn.picture_frame = frame_of_[binding.texture];
-        drawn.picture_width = descs_[binding.texture].width;
+        drawn.picture_frame = frame_of_[bound.native];
+        drawn.picture_width = bound.desc.width;
       } else if (sampler == "u_positions_normals") {
-        const auto& [x, y] = first_of_[binding.texture];
+        const auto& [x, y] = first_of_[bound.native];
         const int tag = int(std::lround(x / (kStep_m * kFrameStride)));
         drawn.x_m = x;
         drawn.member = (y / kStep_m - 7) / kMemberTag;
@@ -409,59 +410,26 @@ class TaggingDevice final : public gpu::Device {
       }
     }
   }
-  void generateMipmaps(gpu::TextureId t) override { null_->generateMipmaps(t); }
-  void destroyTexture(gpu::TextureId t) override { null_->destroyTexture(t); }
-  gpu::IndexBufferId createIndexBuffer() override { return null_->createIndexBuffer(); }
-  void updateIndices(gpu::IndexBufferId b, std::span<const uint32_t> i) override { null_->updateIndices(b, i); }
-  void destroyIndexBuffer(gpu::IndexBufferId b) override { null_->destroyIndexBuffer(b); }
-  Result<gpu::ProgramId> createProgram(std::string_view label, std::string_view vertex, std::string_view fragment,
-                                       std::string_view defines) override {
-    return null_->createProgram(label, vertex, fragment, defines);
-  }
-  void destroyProgram(gpu::ProgramId p) override { null_->destroyProgram(p); }
-  Result<gpu::TargetId> createTarget(const gpu::TargetDesc& desc) override { return null_->createTarget(desc); }
-  void destroyTarget(gpu::TargetId t) override { null_->destroyTarget(t); }
-  void beginPass(const gpu::Pass& pass) override { null_->beginPass(pass); }
-  void endPass() override { null_->endPass(); }
-  void blit(gpu::TargetId from, gpu::TargetId to, const gpu::Region& region) override { null_->blit(from, to, region); }
-  Status readPixels(gpu::TargetId t, gpu::PixelFormat f, const gpu::Region& region, void* out) override {
-    return null_->readPixels(t, f, region, out);
-  }
-  // The edge has put a picture of this frame into the texture, which must be one that it may fill.
-  void fill(gpu::TextureId texture, int frame) {
-    frame_of_[texture] = descs_[texture].respecifiable ? frame : -1;
-  }
-  int polls_of_reads = 2;
-  gpu::ReadId beginRead(gpu::TargetId t, const gpu::Region& region) override {
-    const gpu::ReadId read = null_->beginRead(t, region);
+  void onBeginRead(gpu::ReadId read, const gpu::TargetRecord*, const gpu::Region&) override {
     reads_[read] = {cells_of_, 0};
-    return read;
   }
-  bool endRead(gpu::ReadId read, void* out) override {
+  bool onEndRead(gpu::ReadId read, const gpu::Region&, void* out) override {
     auto& [frame, polls] = reads_[read];
     if (out && polls++ < polls_of_reads) return false;
-    const bool ended = null_->endRead(read, out);
     for (int cell = 0; out && cell < 2 * package::kBarcodeCells; ++cell) {
       const bool white = (package::barcodeBits(uint32_t(frame)) >> (15 - cell % package::kBarcodeCells)) & 1;
       std::memset(static_cast<uint8_t*>(out) + 4 * cell, white ? 250 : 5, 4);
     }
     reads_.erase(read);
-    return ended;
+    return true;
   }
-  size_t openReads() const { return reads_.size(); }
-  uint32_t nativeTexture(gpu::TextureId t) const override { return null_->nativeTexture(t); }
-  void invalidateState() override { null_->invalidateState(); }
-  const gpu::Counters& counters() const override { return null_->counters(); }
-  void resetCounters() override { null_->resetCounters(); }
-  std::string takeErrors() override { return null_->takeErrors(); }
 
  private:
-  std::unique_ptr<gpu::Device> null_ = gpu::createNullDevice();
-  std::map<gpu::TextureId, gpu::TextureDesc> descs_;
-  std::map<gpu::TextureId, int> frame_of_;
-  int cells_of_ = 0;                                            // frame whose cells were drawn last
-  std::map<gpu::ReadId, std::pair<int, int>> reads_;            // frame, polls so far
-  std::map<gpu::TextureId, std::pair<float, float>> first_of_;  // vertex 0's x, vertex 1's y
+  // By the textures' names of the context.
+  std::map<uint32_t, int> frame_of_;
+  std::map<uint32_t, std::pair<float, float>> first_of_;  // vertex 0's x, vertex 1's y
+  int cells_of_ = 0;                                      // frame whose cells were drawn last
+  std::map<gpu::ReadId, std::pair<int, int>> reads_;      // frame, polls so far
 };
 
 }  // namespace fourdvt::testing

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gpu/checked_device.h"
+#include "gpu/device.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "base/hash.h"
 
@@ -60,33 +61,74 @@ bool fits(const Region& region, int width, int height) {
 
 }  // namespace
 
-const TextureRecord* CheckedDevice::texture(TextureId id) const {
+int bytesPerPixel(PixelFormat format) {
+  constexpr uint8_t kBytes[] = {1, 2, 4, 4, 8, 16, 4, 4, 4, 8};  // in the order of PixelFormat
+  return kBytes[static_cast<size_t>(format)];
+}
+
+int readBytesPerPixel(PixelFormat format) {
+  const bool is_half = format == PixelFormat::RG16F || format == PixelFormat::RGBA16F;
+  return bytesPerPixel(format) * (is_half ? 2 : 1);
+}
+
+// --- a device that draws nothing ---
+
+Caps Device::capsOfNone(bool float_targets) {
+  return {.max_texture_size = 4096,
+          .max_samples = 4,
+          .float_targets = float_targets,
+          .half_float_targets = float_targets,
+          .renderer = "null"};
+}
+
+std::unique_ptr<Device> createNullDevice(bool float_targets) {
+  return std::make_unique<Device>(Device::capsOfNone(float_targets));
+}
+
+Status Device::onCreateTexture(TextureRecord& texture) {
+  texture.native = ++natives_;
+  return {};
+}
+
+Status Device::onReadPixels(const TargetRecord*, PixelFormat format, const Region& region, void* out) {
+  std::memset(out, 0, static_cast<size_t>(region.width) * region.height * readBytesPerPixel(format));
+  return {};
+}
+
+bool Device::onEndRead(ReadId, const Region& region, void* out) {
+  if (out) std::memset(out, 0, size_t{4} * static_cast<size_t>(region.width) * static_cast<size_t>(region.height));
+  return true;
+}
+
+// --- checks ---
+
+const TextureRecord* Device::texture(TextureId id) const {
   auto it = textures_.find(id);
   return it == textures_.end() ? nullptr : &it->second;
 }
 
-const TargetRecord* CheckedDevice::target(TargetId id) const {
+const TargetRecord* Device::target(TargetId id) const {
   auto it = targets_.find(id);
   return it == targets_.end() ? nullptr : &it->second;
 }
 
-void CheckedDevice::misuse(const std::string& line) {
+void Device::misuse(const std::string& line) {
   constexpr size_t kKeptBytes = 4096;
   if (errors_.size() < kKeptBytes) errors_ += line + "\n";
 }
 
-std::string CheckedDevice::takeErrors() {
+std::string Device::takeErrors() {
   std::string all = std::move(errors_) + onTakeErrors();
   errors_.clear();
   return all;
 }
 
-void CheckedDevice::resetCounters() {
+void Device::resetCounters() {
   counters_.draws = counters_.vertices = counters_.passes = 0;
   counters_.texture_updates = counters_.uploaded_bytes = 0;
 }
 
-std::string CheckedDevice::whyNotTexture(const TextureDesc& desc) const {
+std::string Device::whyNotTexture(const TextureDesc& desc) const {
   const int limit = caps_.max_texture_size;
   if (desc.width < 1 || desc.height < 1 || desc.layers < 0) return "its size must be positive";
   if (desc.width > limit || desc.height > limit)
@@ -98,7 +140,7 @@ std::string CheckedDevice::whyNotTexture(const TextureDesc& desc) const {
   return {};
 }
 
-Result<TextureId> CheckedDevice::createTexture(const TextureDesc& desc) {
+Result<TextureId> Device::createTexture(const TextureDesc& desc) {
   TextureRecord record{desc, desc.label ? desc.label : "", levelCount(desc), 0, 0};
   if (const std::string why = whyNotTexture(desc); !why.empty())
     return Error{ErrorId::GpuFailure, "texture " + sized(record.label, desc.width, desc.height) + ": " + why};
@@ -112,7 +154,7 @@ Result<TextureId> CheckedDevice::createTexture(const TextureDesc& desc) {
   return id;
 }
 
-void CheckedDevice::updateTexture(TextureId id, const Region& region, const void* pixels, int stride_bytes, int layer) {
+void Device::updateTexture(TextureId id, const Region& region, const void* pixels, int stride_bytes, int layer) {
   const TextureRecord* record = texture(id);
   if (!record) return misuse("updateTexture: no such texture");
   const TextureDesc& desc = record->desc;
@@ -128,7 +170,7 @@ void CheckedDevice::updateTexture(TextureId id, const Region& region, const void
   onUpdateTexture(*record, region, pixels, stride_bytes ? stride_bytes : row_bytes, layer);
 }
 
-void CheckedDevice::generateMipmaps(TextureId id) {
+void Device::generateMipmaps(TextureId id) {
   const TextureRecord* record = texture(id);
   if (!record || record->desc.filter != Filter::LinearMipmap)
     return misuse("generateMipmaps: needs a texture with Filter::LinearMipmap");
@@ -136,7 +178,7 @@ void CheckedDevice::generateMipmaps(TextureId id) {
   onGenerateMipmaps(*record);
 }
 
-void CheckedDevice::destroyTexture(TextureId id) {
+void Device::destroyTexture(TextureId id) {
   const TextureRecord* record = texture(id);
   if (!record) return misuse("destroyTexture: no such texture");
   onDestroyTexture(*record);
@@ -145,7 +187,7 @@ void CheckedDevice::destroyTexture(TextureId id) {
   textures_.erase(id);
 }
 
-IndexBufferId CheckedDevice::createIndexBuffer() {
+IndexBufferId Device::createIndexBuffer() {
   const IndexBufferId id = onCreateIndexBuffer();
   if (id >= index_counts_.size()) index_counts_.resize(id + 1);
   index_counts_[id] = 1;
@@ -153,22 +195,22 @@ IndexBufferId CheckedDevice::createIndexBuffer() {
   return id;
 }
 
-void CheckedDevice::updateIndices(IndexBufferId id, std::span<const uint32_t> indices) {
+void Device::updateIndices(IndexBufferId id, std::span<const uint32_t> indices) {
   if (!hasIndices(id, 0) || in_pass_) return misuse("updateIndices: no such index buffer, or inside a pass");
   counters_.uploaded_bytes += indices.size_bytes();
   index_counts_[id] = static_cast<uint32_t>(indices.size() + 1);
   onUpdateIndices(id, indices);
 }
 
-void CheckedDevice::destroyIndexBuffer(IndexBufferId id) {
+void Device::destroyIndexBuffer(IndexBufferId id) {
   if (!hasIndices(id, 0)) return misuse("destroyIndexBuffer: no such index buffer");
   onDestroyIndexBuffer(id);
   counters_.live_index_buffers -= 1;
   index_counts_[id] = 0;
 }
 
-Result<ProgramId> CheckedDevice::createProgram(std::string_view label, std::string_view vertex_text,
-                                               std::string_view fragment_text, std::string_view defines) {
+Result<ProgramId> Device::createProgram(std::string_view label, std::string_view vertex_text,
+                                        std::string_view fragment_text, std::string_view defines) {
   const std::string name(label);
   if (vertex_text.empty() || fragment_text.empty())
     return Error{ErrorId::GpuFailure, "program '" + name + "': empty text; is the shader file embedded?"};
@@ -186,7 +228,7 @@ Result<ProgramId> CheckedDevice::createProgram(std::string_view label, std::stri
   return id;
 }
 
-void CheckedDevice::destroyProgram(ProgramId id) {
+void Device::destroyProgram(ProgramId id) {
   const auto found = programs_.find(id);
   if (found == programs_.end()) return misuse("destroyProgram: no such program");
   if (--found->second.owners) return;
@@ -196,7 +238,7 @@ void CheckedDevice::destroyProgram(ProgramId id) {
 }
 
 // Fills size and formats; returns what is wrong, or nothing.
-std::string CheckedDevice::describeTarget(TargetRecord& record) const {
+std::string Device::describeTarget(TargetRecord& record) const {
   const TargetDesc& desc = record.desc;
   record.own_color = desc.colors.empty() && desc.depth == 0;
   record.own_depth = record.own_color || (desc.own_depth && desc.depth == 0);
@@ -233,7 +275,7 @@ std::string CheckedDevice::describeTarget(TargetRecord& record) const {
   return {};
 }
 
-Result<TargetId> CheckedDevice::createTarget(const TargetDesc& desc) {
+Result<TargetId> Device::createTarget(const TargetDesc& desc) {
   TargetRecord record;
   record.desc = desc;
   record.label = desc.label ? desc.label : "";
@@ -251,7 +293,7 @@ Result<TargetId> CheckedDevice::createTarget(const TargetDesc& desc) {
   return id;
 }
 
-void CheckedDevice::destroyTarget(TargetId id) {
+void Device::destroyTarget(TargetId id) {
   const TargetRecord* record = target(id);
   if (!record) return misuse("destroyTarget: no such target");
   if (in_pass_ && pass_target_ == id) misuse("destroyTarget: its pass is open: " + record->label);
@@ -261,7 +303,7 @@ void CheckedDevice::destroyTarget(TargetId id) {
   targets_.erase(id);
 }
 
-void CheckedDevice::beginPass(const Pass& pass) {
+void Device::beginPass(const Pass& pass) {
   if (in_pass_) return misuse(std::string("beginPass inside a pass: ") + pass.label);
   const TargetRecord* record = target(pass.target);
   if (pass.target != kDefaultTarget && !record) return misuse(std::string("beginPass: no such target: ") + pass.label);
@@ -278,7 +320,7 @@ void CheckedDevice::beginPass(const Pass& pass) {
   onBeginPass(full, record);
 }
 
-std::string CheckedDevice::whyNotDraw(const Draw& draw) const {
+std::string Device::whyNotDraw(const Draw& draw) const {
   if (!in_pass_) return "outside a pass";
   if (!programs_.count(draw.program)) return "no such program";
   if (draw.vertex_count < 3 || draw.vertex_count % 3 != 0) return "vertex_count is no positive multiple of 3";
@@ -299,19 +341,19 @@ std::string CheckedDevice::whyNotDraw(const Draw& draw) const {
   return {};
 }
 
-void CheckedDevice::draw(const Draw& draw) {
+void Device::draw(const Draw& draw) {
   if (const std::string why = whyNotDraw(draw); !why.empty()) return misuse("draw: " + why);
   counters_.draws += 1;
   counters_.vertices += static_cast<uint64_t>(draw.vertex_count);
   onDraw(draw);
 }
 
-void CheckedDevice::endPass() {
+void Device::endPass() {
   if (!in_pass_) return misuse("endPass without beginPass");
   in_pass_ = false;
 }
 
-std::string CheckedDevice::whyNotBlit(TargetId from, TargetId to, const Region& region) const {
+std::string Device::whyNotBlit(TargetId from, TargetId to, const Region& region) const {
   const TargetRecord* source = target(from);
   const TargetRecord* destination = target(to);
   if (in_pass_) return "inside a pass";
@@ -328,12 +370,12 @@ std::string CheckedDevice::whyNotBlit(TargetId from, TargetId to, const Region& 
   return {};
 }
 
-void CheckedDevice::blit(TargetId from, TargetId to, const Region& region) {
+void Device::blit(TargetId from, TargetId to, const Region& region) {
   if (const std::string why = whyNotBlit(from, to, region); !why.empty()) return misuse("blit: " + why);
   onBlit(target(from), target(to), region);
 }
 
-std::string CheckedDevice::whyNotRead(TargetId id, PixelFormat format, const Region& region) const {
+std::string Device::whyNotRead(TargetId id, PixelFormat format, const Region& region) const {
   const TargetRecord* record = target(id);
   if (in_pass_) return "inside a pass";
   if (id != kDefaultTarget && !record) return "no such target";
@@ -344,14 +386,14 @@ std::string CheckedDevice::whyNotRead(TargetId id, PixelFormat format, const Reg
   return {};
 }
 
-Status CheckedDevice::readPixels(TargetId id, PixelFormat format, const Region& region, void* out) {
+Status Device::readPixels(TargetId id, PixelFormat format, const Region& region, void* out) {
   const TargetRecord* record = target(id);
   const std::string why = out ? whyNotRead(id, format, region) : "no memory to read into";
   if (!why.empty()) return Error{ErrorId::GpuFailure, "readPixels of '" + (record ? record->label : "") + "': " + why};
   return onReadPixels(record, format, region, out);
 }
 
-ReadId CheckedDevice::beginRead(TargetId id, const Region& region) {
+ReadId Device::beginRead(TargetId id, const Region& region) {
   if (const std::string why = whyNotRead(id, PixelFormat::RGBA8, region); !why.empty()) {
     misuse("beginRead: " + why);
     return 0;
@@ -362,7 +404,7 @@ ReadId CheckedDevice::beginRead(TargetId id, const Region& region) {
   return read;
 }
 
-bool CheckedDevice::endRead(ReadId read, void* out) {
+bool Device::endRead(ReadId read, void* out) {
   const auto known = reads_.find(read);
   if (known == reads_.end()) {
     misuse("endRead: no such read");
@@ -373,9 +415,32 @@ bool CheckedDevice::endRead(ReadId read, void* out) {
   return true;
 }
 
-uint32_t CheckedDevice::nativeTexture(TextureId id) const {
+uint32_t Device::nativeTexture(TextureId id) const {
   const TextureRecord* record = texture(id);
   return record ? record->native : 0;
 }
+
+// --- owners ---
+
+Result<Texture> makeTexture(Device& device, const TextureDesc& desc) {
+  auto id = device.createTexture(desc);
+  if (!id) return id.error();
+  return Texture(device, id.value());
+}
+
+Result<Program> makeProgram(Device& device, std::string_view label, std::string_view vertex_text,
+                            std::string_view fragment_text, std::string_view defines) {
+  auto id = device.createProgram(label, vertex_text, fragment_text, defines);
+  if (!id) return id.error();
+  return Program(device, id.value());
+}
+
+Result<Target> makeTarget(Device& device, const TargetDesc& desc) {
+  auto id = device.createTarget(desc);
+  if (!id) return id.error();
+  return Target(device, id.value());
+}
+
+IndexBuffer makeIndexBuffer(Device& device) { return IndexBuffer(device, device.createIndexBuffer()); }
 
 }  // namespace fourdvt::gpu

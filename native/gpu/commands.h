@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a device (gpu/device.h) is given: descriptions of textures and targets, draws and passes; and its capabilities.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/image.h"
+
+namespace fourdvt::gpu {
+
+enum class PixelFormat { R8, RG8, RGBA8, R32UI, RG32F, RGBA32F, R32F, Depth24, RG16F, RGBA16F };
+int bytesPerPixel(PixelFormat format);
+int readBytesPerPixel(PixelFormat format);  // of Device::readPixels
+
+enum class Filter { Nearest, Linear, LinearMipmap };
+
+struct TextureDesc {
+  PixelFormat format = PixelFormat::RGBA8;
+  int width = 1, height = 1;
+  int layers = 0;                   // 0: TEXTURE_2D, otherwise TEXTURE_2D_ARRAY of this many layers
+  Filter filter = Filter::Nearest;  // integer and 32F formats: Nearest only. LinearMipmap: call generateMipmaps
+  // Its storage may be specified anew by foreign code that has the context's own name (nativeTexture); 2D only.
+  bool respecifiable = false;
+  const char* label = "";
+};
+
+// Handles are borrowed names; the RAII owners below free them. 0 is "none".
+using TextureId = uint32_t;
+using ProgramId = uint32_t;
+using TargetId = uint32_t;
+using ReadId = uint32_t;
+using IndexBufferId = uint32_t;
+constexpr TargetId kDefaultTarget = 0;  // the context's own framebuffer (the canvas); absent natively
+
+struct TargetDesc {
+  // Either: draw into existing textures (no multisampling) …
+  std::vector<TextureId> colors;
+  TextureId depth = 0;  // a Depth24 texture, which later passes can read
+  int color_layer = 0;  // for array textures
+  int depth_layer = 0;  // likewise, of `depth`
+  // … or: own renderbuffers, RGBA8 + depth, with `samples` > 1 (resolved by blit).
+  int width = 0, height = 0, samples = 0;
+  bool own_depth = false;  // a depth renderbuffer owned by the target
+  const char* label = "";
+};
+
+enum class Blend { None, PremultipliedOver };
+enum class Cull { None, Back };
+
+struct TextureBinding {
+  const char* sampler;
+  TextureId texture;
+};
+
+struct Uniform {
+  enum class Kind { Int, UInt, Float, Vec2, Vec3, Vec4, Mat4 };
+  const char* name;
+  Kind kind;
+  int count;         // array length; 1 for a plain uniform
+  const void* data;  // borrowed until draw() returns
+};
+inline Uniform uniform(const char* name, const int& v) { return {name, Uniform::Kind::Int, 1, &v}; }
+inline Uniform uniform(const char* name, const uint32_t& v) { return {name, Uniform::Kind::UInt, 1, &v}; }
+inline Uniform uniform(const char* name, const float& v) { return {name, Uniform::Kind::Float, 1, &v}; }
+inline Uniform uniform(const char* name, const glm::vec2& v) { return {name, Uniform::Kind::Vec2, 1, &v}; }
+inline Uniform uniform(const char* name, const glm::vec3& v) { return {name, Uniform::Kind::Vec3, 1, &v}; }
+inline Uniform uniform(const char* name, const glm::vec4& v) { return {name, Uniform::Kind::Vec4, 1, &v}; }
+inline Uniform uniform(const char* name, const glm::mat4& v) { return {name, Uniform::Kind::Mat4, 1, &v}; }
+inline Uniform uniform(const char* name, std::span<const glm::vec4> v) {
+  return {name, Uniform::Kind::Vec4, static_cast<int>(v.size()), v.data()};
+}
+inline Uniform uniform(const char* name, std::span<const glm::mat4> v) {
+  return {name, Uniform::Kind::Mat4, static_cast<int>(v.size()), v.data()};
+}
+
+struct Draw {
+  ProgramId program = 0;
+  std::vector<TextureBinding> textures;
+  std::vector<Uniform> uniforms;  // names the program does not use are ignored
+  int vertex_count = 0;           // triangles: 3 per triangle, gl_VertexID counts from 0 …
+  IndexBufferId indices = 0;      // … or is what the first vertex_count of these say; equal ones are shaded once
+  bool depth_test = false, depth_write = false;
+  Blend blend = Blend::None;
+  Cull cull = Cull::None;
+};
+
+struct Pass {
+  TargetId target = kDefaultTarget;
+  // Viewport, GL convention (y up from the bottom); clears touch only it. It may reach beyond the target, which then
+  // holds a part of the picture. 0 × 0: the whole target (not the default one).
+  int x = 0, y = 0, width = 0, height = 0;
+  bool clear_color = false, clear_depth = false;
+  glm::vec4 color{0};
+  const char* label = "";
+};
+
+struct Caps {
+  int max_texture_size = 0, max_samples = 0;
+  bool float_targets = false;       // R32F, RG32F, RGBA32F renderable
+  bool half_float_targets = false;  // RG16F, RGBA16F renderable
+  std::string renderer;
+};
+
+struct Counters {  // since creation, or since resetCounters
+  uint64_t draws = 0, vertices = 0, passes = 0, texture_updates = 0, uploaded_bytes = 0;
+  uint64_t live_textures = 0, live_texture_bytes = 0, live_programs = 0, live_targets = 0;
+  uint64_t live_target_bytes = 0;  // of renderbuffers that targets own, with all samples
+  uint64_t live_index_buffers = 0;
+};
+
+// A rectangle in pixels. Of memory: y counts from the top row; of a target: from the bottom one, as GL does.
+struct Region {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+}  // namespace fourdvt::gpu
