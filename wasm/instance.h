@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the files of the C ABI share: the handle that a page holds and the records that it reads. The ABI itself, its
-// functions and records, is listed in abi.txt, from which abi.h is made.
+// State shared by the files of the C ABI: the handle that a page holds and the records that it reads. The ABI itself,
+// its functions and records, is listed in abi.txt, from which abi.h is made.
 #pragma once
 
 #include <emscripten/html5.h>
@@ -18,7 +18,7 @@ namespace fourdvt {
 
 class LivePlayer;
 
-// What the characters of one picture share. Several canvases may share a context, and its device.
+// State shared by the characters of one picture. Several canvases may share a context, and its device.
 struct Canvas {
   EMSCRIPTEN_WEBGL_CONTEXT_HANDLE context = 0;
   std::shared_ptr<gpu::Device> device;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a device (gpu/device.h) is given: descriptions of textures and targets, draws and passes; and its capabilities.
+// Arguments of a device (gpu/device.h): descriptions of textures and targets, draws and passes; and its capabilities.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a character stands on the ground, and how root motion moves it. Ground = the xz plane; a heading turns about y,
+// Place of a character on the ground, and its root motion. Ground = the xz plane; a heading turns about y,
 // positive from +z towards +x; heading 0 faces +z.
 #pragma once
 

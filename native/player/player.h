@@ -70,7 +70,7 @@ struct PlayerStats {
   DecodeStats decoded;
 };
 
-// What every character has; what a live stream lacks does nothing by itself.
+// A character of either kind, fetched or live. Methods that a live stream lacks do nothing by themselves.
 class Player {
  public:
   static Result<std::unique_ptr<Player>> create(gpu::Device& device, const PlayerOptions& options);
@@ -158,7 +158,7 @@ class Player {
 
   // True once a complete frame (picture + geometry) has been shown by tick.
   virtual bool hasFrame() const = 0;
-  // What to hand to a recipe, to draw it with others; valid until the next tick. Errors: InvalidArgument: no frame yet.
+  // Figure for a recipe, to draw it with others; valid until the next tick. Errors: InvalidArgument: no frame yet.
   virtual Result<render::Figure> figure() const = 0;
   render::Align align() const { return align_; }
   const render::MethodOptions& method() const { return method_; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is drawn: mesh, pictures and figure of the shown frame, its programs, and points of the surface of a layered
+// Drawing: mesh, pictures and figure of the shown frame, its programs, and points of the surface of a layered
 // character by the vertices of its base mesh.
 #include <array>
 #include <cmath>

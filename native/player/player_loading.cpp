@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the player asks its edge to fetch, the answers, and what is broken.
+// Requests for files, their answers, and broken sequences.
 #include "base/later.h"
 #include "player/player_impl.h"
 

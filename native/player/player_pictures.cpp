@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the decoders are fed, and the pictures that come back.
+// Input of the decoders, and the pictures that come back.
 #include <cstdlib>
 
 #include "base/later.h"

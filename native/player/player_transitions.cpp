@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the player does at each step of a transition (parts/motion.h): a second track is prepared at the entry, and
+// Steps of a transition (parts/motion.h) as the player takes them: a second track is prepared at the entry, and
 // the two cross-fade.
 #include "player/player_impl.h"
 

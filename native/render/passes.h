@@ -23,7 +23,7 @@ struct WeightedMember {
   float weight = 1;
 };
 
-// What one layered draw shows of a figure.
+// Part of a figure that one layered draw shows.
 struct Part {
   const Look* look = nullptr;
   std::vector<WeightedMember> members;  // weights sum 1
@@ -83,7 +83,7 @@ class ShadowPass {
   std::vector<Map> maps_;
 };
 
-// What a program of LayeredPass is made for.
+// Variant of the programs of LayeredPass.
 struct LayeredVariant {
   int layers = 1, members = 1;
   PictureTextures::Kind kind = PictureTextures::Kind::I420;
@@ -107,10 +107,10 @@ class LayeredPass {
             const DrawOptions& options) const;
 
  protected:
-  // Of layered.vert and layered.frag, or what takes their place.
+  // Program of layered.vert and layered.frag, or of what takes their place.
   virtual Result<gpu::Program> makeProgram(gpu::Device& device, const LayeredVariant& variant,
                                            const std::string& defines) const;
-  // What such a program needs beyond theirs; the data of uniforms must last.
+  // Adds what such a program needs beyond theirs; the data of uniforms must last.
   virtual void addTo(gpu::Draw& draw, const Part& part) const {}
 
  private:

@@ -66,7 +66,7 @@ class ShownFrame {
   std::vector<glm::vec2> alignment_;  // scratch
 };
 
-// How the second track's mesh is mixed into the first's.
+// Mixture of the second track's mesh into the first's.
 struct MeshFade {
   float share = 0;     // of the second, 0..1
   glm::vec3 shift{0};  // the second's character frame seen from the first's, as of motion::Entry
@@ -87,7 +87,7 @@ class FigureComposer {
   void compose(gpu::Device& device, const ShownFrame& first, const ShownFrame* second, const MeshFade& fade);
   // Positions of the mesh that was composed last; faded: of two tracks.
   const Positions& shown(const ShownFrame& first, bool faded) const { return faded ? faded_ : first.positions(); }
-  // Of a character from cameras; valid until the next call.
+  // Figure of a character from cameras; valid until the next call.
   render::Figure cameraFigure(const ShownFrame& frame, const render::PictureTextures& picture,
                               const glm::mat4& world_from_character) const;
   // looks: one or two. The figure is valid until the next call.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which GOPs to hold: what playback needs next, and the least recently used ones to drop when the budget is exceeded.
-// Pure logic over encoded bytes and decoded geometry. Does NOT fetch.
+// GOPs that are held: those that playback needs next, and the least recently used ones to drop when the budget is
+// exceeded. Pure logic over encoded bytes and decoded geometry. Does NOT fetch.
 #pragma once
 
 #include <cstdint>

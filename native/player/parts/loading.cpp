@@ -123,7 +123,7 @@ void Loading::requestGraph() {
   fetches_.request({Kind::Graph, -1, 0}, character_->graph_uri, 0, character_->graph_bytes);
 }
 
-// What playing on needs, nearest first.
+// GOPs that playing on needs, nearest first.
 void Loading::addNeededGops(const Need& need, std::vector<GopKey>& keys) const {
   if (!playable(need.sequence)) return;
   const auto ahead = static_cast<uint32_t>(kAhead_s * sequence(need.sequence).fps);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What there is of a character: manifest, base mesh, motion graph, stream headers, and the GOPs that playback needs,
+// Loaded parts of a character: manifest, base mesh, motion graph, stream headers, and the GOPs that playback needs,
 // within a budget of encoded bytes. Asks for what is missing, checks what arrives against the manifest, decodes
 // geometry when it is asked for. Does NOT decide what is played: the player tells it what its tracks need. Does NOT
 // report errors as events: a call returns them, and the player marks the sequence as broken.
@@ -44,7 +44,7 @@ struct DecodeJob {
   uint32_t frames = 0;  // so many of its first are wanted by now
 };
 
-// What a track needs to play on.
+// Needs of a track that plays on.
 struct Need {
   int sequence = -1;
   uint32_t frame = 0;  // that is shown or sought
@@ -53,7 +53,7 @@ struct Need {
   bool stands = false;              // the frame stays, and something of it is on screen already
 };
 
-// What an answer to a fetch brought.
+// Outcome of an answer to a fetch.
 struct Arrival {
   enum class What { Nothing, Mesh, Header, Other, LeftOut } what = What::Nothing;
   int sequence = -1;
@@ -78,7 +78,7 @@ class Loading {
   }
   int startSequence() const { return started_ ? sequenceCount() : -1; }
   bool hasMesh() const { return mesh_.has_value(); }
-  // That the GOP's samples are of, or will be.
+  // Rendition that the GOP's samples are of, or will be.
   uint32_t renditionOf(int sequence, uint32_t gop) const;
   Ladder& ladder() { return ladder_; }
   // Samples in another rendition than the ladder chooses now, and those on their way, are fetched anew.
@@ -98,7 +98,7 @@ class Loading {
   // Asks for what the needs lack, the most urgent first: mesh, header and GOPs of each need in turn, then the header of
   // `next_sequence` (-1: none). Frees what nobody needs when the budget is exceeded.
   void requestMissing(std::span<const Need> needs, int next_sequence);
-  // Where another sequence would be entered.
+  // Entry into another sequence.
   struct Landing {
     int sequence = -1;
     uint32_t frame = 0;
@@ -117,7 +117,7 @@ class Loading {
   Arrival refuse(uint32_t id, const std::string& reason);
   // Nothing more is asked for of a sequence, or with -1 of any, until it is revived. False: that was known.
   bool markBroken(int sequence);
-  // What failed of a sequence, and of what all need, is asked for again. False: the sequence was not broken.
+  // Failed parts of a sequence, and of what all need, are asked for again. False: the sequence was not broken.
   bool revive(int sequence);
 
   // The GOP's samples, contiguous as in the file; null: not there.
@@ -184,7 +184,7 @@ class Loading {
   bool decodeAhead(const Ahead& at, bool urgent, SliceLeft& left);
   void handOver(const Ahead& at);
   void giveAway(const Ahead& at, bool urgent);
-  // That the GOP's chunk is of.
+  // Index of the chunks that the GOP's is one of.
   const package::StreamIndex& indexOf(GopKey key, const Gop& gop) const;
   void requestAhead(GopKey key);
   void settleAhead(std::span<const Need> needs, int next_sequence, const std::vector<GopKey>& keep);

@@ -104,7 +104,7 @@ uint64_t Loading::hashOf(const FetchPurpose& purpose) const {
   }
 }
 
-// That samples under way are of.
+// Rendition of samples under way.
 uint32_t Loading::renditionOf(const FetchPurpose& purpose) const {
   const Gop* gop = cache_.find({purpose.sequence, purpose.gop});
   return !gop ? 0 : purpose.kind == Kind::Video ? gop->rendition : gop->better_rendition;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What passes between a player and its edge (the page, or a native tool): requests that the edge carries out, events
+// Messages between a player and its edge (the page, or a native tool): requests that the edge carries out, events
 // that it passes on, the queue of both, and the byte ranges that are on their way. Does NOT carry anything out.
 #pragma once
 
@@ -18,7 +18,7 @@ namespace fourdvt {
 // Keeps the planes of a decoded picture in memory until it is let go.
 using PictureBytes = std::shared_ptr<const void>;
 
-// What the edge must do. Spans stay valid until the next call of any non-const method of the player.
+// Work for the edge. Spans stay valid until the next call of any non-const method of the player.
 struct FetchRange {  // answer: onRangeReceived / onRangeFailed
   uint32_t id = 0;
   std::string uri;  // relative to the manifest
@@ -84,7 +84,7 @@ struct Event {
   uint64_t loaded_bytes = 0, total_bytes = 0;  // Progress only: towards the first picture
 };
 
-// What the player has to tell its edge: requests and events, each kept in the order in which they arose until the edge
+// Queue of requests and events, each kept in the order in which they arose until the edge
 // polls. Samples for decoders are not among them: Feeding makes those when the edge polls, so that they are never
 // stale.
 class Outbox {
@@ -118,7 +118,7 @@ class Outbox {
   Queue<Event> events_;
 };
 
-// What a byte range is for.
+// Use of a byte range.
 struct FetchPurpose {
   enum class Kind { Mesh, Graph, Header, Video, Better, Chunk, Fine } kind = Kind::Mesh;  // as of Gop
   int sequence = -1;                                                                      // -1: of the whole character

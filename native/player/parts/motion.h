@@ -25,7 +25,7 @@ class Parameters {
  public:
   explicit Parameters(double rate) : rate_(rate) {}
   void set(const std::string& name, double value) { wanted_[name] = value; }
-  // Of a class's parameter: as set, else as of its first member; within its range.
+  // Value of a class's parameter: as set, else as of its first member; within its range.
   double wanted(const package::Sequence& sequence, size_t parameter) const;
   double rate() const { return rate_; }  // a shown value crosses its whole range at most this often a second
 
@@ -57,7 +57,7 @@ class ShownParameters {
 
 // --- transitions ---
 
-// What a transition sees of the player at a tick.
+// State of the player that a transition depends on, at a tick.
 struct TransitionView {
   double now_s = 0, tick_s = 0;  // the tick's time, and how long the one before is ago
   bool held = false;             // paused, or the source itself is not on screen yet
@@ -69,7 +69,7 @@ struct TransitionView {
   double clock_s = 0;  // the clock's position and rate, in seconds at the sequence's own fps
   double clock_rate = 1;
   std::span<const float> weights;
-  // What is there of the way:
+  // Parts of the way that are there:
   const motion::MotionGraph* graph = nullptr;  // null: not there
   bool graph_failed = false;
   bool target_has_header = false;
@@ -89,9 +89,9 @@ struct TransitionView {
 class Transitions {
  public:
   enum class Phase { None, Wanted, Preparing, Fading };
-  // What the player is to do after a step. Select: cut to the target.
+  // Work for the player after a step. Select: cut to the target.
   enum class Step { Nothing, Plan, StartFade, Select };
-  // Where to enter the target.
+  // Entry into the target.
   struct Entrance {
     int64_t frame = 0;
     const std::vector<float>* weights = nullptr;  // one a member of the target
@@ -122,7 +122,8 @@ class Transitions {
   // `entered` is shown instead of `left` from now on: a state that does not loop leads back to the one that does.
   void finish(int left, bool left_loops, bool entered_loops);
   void cancel(int current);  // whatever was on its way is given up; the current state is the goal
-  // Whether to lead back now: as late as leaves room for the choice and for the fade. Else a cut after the end.
+  // True: it is time to lead back, as late as leaves room for the choice and for the fade. Else it is a cut after the
+  // end.
   bool returnDue(const TransitionView& view, const package::Sequence& to) const;
 
  private:
@@ -146,7 +147,7 @@ class Transitions {
 
 // --- root motion ---
 
-// Where the character stands on the ground: placed by the page, turned towards a wanted heading, moved by the root
+// Place of the character on the ground: set by the page, turned towards a wanted heading, moved by the root
 // motion of the frames shown. During a fade between two states both tracks move it, each by its share, and the
 // placement goes over from the source's place to the target's along the shift between them, so that it does not jump.
 class RootMotion {
@@ -164,7 +165,7 @@ class RootMotion {
   // A step in the character's frame: metres along x and z, radians about y.
   void move(const glm::vec3& step, Side side);
   const motion::Placement& placement() const { return placement_; }
-  // Of the source's character frame, in which the mesh is drawn; without a fade as placement().
+  // Placement of the source's character frame, in which the mesh is drawn; without a fade as placement().
   motion::Placement sourcePlacement() const;
 
   // shift: the target's character frame seen from the source's, as of motion::Entry.

@@ -97,7 +97,7 @@ struct FedSequence {
   uint32_t rendition = 0;  // among those of the sequence
 };
 
-// What one decoder is fed: configuration, then the samples of one GOP after the other in decoding order, from the key
+// Input of one decoder: configuration, then the samples of one GOP after the other in decoding order, from the key
 // sample of the GOP that holds the wanted presentation on; and which presentation a picture that comes back belongs to.
 // A sample's timestamp is a serial number that never repeats, so that nothing waits for a picture from before a seek.
 // Does NOT fetch GOPs (loading.h) and does NOT call the decoder: the edge polls `next`.

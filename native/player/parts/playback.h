@@ -10,7 +10,7 @@ namespace fourdvt {
 
 constexpr double kMaxStep_s = 0.25;  // a longer time between two ticks (a sleeping tab) counts as this
 
-// What holds for the whole player whatever its tracks do: playing or paused, rate, loop, the edge's time; and the
+// State of the whole player, whatever its tracks do: playing or paused, rate, loop, the edge's time; and the
 // events of a media element that follow from them. Does NOT choose frames (Playhead).
 class Playback {
  public:
@@ -73,14 +73,14 @@ class PlaybackClock {
   bool running_ = false, started_ = false;
 };
 
-// What is on screen.
+// Picture on screen.
 struct Presentation {
   int slot = -1;      // -1: nothing
   int sequence = -1;  // may differ from the wanted one until that is ready
   int64_t k = 0;
 };
 
-// Where one track is: the sequence that it plays, the presentation that is wanted, the one on screen, and the clock
+// Position of one track: the sequence that it plays, the presentation that is wanted, the one on screen, and the clock
 // that leads from one to the next. A presentation k counts frames since the sequence's start, unwrapped over loops.
 // Does NOT hold pictures: it names slots of PictureSlots. It runs while it is set to.
 class Playhead {
