@@ -4,7 +4,7 @@
 import { existsSync, mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { build } from 'esbuild';
+import { build, transform } from 'esbuild';
 
 import { stampOf, stampWasm, writeTypeScript } from '../wasm/abi.mjs';
 import { withoutNames } from '../wasm/binary.mjs';
@@ -57,6 +57,21 @@ function leaveOutFetching(script) {
   }, script);
 }
 
+const kTarget = ['es2022', 'chrome94', 'safari16.4', 'firefox130'];
+
+// Minifies the style sheets of sources: const CSS = `…`.
+const minifiedStyles = {
+  name: 'minified-styles',
+  setup({ onLoad }) {
+    onLoad({ filter: /\/src\/.*\.ts$/ }, async ({ path }) => {
+      const contents = readFileSync(path, 'utf8'), [css] = /(?<=^const CSS = `)[^`]+(?=`;$)/m.exec(contents) ?? [];
+      if (!css) return undefined;
+      const { code } = await transform(css, { loader: 'css', minify: true, target: kTarget.slice(1) });
+      return { contents: contents.replace(css, () => code.trim()), loader: 'ts' };
+    });
+  },
+};
+
 /**
  * Empties `out` and writes the player into it. wasmFolder: the build of wasm/; opencvFolder: none leaves OpenCV out. develop: the
  * modules are of the preset wasm-dev; scripts keep their names and have source maps. Errors: an Error with one message; esbuild's, with `errors`.
@@ -70,7 +85,8 @@ export async function bundlePlayer({ wasmFolder, opencvFolder, out, develop = fa
     minify: !develop,
     sourcemap: develop,
     format: 'esm',
-    target: ['es2022', 'chrome94', 'safari16.4', 'firefox130'],
+    target: kTarget,
+    plugins: develop ? [] : [minifiedStyles],
     banner: { js: `/*! ${outfile.replace('.js', '')}, Apache-2.0 */` },
     legalComments: 'none',
     logLevel,
