@@ -167,7 +167,7 @@ export class Loading implements Feature, Loader {
   #makeHost(): SessionHost {
     const viewer = this.#viewer, { element, overlay, camera, commands, companions } = viewer;
     return {
-      element, camera, commands, companions,
+      element, overlay, camera, commands, companions,
       animate: (stepS) => viewer.frame(stepS),
       emit: (name, detail) => viewer.report(name, detail),
       firstPicture: () => {
@@ -179,7 +179,6 @@ export class Loading implements Feature, Loader {
         overlay.uncover();
         viewer.call('picture');
       },
-      sharper: () => overlay.cover(),
       network: (waiting) => {
         overlay.note(waiting);
         if (waiting) viewer.emit('stalled');
@@ -192,8 +191,6 @@ export class Loading implements Feature, Loader {
         overlay.complete();
         viewer.call('more', more);
       },
-      incomplete: (error) => overlay.incomplete(error),
-      show: (canvas) => overlay.showCanvas(canvas),
       lost: (session) => this.#onLost(session),
       restored: (session) => this.#onRestored(session),
       trapped: (session) => { if (viewer.session === session) this.#restart(); },
@@ -223,7 +220,7 @@ export class Loading implements Feature, Loader {
   #awaitContext(): void {
     this.#contextTimer = setTimeout(() => {
       if (document.hidden) this.#awaitContext();
-      else this.#viewer.report('error', { id: 'gpu-failure', message: 'the browser took the GPU away and did not give it back; try again, or reload the page' });
+      else this.#viewer.report('error', { id: 'gpu-failure', message: 'the browser has not restored the lost GPU context; try again, or reload the page' });
     }, CONTEXT_PATIENCE_MS);
   }
 

@@ -91,16 +91,15 @@ export function valueOf<Name extends AttributeName>(element: Element, name: Name
 
 /** Defines the reflecting properties of an element's class. */
 export function reflect(prototype: HTMLElement): void {
-  for (const [name, { flag, property }] of rows) {
+  for (const [name, { flag, property, default: fallback }] of rows) {
     if (!property) continue;
     Object.defineProperty(prototype, property, {
       configurable: true,
-      enumerable: true,
       get(this: HTMLElement) { return valueOf(this, name); },
       set(this: HTMLElement, value: unknown) {
         if (flag) this.toggleAttribute(name, value as boolean);
-        else if (value === null) this.removeAttribute(name);
-        else this.setAttribute(name, String(value));
+        else if (value === null && fallback === null) this.removeAttribute(name);
+        else this.setAttribute(name, value as string);
       },
     });
   }

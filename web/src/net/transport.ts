@@ -43,10 +43,10 @@ export class Transport {
   readonly #whole = new Map<string, Promise<Uint8Array>>();
   readonly #lengths = new Map<string, number>(); // of files, in bytes, by the manifest
   readonly #abort = new AbortController();
-  #waiting = 0; // fetches that wait for the network
   // Ranges of the first seconds, kept for a second player on another upload path.
   #replay: Map<string, Uint8Array> | null = new Map();
 
+  /** report: called by each fetch by itself. */
   constructor(manifestUrl: string, report: Report = () => undefined, options: RequestOptions = {}) {
     this.#src = this.#base = manifestUrl;
     this.#report = report;
@@ -60,7 +60,7 @@ export class Transport {
       const answer = await this.#request(src, signal), bytes = await answer.read();
       this.#base = answer.redirectedTo || src;
       return bytes;
-    }, this.#count, signal).catch((reason: unknown) => {
+    }, this.#report, signal).catch((reason: unknown) => {
       throw reason instanceof PageFault ? this.#invalid('an HTML page, not JSON; src must name a character.gltf') : reason;
     });
     try {
@@ -104,7 +104,7 @@ export class Transport {
     const abort = new AbortController();
     this.#running.set(id, abort);
     try {
-      const part = await patiently(url, () => this.#fetchRange(url, offset, bytes, abort.signal), this.#count, abort.signal);
+      const part = await patiently(url, () => this.#fetchRange(url, offset, bytes, abort.signal), this.#report, abort.signal);
       this.#replay?.set(key, part);
       return part;
     } catch (reason) {
@@ -129,17 +129,11 @@ export class Transport {
     this.#replay = null;
   }
   dispose(): void {
-    if (this.#waiting && !this.#abort.signal.aborted) this.#report(false);
     this.#abort.abort();
     this.cancelAll();
     this.#whole.clear();
     this.#replay = null;
   }
-
-  readonly #count = (waiting: boolean): void => {
-    this.#waiting += waiting ? 1 : -1;
-    if (!this.#abort.signal.aborted && this.#waiting === (waiting ? 1 : 0)) this.#report(waiting);
-  };
 
   #sign(url: string): Promise<string> {
     const sign = this.#options.signer?.sign;

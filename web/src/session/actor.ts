@@ -12,12 +12,18 @@ import { kindOf, uploadPicture, type UploadPath } from '../decode/upload-path.js
 import type { Step } from '../report/watchdog.js';
 import type { TurnHook, WasmModule } from '../wasm/wasm-abi.js';
 import {
-  WasmPlayer, type CharacterInfo, type PlayerRequest, type PlayerState, type PlayerCall,
+  WasmPlayer, type CharacterInfo, type PlayerEvent, type PlayerRequest, type PlayerState, type PlayerCall,
 } from '../player/wasm-player.js';
 
 // One is on screen, the others are ready or being filled. Planes take memory each, of the player's module.
 const PICTURE_SLOTS = 4;
 const PLANE_SLOTS = 3;
+
+const DETAILS: Record<string, (event: PlayerEvent) => unknown> = {
+  error: ({ error }) => error,
+  progress: ({ loadedBytes, totalBytes }) => ({ loaded: loadedBytes, total: totalBytes }),
+  methodfallback: ({ error, drawn }) => ({ wanted: error.id, drawn, message: error.message }),
+};
 
 /** Shared by characters: the page's stage, and the canvas. */
 export interface ActorContext {
@@ -181,18 +187,10 @@ export class Actor implements Instance {
       for (let request = player.nextRequest(); request; request = player.nextRequest()) this.#serve(request);
       this.#decoders.forEach((decoder, index) => decoder?.feed(this.#context.video ? player.pace(index) : 0));
       for (let event = player.nextEvent(); event; event = player.nextEvent()) {
-        if (event.name === 'error') {
-          this.#stuck = true;
-          this.#host.emit('error', event.error);
-        } else if (event.name === 'progress') {
-          this.#host.emit('progress', { loaded: event.loadedBytes, total: event.totalBytes });
-        } else if (event.name === 'methodfallback') {
-          this.#host.emit(event.name, { wanted: event.error.id, drawn: event.drawn, message: event.error.message });
-        } else if (event.name === 'warning') {
-          console.warn(`fourdvt-viewer: ${event.error.id}: ${event.error.message}`);
-        } else {
-          this.#host.emit(event.name);
-        }
+        const { name, error } = event;
+        if (name === 'error') this.#stuck = true;
+        if (name === 'warning') console.warn(`fourdvt-viewer: ${error.id}: ${error.message}`);
+        else this.#host.emit(name, DETAILS[name]?.(event));
         if (this.#player !== player) return; // a listener has removed this character
       }
     });

@@ -6,6 +6,7 @@ import type { Companion } from './companion.js';
 import { deferred } from '../page/promises.js';
 import { mayBeOfTwoBakes, type ErrorDetail } from '../report/errors.js';
 import type { LiveStream } from '../live/live.js';
+import type { Display } from './session-host.js';
 import type { SessionSide, SideActor } from '../more/session-side.js';
 import { loadMore, type More } from '../player/wasm-module.js';
 import type { Align } from '../player/wasm-player.js';
@@ -19,7 +20,7 @@ type Effect = 'useFlow' | 'useLook' | 'useRoom';
 
 /** The session: the members that are used here. */
 export interface LaterSession extends SessionSide {
-  readonly host: SessionSide['host'] & { readonly companions: Iterable<Companion>; more(more: More): void; incomplete(error: ErrorDetail): void };
+  readonly host: SessionSide['host'] & { readonly companions: Iterable<Companion>; readonly overlay: Pick<Display, 'incomplete'>; more(more: More): void };
   readonly ended: boolean;
   room: boolean;
   fresh: boolean;
@@ -100,7 +101,7 @@ export class Later {
     const { host, ended } = this.#session, error = this.#session.errorOf(reason);
     if (ended) return;
     this.#missing = error.message;
-    host.incomplete(error);
+    host.overlay.incomplete(error);
     host.emit('error', error);
   }
 

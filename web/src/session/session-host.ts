@@ -23,9 +23,20 @@ export interface SessionOptions {
   signer: NonNullable<RequestOptions['signer']>;
 }
 
+/** The element's shadow tree. */
+export interface Display {
+  /** Shows this canvas in place of any before. */
+  showCanvas(canvas: HTMLCanvasElement): void;
+  /** Covers the canvas with its present picture until the next one, which is of a higher rendition. */
+  cover(): void;
+  /** The second part cannot be loaded: the character plays without it. */
+  incomplete(error: ErrorDetail): void;
+}
+
 export interface SessionHost {
   /** Its attributes have the look of the characters. */
   readonly element: Element;
+  readonly overlay: Display;
   readonly camera: OrbitCamera;
   /** The main character's. */
   readonly commands: Commands;
@@ -37,18 +48,12 @@ export interface SessionHost {
   firstPicture(): void;
   /** Called at each picture that is drawn for another frame or place; the first comes before firstPicture. */
   picture(): void;
-  /** The picture that has just been drawn stands, and follows again in a higher rendition. */
-  sharper(): void;
   /** Called when waiting for the network begins, and when it ends. */
   network(waiting: boolean): void;
   /** Called if a step takes long; null: it goes on. */
   stalled(step: Step | null): void;
   /** The player's second part is there. Called once or more. */
   more(more: More): void;
-  /** The second part cannot be loaded: the character plays without it. */
-  incomplete(error: ErrorDetail): void;
-  /** Shows this canvas from now on. */
-  show(canvas: HTMLCanvasElement): void;
   /** The session has ended with the stage, whose context is lost; `restored` follows if the browser gives it back. */
   lost(session: object): void;
   /** True if a session takes its place. */

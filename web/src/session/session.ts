@@ -191,7 +191,7 @@ export class Session implements SessionSide, StageSlot {
   }
 
   // --- its slot on the stage ---
-  show(canvas: HTMLCanvasElement): void { if (!this.ended) this.host.show(canvas); }
+  show(canvas: HTMLCanvasElement): void { if (!this.ended) this.host.overlay.showCanvas(canvas); }
   redraw(): void { this.drawing.redraw(); }
   bytes(): number { return this.main?.bytes() ?? 0; }
   lost(): void {
@@ -282,7 +282,7 @@ export class Session implements SessionSide, StageSlot {
     if (name === 'error' && this.later.renews(detail as ErrorDetail)) return;
     if (name === 'sharper') {
       this.drawing.redraw();
-      return this.host.sharper();
+      return this.host.overlay.cover();
     }
     if (name === 'error' && this.#mistrustsPlanes(detail as ErrorDetail)) return;
     if (name === 'canplay') {
