@@ -23,10 +23,7 @@ export class SecondPart implements Feature {
     this.extras = new more.Extras(this.#element, overlay.stage, statics.strings, {
       player: () => viewer.session?.wholePlayer ?? null,
       wake: () => viewer.session?.wake(),
-      layered: () => {
-        const { character } = viewer.session ?? {};
-        return character ? !character.fromCameras : null;
-      },
+      layered: () => (viewer.character ? !viewer.character.fromCameras : null),
       pose: () => viewer.camera.pose,
       picture: viewer.picture,
       source: () => viewer,

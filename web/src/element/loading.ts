@@ -74,8 +74,8 @@ export class Loading implements Feature, Loader {
   get #src(): string { return valueOf(this.#viewer.element, 'src'); }
   /** Nothing comes of what was asked for, until the next command or source. */
   get standsStill(): boolean {
-    const { session, commands } = this.#viewer;
-    return (session?.ended ?? true) || (commands.state()?.failed ?? false);
+    const { session, state } = this.#viewer;
+    return (session?.ended ?? true) || (state?.failed ?? false);
   }
 
   // Loads when the page allows it. on: from where it was. fresh: past the browser's cache, which may hold what was not whole.
@@ -220,7 +220,7 @@ export class Loading implements Feature, Loader {
   #awaitContext(): void {
     this.#contextTimer = setTimeout(() => {
       if (document.hidden) this.#awaitContext();
-      else this.#viewer.report('error', { id: 'gpu-failure', message: 'the browser has not restored the lost GPU context; try again, or reload the page' });
+      else this.#viewer.report('error', { id: 'gpu-failure', message: 'the GPU context is lost; try again, or reload the page' });
     }, CONTEXT_PATIENCE_MS);
   }
 
@@ -241,8 +241,8 @@ export class Loading implements Feature, Loader {
 
   // The character's own, where the page gives none and the first picture is not near.
   async #showOwnPoster(): Promise<void> {
-    const { session, overlay } = this.#viewer, uri = session?.character?.posterUri;
-    if (!uri || session.started || overlay.hasPoster) return;
+    const { session, overlay, character } = this.#viewer, uri = character?.posterUri;
+    if (!session || !uri || session.started || overlay.hasPoster) return;
     const url = await session.transport.address(uri).catch(() => null);
     if (url && this.#viewer.session === session && !overlay.hasPoster) overlay.setPoster(url);
   }

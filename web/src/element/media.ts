@@ -59,7 +59,7 @@ export class Media implements Feature {
     if (!session || session.ended) return this.#loading.error ? 3 : 1;
     return !session.character || session.transport.busy ? 2 : 1;
   }
-  get readyState(): number { return this.#viewer.session?.character ? this.#ready : 0; }
+  get readyState(): number { return this.#viewer.character ? this.#ready : 0; }
   get buffered(): TimeRanges { return timeRanges(this.#times?.buffered() ?? []); }
   get played(): TimeRanges { return timeRanges(this.#times?.played ?? []); }
   get volume(): number { return this.#volume; }
@@ -97,7 +97,7 @@ export class Media implements Feature {
     if (event === 'seeked') this.#viewer.emit('timeupdate');
   }
   picture(): void {
-    const { commands, size, currentTime } = this.#viewer, state = commands.state();
+    const { state, size, currentTime } = this.#viewer;
     if (!this.#callbacks.size || state?.framesShown === this.#presented) return;
     this.#presented = state!.framesShown;
     const due = this.#callbacks, now = performance.now();
@@ -115,7 +115,7 @@ export class Media implements Feature {
     const viewer = this.#viewer;
     this.#times ??= new more.MediaTimes(this.#timed, {
       player: () => viewer.session?.wholePlayer ?? null,
-      bytes: () => viewer.commands.state()?.bytesFetched ?? 0,
+      bytes: () => viewer.state?.bytesFetched ?? 0,
     }, (name, detail) => viewer.report(name, detail));
   }
   frame(): void { this.#times?.turn(); }

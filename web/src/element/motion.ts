@@ -24,14 +24,14 @@ export class Motion implements Feature {
   }
 
   get sequence(): string { return this.#viewer.current?.name ?? valueOf(this.#viewer.element, 'sequence'); }
-  get state(): string { return this.#goal ?? (this.#viewer.commands.state()?.goal || this.sequence); }
+  get state(): string { return this.#goal ?? (this.#viewer.state?.goal || this.sequence); }
   // Goes over by a transition; until the second part is there, which transitions need, the present motion plays on.
   goTo(state: string): void {
-    const { session, commands } = this.#viewer, { later, character } = session ?? {};
-    const waits = character && !later!.loaded && commands.settings.playing && commands.state()?.hasFrame;
+    const { session, commands, character } = this.#viewer;
+    const waits = character && !session!.later.loaded && commands.settings.playing && this.#viewer.state?.hasFrame;
     this.#goal = waits && character.sequences.some(({ name }) => name === state) ? state : null;
     if (!this.#goal) return commands.goTo(state);
-    void later!.rest().then(() => {
+    void session!.later.rest().then(() => {
       if (this.#goal === state && this.#viewer.session === session) commands.goTo(state);
       this.#goal = null;
     });

@@ -34,7 +34,7 @@ export class Playback implements Feature {
     this.#viewer.touch();
     this.#stopped = false;
     overlay.offerPlay(false);
-    const state = commands.state();
+    const { state } = this.#viewer;
     if (state?.hasFrame && !state.paused && !state.seeking) return Promise.resolve();
     const { promise } = (this.#played ??= deferred());
     if (error && this.#loading.standsStill) this.#settle(new ViewerError(error.id, error.message));
@@ -83,7 +83,7 @@ export class Playback implements Feature {
     } else if (event === 'seeked' || (event === 'error' && this.#loading.standsStill)) {
       this.#seeking = false;
     } else if (event === 'canplay') {
-      this.#seeking &&= commands.state()?.seeking ?? false;
+      this.#seeking &&= this.#viewer.state?.seeking ?? false;
     } else if (event === 'playing' || event === 'sequencechange') {
       this.#ended = this.#seeking = false;
     }

@@ -59,13 +59,13 @@ export class View implements Feature {
   }
 
   #apply(): void {
-    const { element, camera, session, reducedMotion } = this.#viewer, field = valueOf(element, 'field-of-view');
+    const { element, camera, character, reducedMotion } = this.#viewer, field = valueOf(element, 'field-of-view');
     camera.fov = field >= LEAST_FIELD_DEG && field <= MOST_FIELD_DEG ? field : DEFAULT_FIELD_DEG;
     camera.setLimits(element.getAttribute('min-camera-orbit'), element.getAttribute('max-camera-orbit'));
     camera.setTarget(parseTarget(element.getAttribute('camera-target')));
     camera.setFollow(valueOf(element, 'camera-follow'));
-    if (session?.character) camera.setCharacter(session.character);
+    if (character) camera.setCharacter(character);
     camera.setHome(parseOrbit(element.getAttribute('camera-orbit')));
-    if (!session?.character || reducedMotion.matches) camera.jump();
+    if (!character || reducedMotion.matches) camera.jump();
   }
 }

@@ -98,7 +98,7 @@ export class FourdvtViewer extends PageElement {
     if (!Number.isFinite(Number(value))) throw new TypeError('currentTime must be a number of seconds');
     this.#playback.seek(Number(value));
   }
-  get frame(): number { return this.#viewer.commands.state()?.frame ?? 0; }
+  get frame(): number { return this.#viewer.state?.frame ?? 0; }
   seekFrame(frame: number): void { this.#playback.seekFrame(frame); }
   /** 0…4; 0: plays, but the frame stays. */
   get playbackRate(): number { return this.#viewer.commands.settings.rate; }
@@ -131,12 +131,12 @@ export class FourdvtViewer extends PageElement {
 
   get sequence(): string { return this.#motion.sequence; }
   set sequence(name: string) { this.setAttribute('sequence', name); }
-  get sequences(): SequenceInfo[] { return this.#viewer.session?.character?.sequences ?? []; }
+  get sequences(): SequenceInfo[] { return this.#viewer.character?.sequences ?? []; }
   /** Goes over to another motion by the best transition. A motion without loop returns by itself. */
   goTo(state: string): void { this.#motion.goTo(state); }
   /** The motion that was asked for last, or the one that is shown. */
   get state(): string { return this.#motion.state; }
-  get inTransition(): boolean { return this.#viewer.commands.state()?.inTransition ?? false; }
+  get inTransition(): boolean { return this.#viewer.state?.inTransition ?? false; }
   /** Parameters of the motion shown, with their ranges; none for a plain motion. */
   get parameters(): ParameterInfo[] { return this.#viewer.current?.parameters ?? []; }
   /** Lets the motion glide to the value, or jump if `immediate`. A value out of range counts as the range's end. */
@@ -173,7 +173,7 @@ export class FourdvtViewer extends PageElement {
     this.#viewer.session?.wake();
   }
   /** Drawing method of a character from cameras, once it is loaded; web/README.md lists the methods. */
-  get method(): string { return methodOf(this).name || this.#viewer.session?.character?.method || ''; }
+  get method(): string { return methodOf(this).name || this.#viewer.character?.method || ''; }
   set method(name: string) { this.setAttribute('method', name); }
   /** Meshes that the characters stand among; web/README.md says what they consist of. */
   get scene(): SceneMesh[] { return this.#viewer.commands.settings.scene ?? []; }
@@ -182,12 +182,12 @@ export class FourdvtViewer extends PageElement {
   get renderOptions(): RenderOptions { return this.#appearance.options; }
   set renderOptions(options: Partial<RenderOptions>) { this.#appearance.setOptions(options); }
   get stats(): ViewerStats | null {
-    const { commands, session } = this.#viewer, state = commands.state();
+    const { session, state } = this.#viewer;
     return state && statsOf(state, session!.path);
   }
   /** Size of the box that all of the character's motions fill, metres; null before it is loaded. */
   getDimensions(): { x: number; y: number; z: number } | null {
-    const { min, max } = this.#viewer.session?.character ?? {};
+    const { min, max } = this.#viewer.character ?? {};
     return min && max ? { x: max[0] - min[0], y: max[1] - min[1], z: max[2] - min[2] } : null;
   }
   /** The vertex for a hotspot's `data-vertex` at a point of the page, CSS pixels; null where no surface of a layered character is. */

@@ -5,7 +5,7 @@ import { isOn, upgradeProperties } from '../page/attributes.js';
 import { PictureBox, type Size } from '../page/picture-box.js';
 import { Commands } from '../player/commands.js';
 import type { More } from '../player/wasm-module.js';
-import type { SequenceInfo, Settings } from '../player/wasm-player.js';
+import type { CharacterInfo, PlayerState, SequenceInfo, Settings } from '../player/wasm-player.js';
 import { dispatch, type ErrorDetail } from '../report/errors.js';
 import { stringsOf, type Languages, type Strings } from '../report/strings.js';
 import { JOIN_EVENT, type Companion } from '../session/companion.js';
@@ -81,11 +81,13 @@ export class Viewer {
   get statics(): Statics { return this.element.constructor as unknown as Statics; }
   /** Size of the canvas, pixels. */
   get size(): Size { return this.picture.canvas; }
+  get character(): CharacterInfo | null { return this.session?.character ?? null; }
+  get state(): PlayerState | null { return this.commands.state(); }
   /** The sequence that is shown. */
-  get current(): SequenceInfo | null { return this.session?.character?.sequences[this.commands.state()?.sequence ?? -1] ?? null; }
+  get current(): SequenceInfo | null { return this.character?.sequences[this.state?.sequence ?? -1] ?? null; }
   /** Seconds of the sequence; NaN before it is loaded. */
   get duration(): number { return this.session?.live ? Infinity : this.current?.duration ?? NaN; }
-  get currentTime(): number { return this.commands.state()?.currentTimeS ?? this.commands.settings.time ?? 0; }
+  get currentTime(): number { return this.state?.currentTimeS ?? this.commands.settings.time ?? 0; }
 
   /** Calls a method of every feature that has it, in the order of the list. */
   call<Name extends keyof Feature>(name: Name, ...values: Parameters<Required<Feature>[Name]>): ReturnType<Required<Feature>[Name]>[] {
