@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // fourdvt-viewer.js: defines <fourdvt-viewer> and <fourdvt-character>.
+import type { UploadChoice as UploadPath } from './decode/upload-path.js';
 import { FourdvtCharacter } from './element/fourdvt-character.js';
-import { FourdvtViewer, type Orbit } from './element/viewer-element.js';
 import type { PictureMetadata } from './element/media.js';
 import type { ViewerStats } from './element/stats.js';
-import type { UploadChoice as UploadPath } from './decode/upload-path.js';
+import { FourdvtViewer, type Orbit } from './element/viewer-element.js';
 import type { LiveState } from './live/live.js';
 import type { Align, ParameterInfo, Placement, RenderOptions, SceneMesh, SequenceInfo } from './player/wasm-player.js';
 import type { ErrorDetail } from './report/errors.js';

@@ -2,8 +2,8 @@
 // Turns the orbit by pointer, wheel and keys. Vertical swipes still scroll the page (touch-action: pan-y). The wheel
 // zooms only with Ctrl (which a trackpad's pinch sends), with the `zoom` attribute, or after a click until the pointer
 // leaves the element.
-import type { OrbitCamera } from './orbit-camera.js';
 import { pointInBox, type Corners, type PictureBox, type Point } from '../page/picture-box.js';
+import type { OrbitCamera } from './orbit-camera.js';
 
 const KEY_STEP_DEG = 10;
 const KEY_ZOOM = 1.15;

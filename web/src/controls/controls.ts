@@ -2,9 +2,9 @@
 // Buttons of a viewer: one that pauses and plays; with the attribute `controls` a bar with play, time, sound and full screen. Part of
 // fourdvt-more.js.
 import { isOn } from '../page/attributes.js';
-import type { Chapter } from './chapters.js';
-import { fill } from '../report/strings-more.js';
 import { adopt } from '../page/documents.js';
+import { fill } from '../report/strings-more.js';
+import type { Chapter } from './chapters.js';
 
 const CSS = `
 .controls { position: absolute; left: 0; right: 0; bottom: 0; display: flex; align-items: center; gap: 2px; padding: 0 4px; color: #fff;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Buttons, announcements, hotspots, sound, and the prompt that invites the visitor to turn the view, of one viewer. Part of fourdvt-more.js.
-import { Announcer, type Announced } from './announcer.js';
 import { isOn } from '../page/attributes.js';
+import { adopt } from '../page/documents.js';
+import { addStrings } from '../report/strings-more.js';
+import { stringsOf, type Languages } from '../report/strings.js';
+import { Sound, type Audible, type SoundSource } from '../sound/sound.js';
+import { Announcer, type Announced } from './announcer.js';
 import { Chapters } from './chapters.js';
 import { Controls, type Controlled } from './controls.js';
 import { Hotspots, type HotspotScene } from './hotspots.js';
-import { Sound, type Audible, type SoundSource } from '../sound/sound.js';
-import { addStrings } from '../report/strings-more.js';
-import { adopt } from '../page/documents.js';
-import { stringsOf, type Languages } from '../report/strings.js';
 
 const PROMPT_MS = 3000; // without an input, before it is shown
 const CSS = `

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hotspots: elements of the page that stay on a vertex of the character, <button slot="hotspot-…" data-vertex="…">. Part of fourdvt-more.js.
-import { bytesOfView, readSurfacePoint, type ViewRecord } from '../wasm/generated/abi.js';
-import { pointInBox, type PictureBox } from '../page/picture-box.js';
 import type { SidePlayer } from '../more/session-side.js';
+import { pointInBox, type PictureBox } from '../page/picture-box.js';
+import { bytesOfView, readSurfacePoint, type ViewRecord } from '../wasm/generated/abi.js';
 import type { WasmModule } from '../wasm/wasm-abi.js';
 
 const MARK = '[slot^=hotspot]';

@@ -4,8 +4,8 @@
 // silent), the players decode in slices of the main thread as before. Part of fourdvt-more.js.
 import type { PlayerFiles } from '../wasm/files.js';
 import { readDecodeJob, readGeometryMesh } from '../wasm/generated/abi.js';
-import type { FromWorker, ToWorker, WantedJob } from './geometry-messages.js';
 import type { TurnHook, WasmModule } from '../wasm/wasm-abi.js';
+import type { FromWorker, ToWorker, WantedJob } from './geometry-messages.js';
 
 const SILENCE_MS = 2000; // of turns during which a frame is awaited
 const LONGEST_TURN_MS = 100; // that counts: a page that stands still awaits nothing

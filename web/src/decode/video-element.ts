@@ -4,8 +4,8 @@
 // renditions are only more of it. The element keeps time: it runs at the pace at which the player takes pictures, and may leave
 // some out. The player reads a picture's frame from its barcode; the element's media time is a first guess.
 // requestVideoFrameCallback announces new ones; without it the element's time is polled.
-import type { DecoderCallbacks, Picture, PictureDecoder } from './frame-decoder.js';
 import type { DecoderFault } from '../wasm/generated/abi.js';
+import type { DecoderCallbacks, Picture, PictureDecoder } from './frame-decoder.js';
 import { initSegment, mediaType, SegmentWriter, type TrackConfig, type TrackSample } from './media-segments.js';
 
 const FRAME_US = 40_000; // between timestamps of the player, whatever the sequence's frame rate

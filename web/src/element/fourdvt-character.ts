@@ -4,9 +4,9 @@
 // and pauses with it, and comes back as it was after a lost GL context.
 import { isOn, upgradeProperties } from '../page/attributes.js';
 import { Commands } from '../player/commands.js';
-import { JOIN_EVENT, type Companion } from '../session/companion.js';
-import { asViewerError, characterAddress, dispatch, PageElement } from '../report/errors.js';
 import type { Placement } from '../player/wasm-player.js';
+import { asViewerError, characterAddress, dispatch, PageElement } from '../report/errors.js';
+import { JOIN_EVENT, type Companion } from '../session/companion.js';
 
 export class FourdvtCharacter extends PageElement {
   static readonly observedAttributes = ['src', 'sequence', 'position', 'heading', 'travel'];

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature: source and poster, loading and its errors, the GL context's loss.
+import type { UploadChoice } from '../decode/upload-path.js';
+import type { SignAddress } from '../net/transport.js';
 import { asViewerError, characterAddress, withCode, type ErrorDetail, type MediaFault } from '../report/errors.js';
 import { stallOf } from '../report/watchdog.js';
-import { Session } from '../session/session.js';
 import type { SessionHost } from '../session/session-host.js';
-import type { SignAddress } from '../net/transport.js';
-import type { UploadChoice } from '../decode/upload-path.js';
+import { Session } from '../session/session.js';
 import { filesOf } from '../wasm/files.js';
 import { Presence, type Loader } from './presence.js';
 import { valueOf } from './properties.js';

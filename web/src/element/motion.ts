@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature: the motion that is shown, transitions to others, and the keys and the joystick that steer the character.
-import type { Settings } from '../player/wasm-player.js';
 import type { More } from '../player/wasm-module.js';
+import type { Settings } from '../player/wasm-player.js';
 import type { Loading } from './loading.js';
 import { valueOf } from './properties.js';
 import type { Feature, Viewer } from './viewer.js';

@@ -3,9 +3,9 @@
 // size container: its content box is 100cqw wide and 100cqh high and begins where a block in flow does.
 // Its style is a constructable style sheet, so that the page can have a strict style-src policy.
 
+import { adopt } from '../page/documents.js';
 import type { ErrorDetail } from '../report/errors.js';
 import type { Strings } from '../report/strings.js';
-import { adopt } from '../page/documents.js';
 import type { Step } from '../report/watchdog.js';
 
 const ON_DEVELOPERS_MACHINE = /^(file:|https?:\/\/(localhost|127\.0\.0\.1|\[::1])(:|$))/;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The element <fourdvt-viewer>: its public interface, over the features. Attributes and events follow <model-viewer> and the media
 // element; web/README.md lists them.
+import type { UploadChoice } from '../decode/upload-path.js';
 import type { LiveState } from '../live/live.js';
 import type { SignAddress } from '../net/transport.js';
-import type { UploadChoice } from '../decode/upload-path.js';
 import { methodOf } from '../player/method-attributes.js';
 import type { ParameterInfo, Placement, RenderOptions, SceneMesh, SequenceInfo } from '../player/wasm-player.js';
 import { PageElement, type MediaFault } from '../report/errors.js';

@@ -2,9 +2,9 @@
 // A live stream over a WebSocket (native/package/FORMAT.md, "A live stream"): hands manifest and frames to the player,
 // measures the server's clock, and reconnects after losses. Takes the place of a Transport without files. Does not decode or draw
 // anything. Part of fourdvt-more.js.
-import { PICTURE_KINDS, type PictureKind } from '../wasm/generated/abi.js';
-import { viewOf } from '../page/documents.js';
 import type { SessionSide, SideActor } from '../more/session-side.js';
+import { viewOf } from '../page/documents.js';
+import { PICTURE_KINDS, type PictureKind } from '../wasm/generated/abi.js';
 import type { WasmModule } from '../wasm/wasm-abi.js';
 
 /** connecting: nothing has come yet; stalled: the connection is lost, or no frame has come for 1.5 s. */

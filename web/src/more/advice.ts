@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Configures a character's player once it can play: renditions that the browser can decode, and smoothly, before one is tried; time for
 // geometry in a turn, and the worker; prefetching of other motions. Part of fourdvt-more.js.
-import { isOn } from '../page/attributes.js';
-import type { PlayerFiles } from '../wasm/files.js';
 import { decodeBeside, type Turning } from '../decode/geometry-decoding.js';
-import { isFromCameras } from '../net/manifest.js';
 import { mediaType } from '../decode/media-segments.js';
+import { isFromCameras } from '../net/manifest.js';
+import { isOn } from '../page/attributes.js';
 import { savesData } from '../page/quality-attribute.js';
-import type { SessionSide } from './session-side.js';
+import type { PlayerFiles } from '../wasm/files.js';
 import type { PlayerCall } from '../wasm/wasm-abi.js';
+import type { SessionSide } from './session-side.js';
 
 const LOW_BATTERY = 0.15; // of its charge
 // A quarter of a turn at 60 Hz.

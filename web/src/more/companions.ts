@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The characters that are drawn beside a session's main one, in the same canvas. Part of fourdvt-more.js.
-import { advise } from './advice.js';
-import { mayBeOfTwoBakes, type ErrorDetail } from '../report/errors.js';
-import type { ActorHost, SessionSide, SideActor, SideCompanion } from './session-side.js';
 import type { Transport } from '../net/transport.js';
+import { mayBeOfTwoBakes, type ErrorDetail } from '../report/errors.js';
+import { advise } from './advice.js';
+import type { ActorHost, SessionSide, SideActor, SideCompanion } from './session-side.js';
 
 /** A companion that has been loaded. */
 interface Other {

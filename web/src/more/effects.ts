@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Effects of a session after the first picture: optical flow, the element's look, the character's room. Part of fourdvt-more.js.
 // isCurrent: the page has set nothing else meanwhile.
+import { uploadPicture } from '../decode/upload-path.js';
 import { readLook } from './look.js';
 import { loadOpenCvFlow } from './opencv-flow.js';
 import type { SessionSide } from './session-side.js';
-import { uploadPicture } from '../decode/upload-path.js';
 
 const ROOM_FETCH = -1; // the player numbers its requests from 0
 

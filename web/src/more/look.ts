@@ -2,8 +2,8 @@
 // Look of the characters by an element's attributes look, look-strength, light, light-turn, and method="montage4d", which layered
 // characters have too. Part of fourdvt-more.js.
 // The player checks names and numbers; a picture that does not load is an Error here.
-import { LOOKS, type Look } from '../wasm/generated/abi.js';
 import { keep } from '../page/promises.js';
+import { LOOKS, type Look } from '../wasm/generated/abi.js';
 import type { WasmModule } from '../wasm/wasm-abi.js';
 
 // Width of the picture handed to the player, enough for nine coefficients.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures the upload paths of upload-path.ts, once the first picture is shown, with a decoded frame of the character.
-import type { SessionSide } from './session-side.js';
 import { defaultUnpack, rememberPath, uploadPicture, type UploadPath } from '../decode/upload-path.js';
+import type { SessionSide } from './session-side.js';
 
 // 'i420' has exact colours and checks the frame's number without the GPU, so the others must take less than this share
 // of its time. On a GPU it is several times as fast; in software rendering the two differ by noise only.

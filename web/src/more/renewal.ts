@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Looks for a new bake at a character's address. Part of fourdvt-more.js.
-import type { ErrorDetail } from '../report/errors.js';
 import { extensionOf } from '../net/manifest.js';
+import type { ErrorDetail } from '../report/errors.js';
 import type { Bake, SessionSide } from './session-side.js';
 
 /**

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Interface of a session for fourdvt-more.js, which has its own copies of classes: the two scripts share objects by these types alone.
+import type { UploadPath } from '../decode/upload-path.js';
+import type { Transport } from '../net/transport.js';
 import type { ErrorDetail } from '../report/errors.js';
 import type { PlayerFiles } from '../wasm/files.js';
-import type { Transport } from '../net/transport.js';
-import type { UploadPath } from '../decode/upload-path.js';
 import type { PlayerCall, TurnHook, WasmModule } from '../wasm/wasm-abi.js';
 
 export type SideFiles = Pick<Transport, 'range' | 'stopReplay'>;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Owns one player's handle in wasm memory and gives its functions types. Does not fetch, decode or schedule anything.
 // The data of a request is a view into wasm memory, valid until the next call; copy what must last longer.
+import type { Planes } from '../decode/frame-decoder.js';
+import type { Quality } from '../page/quality-attribute.js';
 import { ViewerError } from '../report/errors.js';
 import { flattenJson } from '../wasm/flat-json.js';
 import {
@@ -8,9 +10,7 @@ import {
   readEvent, readParameter, readRequest, readSequence, readState, VISIBILITIES, type AlignMode, type DebugView, type DecoderFault,
   type EventRecord, type ParameterRecord, type PictureKind, type RequestRecord, type StateRecord, type Visibility,
 } from '../wasm/generated/abi.js';
-import type { Planes } from '../decode/frame-decoder.js';
 import { Reader } from '../wasm/records.js';
-import type { Quality } from '../page/quality-attribute.js';
 import type { PlayerCall, TurnHook, WasmModule } from '../wasm/wasm-abi.js';
 import { hasMore } from './wasm-module.js';
 

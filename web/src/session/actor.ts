@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // One character: its transport, its decoders and its player in wasm, and the traffic between them. Draws nothing and
 // owns no canvas: session.ts does. After dispose() nothing of it runs any more.
-import type { Commands, Instance } from '../player/commands.js';
-import { asViewerError, ViewerError, type ErrorDetail } from '../report/errors.js';
-import type { DecoderFault } from '../wasm/generated/abi.js';
 import { FrameDecoder, type DecoderCallbacks, type Picture, type PictureDecoder } from '../decode/frame-decoder.js';
+import { kindOf, uploadPicture, type UploadPath } from '../decode/upload-path.js';
 import type { ActorHost } from '../more/session-side.js';
 import { throughput } from '../net/throughput.js';
 import type { Transport } from '../net/transport.js';
-import { kindOf, uploadPicture, type UploadPath } from '../decode/upload-path.js';
-import type { Step } from '../report/watchdog.js';
-import type { TurnHook, WasmModule } from '../wasm/wasm-abi.js';
+import type { Commands, Instance } from '../player/commands.js';
 import {
   WasmPlayer, type CharacterInfo, type PlayerEvent, type PlayerRequest, type PlayerState, type PlayerCall,
 } from '../player/wasm-player.js';
+import { asViewerError, ViewerError, type ErrorDetail } from '../report/errors.js';
+import type { Step } from '../report/watchdog.js';
+import type { DecoderFault } from '../wasm/generated/abi.js';
+import type { TurnHook, WasmModule } from '../wasm/wasm-abi.js';
 
 // One is on screen, the others are ready or being filled. Planes take memory each, of the player's module.
 const PICTURE_SLOTS = 4;

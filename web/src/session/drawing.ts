@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws the characters of one viewer in the turns of a frame loop, and makes snapshots. Does not load or decode anything.
-import type { Actor } from './actor.js';
+import { parseOrbit } from '../camera/orbit-camera.js';
 import { DrawPace } from '../page/frame-loop.js';
 import { checkSnapshot, MAX_CANVAS_SIDE } from '../player/input-checks.js';
-import type { SessionHost, Snapshot } from './session-host.js';
-import { parseOrbit } from '../camera/orbit-camera.js';
-import type { StageSlot, Stage } from './stage.js';
 import type { OrbitPose } from '../player/wasm-player.js';
+import type { Actor } from './actor.js';
+import type { SessionHost, Snapshot } from './session-host.js';
+import type { StageSlot, Stage } from './stage.js';
 
 const FOLLOW_S = 1; // after the last change; six times the settling time of montage4d (native/render/method.h)
 

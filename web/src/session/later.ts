@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Loads the second part of the player in a session, after the first picture or once it is needed, and calls its functions: effects,
 // companions, live streams, renewal by another bake, advice, choice of the upload path. Failed ones are retried at their next use.
-import { isOn } from '../page/attributes.js';
-import type { Companion } from './companion.js';
-import { deferred } from '../page/promises.js';
-import { mayBeOfTwoBakes, type ErrorDetail } from '../report/errors.js';
 import type { LiveStream } from '../live/live.js';
-import type { Display } from './session-host.js';
 import type { SessionSide, SideActor } from '../more/session-side.js';
+import { isOn } from '../page/attributes.js';
+import { deferred } from '../page/promises.js';
 import { loadMore, type More } from '../player/wasm-module.js';
 import type { Align } from '../player/wasm-player.js';
+import { mayBeOfTwoBakes, type ErrorDetail } from '../report/errors.js';
+import type { Companion } from './companion.js';
+import type { Display } from './session-host.js';
 
 export const needsFlow = (align: string): boolean => align.startsWith('flow');
 

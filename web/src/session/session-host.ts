@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Types that a session and the element that makes it share.
-import type { Commands } from '../player/commands.js';
-import type { Companion } from './companion.js';
-import type { ErrorDetail } from '../report/errors.js';
-import type { PlayerFiles } from '../wasm/files.js';
 import type { OrbitCamera } from '../camera/orbit-camera.js';
-import type { RequestOptions } from '../net/transport.js';
 import type { UploadChoice } from '../decode/upload-path.js';
+import type { RequestOptions } from '../net/transport.js';
+import type { Commands } from '../player/commands.js';
 import type { More } from '../player/wasm-module.js';
-import type { Step } from '../report/watchdog.js';
 import type { Align, OrbitPose } from '../player/wasm-player.js';
+import type { ErrorDetail } from '../report/errors.js';
+import type { Step } from '../report/watchdog.js';
+import type { PlayerFiles } from '../wasm/files.js';
+import type { Companion } from './companion.js';
 
 export interface SessionOptions {
   src: string;

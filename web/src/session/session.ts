@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 // A character on the page's stage: loads and opens it, hands on its player's events, and reopens it where necessary. drawing.ts draws
 // it, later.ts has the second part. One for each src and stage; nothing of it runs after dispose().
-import { Actor } from './actor.js';
-import type { Commands } from '../player/commands.js';
-import { viewOf } from '../page/documents.js';
-import { Drawing } from './drawing.js';
-import { asViewerError, type ErrorDetail } from '../report/errors.js';
-import { FrameLoop } from '../page/frame-loop.js';
-import { Later, needsFlow } from './later.js';
-import type { LiveStream } from '../live/live.js';
-import { extensionOf, isFromCameras } from '../net/manifest.js';
-import type { SessionHost, SessionOptions } from './session-host.js';
-import type { ActorHost, Bake, SessionSide, SidePlayer } from '../more/session-side.js';
-import { partsReceived } from '../net/requests.js';
-import { Stage, type StageSlot } from './stage.js';
-import { Transport } from '../net/transport.js';
 import { choosePath, kindOf, rememberedPath, type UploadPath } from '../decode/upload-path.js';
-import type { WasmModule } from '../wasm/wasm-abi.js';
+import type { LiveStream } from '../live/live.js';
+import type { ActorHost, Bake, SessionSide, SidePlayer } from '../more/session-side.js';
+import { extensionOf, isFromCameras } from '../net/manifest.js';
+import { partsReceived } from '../net/requests.js';
+import { Transport } from '../net/transport.js';
+import { viewOf } from '../page/documents.js';
+import { FrameLoop } from '../page/frame-loop.js';
+import type { Commands } from '../player/commands.js';
 import { expectMore, type More } from '../player/wasm-module.js';
-import { Watchdog, type Awaited, type Step } from '../report/watchdog.js';
 import type { Align, CharacterInfo } from '../player/wasm-player.js';
+import { asViewerError, type ErrorDetail } from '../report/errors.js';
+import { Watchdog, type Awaited, type Step } from '../report/watchdog.js';
+import type { WasmModule } from '../wasm/wasm-abi.js';
+import { Actor } from './actor.js';
+import { Drawing } from './drawing.js';
+import { Later, needsFlow } from './later.js';
+import type { SessionHost, SessionOptions } from './session-host.js';
+import { Stage, type StageSlot } from './stage.js';
 
 type Source = ConstructorParameters<typeof Actor>[1];
 

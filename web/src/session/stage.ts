@@ -3,11 +3,11 @@
 // itself. Several are drawn one after the other and show canvases of their own, into which pictures are transferred as bitmaps of an
 // OffscreenCanvas, or copied from the first one's canvas if the others came later or there is no OffscreenCanvas. After a lost context
 // or a trap of the player all viewers begin again on another stage. Does not load or draw characters.
-import { keep } from '../page/promises.js';
-import { ViewerError } from '../report/errors.js';
 import type { Report } from '../net/requests.js';
-import type { WasmModule } from '../wasm/wasm-abi.js';
+import { keep } from '../page/promises.js';
 import { instantiate } from '../player/wasm-module.js';
+import { ViewerError } from '../report/errors.js';
+import type { WasmModule } from '../wasm/wasm-abi.js';
 
 const LINGER_MS = 2000; // after the last viewer has left: the next one may come at once
 

@@ -2,9 +2,9 @@
 // The sound of the motion that a viewer shows, in step with its pictures: at its rate, round its loops, after seeks. Part of fourdvt-more.js.
 // Nothing is fetched before it is audible. The pictures' clock leads: sound that is off by more than the tolerance begins anew; while the
 // pictures do not keep up with their own time, it is silent.
-import { AudioOutput } from './audio-output.js';
-import { viewOf } from '../page/documents.js';
 import type { SideFiles, SidePlayer } from '../more/session-side.js';
+import { viewOf } from '../page/documents.js';
+import { AudioOutput } from './audio-output.js';
 import { SoundBuffers } from './sound-buffers.js';
 import { readSound, type SoundTrack } from './sound-manifest.js';
 import { StepSchedule } from './step-schedule.js';
