@@ -22,7 +22,7 @@ export type Picture =
 
 /** The player's memory. */
 export interface Heap {
-  /** 0: the player has trapped, for want of memory for example, and its session ends. */
+  /** 0: the player has trapped, for example without memory, and its session ends. */
   allocate(bytes: number): number;
   free(block: number): void;
   /** Valid until the memory grows. */

@@ -49,7 +49,7 @@ function box(type: string, ...parts: Part[]): Uint8Array {
 const full = (type: string, version: number, flags: number, ...parts: Part[]): Uint8Array =>
   box(type, u32(version * 2 ** 24 + flags), ...parts);
 
-// The box that configures the decoder, from the codec's string where the samples say the rest.
+// The box that configures the decoder, from the codec's string; the samples have the rest.
 function configBox({ codec, description }: TrackConfig): Uint8Array {
   const [name, ...fields] = codec.split('.');
   if (name === 'vp09') {

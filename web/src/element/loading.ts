@@ -72,7 +72,7 @@ export class Loading implements Feature, Loader {
   }
 
   get #src(): string { return valueOf(this.#viewer.element, 'src'); }
-  /** Nothing comes of what was asked for, until the next command or source. */
+  /** No picture comes until the next command or source. */
   get standsStill(): boolean {
     const { session, state } = this.#viewer;
     return (session?.ended ?? true) || (state?.failed ?? false);

@@ -114,7 +114,7 @@ export class Playback implements Feature {
     this.#played?.reject(reason);
     this.#played = null;
   }
-  // -1 as the sequence says, 0 never, 1 always.
+  // -1 as stored with the sequence, 0 never, 1 always.
   get #loopMode(): number {
     const { element } = this.#viewer;
     return element.hasAttribute('loop') ? Number(valueOf(element, 'loop')) : -1;

@@ -124,7 +124,7 @@ export class FourdvtViewer extends PageElement {
   cancelVideoFrameCallback(handle: number): void { this.#media.cancelCallback(handle); }
   /** State of a live stream; null for other characters. */
   get liveState(): LiveState | null { return this.#viewer.session?.live?.state ?? null; }
-  /** Seconds from capture to now, of the live frame that is shown; NaN while that is not known. */
+  /** Seconds from capture to now, of the live frame that is shown; NaN while unknown. */
   get liveLatency(): number { return this.#viewer.session?.live?.latency ?? NaN; }
 
   // --- motion ---
@@ -134,7 +134,7 @@ export class FourdvtViewer extends PageElement {
   get sequences(): SequenceInfo[] { return this.#viewer.character?.sequences ?? []; }
   /** Goes over to another motion by the best transition. A motion without loop returns by itself. */
   goTo(state: string): void { this.#motion.goTo(state); }
-  /** The motion that was asked for last, or the one that is shown. */
+  /** The goal of the last goTo(), or the motion that is shown. */
   get state(): string { return this.#motion.state; }
   get inTransition(): boolean { return this.#viewer.state?.inTransition ?? false; }
   /** Parameters of the motion shown, with their ranges; none for a plain motion. */
@@ -175,7 +175,7 @@ export class FourdvtViewer extends PageElement {
   /** Drawing method of a character from cameras, once it is loaded; web/README.md lists the methods. */
   get method(): string { return methodOf(this).name || this.#viewer.character?.method || ''; }
   set method(name: string) { this.setAttribute('method', name); }
-  /** Meshes that the characters stand among; web/README.md says what they consist of. */
+  /** Meshes that the characters stand among; web/README.md has their format. */
   get scene(): SceneMesh[] { return this.#viewer.commands.settings.scene ?? []; }
   set scene(meshes: SceneMesh[]) { this.#appearance.setScene(meshes); }
   /** Background, ground shadow, multisampling, debug views. Assigning some of the options keeps the others. */

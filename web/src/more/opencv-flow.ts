@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Connects the player to OpenCV's optical flow, a second wasm module that is loaded only when it is asked for: the
+// Connects the player to OpenCV's optical flow, a second wasm module that is loaded on demand: the
 // reference for the GPU's flow, and the fallback where the GPU has no float render targets. Copies the pictures from
 // one module's memory to the other's. Part of fourdvt-more.js.
 import { keep } from '../page/promises.js';
@@ -23,7 +23,7 @@ async function load({ opencv: url, opencvWasm }: Files): Promise<OpencvModule> {
   }
 }
 
-/** Loads the module; afterwards the player can align with 'flow-opencv'. Errors: an Error that says what to do. */
+/** Loads the module; afterwards the player can align with 'flow-opencv'. Errors: an Error with the remedy. */
 export async function loadOpenCvFlow(files: Files, player: WasmModule): Promise<void> {
   const flow = await keep(loading, files.opencv, () => load(files));
   player.fourdvtFlow = (a, b, width, height, out) => {

@@ -11,7 +11,7 @@ export interface Quality {
 const HIGHEST = -1, AUTOMATIC = -2; // of fdvt_set_quality
 const TEXELS_PER_PIXEL = 4; // of layer 1, per pixel of the element's height: more are not seen
 
-/** The visitor has asked for little traffic. */
+/** The visitor saves data. */
 export const savesData = (): boolean =>
   (navigator as { connection?: { saveData?: boolean } }).connection?.saveData === true || matchMedia('(prefers-reduced-data: reduce)').matches;
 

@@ -15,7 +15,7 @@ function checkRange(name: string, value: number, min: number, max: number, whole
   }
 }
 
-/** `layers`: of the character, so far as they are known. */
+/** layers: number of the character's, if it is loaded. */
 export function checkRenderOptions({ background, shadowStrength, samples, debug, debugLayer }: RenderOptions, layers = 256): void {
   checkNumbers('background', background ?? [], 4);
   checkRange('shadowStrength', shadowStrength, 0, 1, false);

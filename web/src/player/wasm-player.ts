@@ -101,7 +101,7 @@ export interface OrbitPose {
 
 /** Settings of a character that a page makes. */
 export interface Settings {
-  /** -1 as the sequence says, 0 never, 1 always. */
+  /** -1 as stored with the sequence, 0 never, 1 always. */
   loop: number;
   rate: number;
   placement: Placement;
@@ -115,7 +115,7 @@ export interface Settings {
   /** Null: the first sequence of the character. */
   sequence: string | null;
   frame: number;
-  /** Seconds; null: the frame says where. */
+  /** Seconds; null: `frame` has the place. */
   time: number | null;
   playing: boolean;
 }

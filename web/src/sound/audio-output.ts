@@ -61,7 +61,7 @@ export class AudioOutput {
     signal.addEventListener('abort', () => this.#changed.delete(run));
   }
 
-  /** The context's time that is audible at a time of the page's clock, milliseconds. NaN: not known yet. */
+  /** The context's time that is audible at a time of the page's clock, milliseconds. NaN while unknown. */
   heardAt(pageMs: number): number {
     const { context } = this, { contextTime, performanceTime } = context.getOutputTimestamp?.() ?? {};
     if (contextTime && performanceTime) return contextTime + (pageMs - performanceTime) / 1000;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decoded segments of one motion's sound, fetched when they are wanted; those that were not wanted for longest are forgotten. Part of
+// Decoded segments of one motion's sound, fetched on demand; the least recently used ones are dropped. Part of
 // fourdvt-more.js.
 import type { SideFiles } from '../more/session-side.js';
 import type { SoundEncoding, SoundSegment, SoundTrack } from './sound-manifest.js';
