@@ -3,12 +3,12 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace fourdvt {
-
 // Interleaved 8-bit picture; channels in RGB(A) order; sRGB-encoded values; alpha is straight.
 struct Image {
   int width = 0, height = 0, channels = 0;
@@ -37,8 +37,16 @@ struct I420View {
   int width = 0, height = 0;
   const uint8_t* y = nullptr;
   const uint8_t* u = nullptr;
-  const uint8_t* v = nullptr;  // null: u has both, interleaved (NV12)
+  const uint8_t* v = nullptr;                    // null: u has both, interleaved (NV12)
   int stride_y = 0, stride_u = 0, stride_v = 0;  // bytes
 };
+
+// Decodes the transfer function of sRGB (IEC 61966-2-1).
+
+// Linear light of an encoded value; both lie in 0…1.
+template <class T>
+T linearFromSrgb(T v) {
+  return v <= T(0.04045) ? v / T(12.92) : std::pow((v + T(0.055)) / T(1.055), T(2.4));
+}
 
 }  // namespace fourdvt

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/text.h"
 
+#include <algorithm>
 #include <cstdarg>
 #include <cstdio>
+#include <string_view>
 
 namespace fourdvt {
-
 std::string printed(const char* format, ...) {
   va_list arguments, again;
   va_start(arguments, format);
@@ -37,6 +38,50 @@ std::string htmlEscaped(const std::string& text) {
     else
       out += c;
   }
+  return out;
+}
+
+namespace {
+
+struct Line {
+  std::string subjects, rest;
+  std::vector<std::string> whole;  // subjects in full
+};
+
+// Without a subject, the rest is all.
+Line split(const std::string& warning) {
+  const size_t end = warning.find(": ");
+  if (end == std::string::npos) return {"", warning, {}};
+  const std::string subject = warning.substr(0, end);
+  return {subject, warning.substr(end), {subject}};
+}
+
+std::string unlike(const std::string& subject, const std::string& before) {
+  const auto common =
+      size_t(std::mismatch(subject.begin(), subject.end(), before.begin(), before.end()).first - subject.begin());
+  const size_t at = common == 0 ? std::string::npos : subject.find_last_of("/ ", common - 1);
+  return at == std::string::npos ? subject : subject.substr(at + 1);
+}
+
+}  // namespace
+
+std::vector<std::string> joinedWarnings(const std::vector<std::string>& warnings) {
+  std::vector<Line> lines;
+  for (const std::string& warning : warnings) {
+    const Line line = split(warning);
+    const auto same = std::find_if(lines.begin(), lines.end(), [&](const Line& other) {
+      return !line.subjects.empty() && !other.subjects.empty() && other.rest == line.rest;
+    });
+    if (same == lines.end()) {
+      lines.push_back(line);
+    } else if (std::count(same->whole.begin(), same->whole.end(), line.whole[0]) == 0) {
+      if (same->subjects.starts_with("camera ")) same->subjects.insert(std::string_view("camera").size(), "s");
+      same->subjects += ", " + unlike(line.whole[0], same->whole.back());
+      same->whole.push_back(line.whole[0]);
+    }
+  }
+  std::vector<std::string> out;
+  for (const Line& line : lines) out.push_back(line.subjects + line.rest);
   return out;
 }
 

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace fourdvt {
-
 // Formats as std::printf does.
 [[gnu::format(printf, 1, 2)]] std::string printed(const char* format, ...);
 
@@ -29,5 +29,12 @@ std::string joined(const Items& items, const char* between = ", ", Text text = {
   }
   return out;
 }
+
+// Warnings and notes for people, one line each: "SUBJECT: what is wrong; what to do".
+
+// Makes one line of those that differ in their subject alone, at the place of the first: "SUBJECT, SUBJECT: …", each
+// once. What a subject has in common with the one before, up to its last "/" or blank, is not repeated:
+// "walk/cam00.mp4, cam01.mp4".
+std::vector<std::string> joinedWarnings(const std::vector<std::string>& warnings);
 
 }  // namespace fourdvt

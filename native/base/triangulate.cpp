@@ -6,8 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "base/planar.h"
-
 namespace fourdvt {
 namespace {
 

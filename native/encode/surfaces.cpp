@@ -10,7 +10,7 @@
 
 #include "base/face_buffer.h"
 #include "base/hash.h"
-#include "base/srgb.h"
+#include "base/image.h"
 #include "base/used_vertices.h"
 
 namespace fourdvt::encode {

@@ -131,8 +131,6 @@ cv::Mat wrap(const Image& picture) {
   return out;
 }
 
-float medianOf(std::vector<float> values) { return median(std::move(values)); }
-
 // Every n-th value of one channel, so that about 40,000 remain.
 struct Samples {
   std::vector<float> plate, picture;
@@ -154,11 +152,11 @@ Gain fitGain(const Samples& s) {
   if (s.plate.size() < 500) return {};
   std::vector<float> ratios(s.plate.size());
   for (size_t i = 0; i < ratios.size(); ++i) ratios[i] = s.picture[i] / s.plate[i];
-  Gain g{medianOf(ratios), 0};
+  Gain g{median(ratios), 0};
   std::vector<float> off(s.plate.size());
   for (int round = 0; round < 12; ++round) {
     for (size_t i = 0; i < off.size(); ++i) off[i] = std::abs(s.picture[i] - g.gain * s.plate[i] - g.offset);
-    const float scale = std::max(1.0f, 2 * medianOf(off) / 0.6745f);
+    const float scale = std::max(1.0f, 2 * median(off) / 0.6745f);
     double w = 0, x = 0, y = 0, xx = 0, xy = 0;
     for (size_t i = 0; i < off.size(); ++i) {
       const double r = off[i] / scale, weight = 1 / ((1 + r * r) * (1 + r * r));
@@ -227,7 +225,7 @@ cv::Mat fitHomography(const cv::Mat& plate, const cv::Mat& picture) {
   cv::resize(grey(plate), a, {}, scale, scale, cv::INTER_AREA);
   cv::resize(grey(picture), b, {}, scale, scale, cv::INTER_AREA);
   cv::resize(difference(plate, picture), off, {}, scale, scale, cv::INTER_AREA);
-  const float limit = std::max(12.0f, 6 * medianOf({off.begin<float>(), off.end<float>()}));
+  const float limit = std::max(12.0f, 6 * median(std::vector<float>(off.begin<float>(), off.end<float>())));
   mask = off < limit;
   cv::Mat h = cv::Mat::eye(3, 3, CV_32F);
   try {
@@ -264,10 +262,10 @@ void addMeasuredNoise(const cv::Mat& plate, const cv::Mat& picture, cv::Mat& ext
     else if (slope < 9)
       bins[std::clamp(int(light.at<float>(i) / 256 * kBins), 0, kBins - 1)].push_back(value);
   }
-  const float common = medianOf(all), shift2 = edges.size() < kFewestInBin ? 0 : std::min(medianOf(edges), 0.25f);
+  const float common = median(all), shift2 = edges.size() < kFewestInBin ? 0 : std::min(median(edges), 0.25f);
   float noise[kBins] = {};
   for (int b = 0; b < kBins; ++b)
-    if (bins[b].size() >= kFewestInBin) noise[b] = std::min(std::max(0.0f, medianOf(bins[b]) - common), 3 * common + 4);
+    if (bins[b].size() >= kFewestInBin) noise[b] = std::min(std::max(0.0f, median(bins[b]) - common), 3 * common + 4);
   for (int i = 0; i < int(extra.total()); ++i)
     extra.at<float>(i) += noise[std::clamp(int(light.at<float>(i) / 256 * kBins), 0, kBins - 1)] +
                           std::max(0.0f, shift2 - 0.01f) * gradient.at<float>(i);
@@ -308,7 +306,7 @@ PlateFit fitPlate(const BackgroundModel& plates, const Image& given) {
   }
   for (size_t c = 0; c < 3; ++c) out.gain[c] = gains[c].gain;
   const cv::Mat left = difference(fitted, picture);
-  out.residual_levels = medianOf({left.begin<float>(), left.end<float>()});
+  out.residual_levels = median(std::vector<float>(left.begin<float>(), left.end<float>()));
   if (!changed) return out;
   addMeasuredNoise(fitted, picture, spread);
   fitted.copyTo(mean);

@@ -171,7 +171,7 @@ BackgroundModel plateBehind(std::span<const Image> pictures, std::span<const cv:
   BackgroundModel out = makeBackgroundModel({&median, 1});
   out.plates = int(std::clamp<size_t>(pictures.size() / 3, 1, 10));
   // Flicker beyond the sensor's noise, which the median pixel has.
-  const float typical = median(spread);
+  const float typical = fourdvt::median(spread);
   for (size_t i = 0; i < pixels; ++i)
     out.extra[i] = known[i] ? out.extra[i] + std::max(0.0f, spread[i] - 3 * typical) : kUnknownSpread;
   if (std::find(known.begin(), known.end(), 0) != known.end()) out.known = std::move(known);

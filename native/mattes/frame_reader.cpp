@@ -136,4 +136,14 @@ Result<capture::Capture> openCapture(const std::string& folder, const OpenVideo&
   return capture;
 }
 
+Result<capture::Capture> openLinked(const std::string& folder, const std::string& linked_capture,
+                                    const std::vector<std::string>& sequences, const OpenVideo& open_video) {
+  auto opened = openCapture(folder, open_video, sequences, capture::MeshNeed::Nothing, capture::MatteNeed::None);
+  if (opened.ok()) return opened;
+  return Error{opened.error().id, linked_capture +
+                                      "/capture.json: names files outside of the capture or in a sequence that is "
+                                      "left out; move them into folders of their own inside it (" +
+                                      opened.error().message + ")"};
+}
+
 }  // namespace fourdvt::mattes

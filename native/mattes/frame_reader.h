@@ -24,6 +24,11 @@ Result<capture::Capture> openCapture(const std::string& folder, const OpenVideo&
                                      capture::MeshNeed need = capture::MeshNeed::ConstantTopology,
                                      capture::MatteNeed mattes = capture::MatteNeed::Required);
 
+// Opens sequences of the folder that a capture was linked into. Errors: those of openCapture, under the name of the
+// capture that its links lead to: whatever capture.json names must be found from the new folder.
+Result<capture::Capture> openLinked(const std::string& folder, const std::string& linked_capture,
+                                    const std::vector<std::string>& sequences, const OpenVideo& open_video);
+
 struct CaptureFrame {
   uint32_t index = 0;
   std::vector<Image> pictures;    // RGBA per camera: sRGB colour, alpha = matte

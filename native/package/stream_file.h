@@ -81,7 +81,7 @@ struct ChunkFrames {
   std::vector<glm::ivec3> positions;  // [frame][member][vertex]
   std::vector<uint8_t> labels;        // [frame][member][layer][face], kNoCamera for empty
   std::vector<glm::ivec3> offsets;    // [frame][reference][vertex], position steps: corrections of the mesh blend
-  // [frame][member - 1][vertex], alignment steps along the vertex's tangents (base/surface_frame.h): what lies at this
+  // [frame][member - 1][vertex], alignment steps along the vertex's tangents (base/mesh.h): what lies at this
   // vertex in member 0 lies displaced by this in the member.
   std::vector<glm::ivec2> alignment;
   // [frame][member]: metres along x and z, radians about y since frame 0 of the whole sequence, in the character frame

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "silhouette/contour.h"
@@ -133,6 +134,147 @@ Result<HullPlanes> hullPlanes(std::span<const SilhouetteCone> cones, const Bound
   builder.addBounds();
   for (const SilhouetteCone& cone : cones) FOURDVT_TRY(builder.addCamera(cone));
   return builder.finish();
+}
+
+namespace {
+
+__extension__ typedef __int128 Int128;
+
+constexpr double kUnitBits = 27, kMostBits = 29;
+// Bounds of what doubles get wrong, for coefficients up to M = 2^29 and half a unit in the last place u = 2^-53. A
+// minor of two rows is off by at most 4uM², one of three rows by 30uM³, and the determinant by 216uM⁴.
+const double kDoubt3 = std::ldexp(32.0, int(3 * kMostBits) - 53);
+const double kDoubt4 = std::ldexp(256.0, int(4 * kMostBits) - 53);
+// A point is read from doubles where its weight is this certain: the position is then off by less than 2^-34.
+const double kClearWeight = std::ldexp(1.0, int(3 * kMostBits) - 16);
+
+int signOf(Int128 value) { return (value > 0) - (value < 0); }
+
+// The determinants of three rows without column 0, 1, 2 and 3, signed so that their dot product with a fourth row is
+// the determinant of all four.
+std::array<Int128, 4> exactPoint(const std::array<const Plane*, 3>& planes) {
+  int64_t a[4], b[4], c[4];
+  for (int i = 0; i < 4; ++i) {
+    a[i] = int64_t(planes[0]->coefficients[i]);
+    b[i] = int64_t(planes[1]->coefficients[i]);
+    c[i] = int64_t(planes[2]->coefficients[i]);
+  }
+  const auto minor = [&](int i, int j) { return Int128(a[i] * b[j] - a[j] * b[i]); };
+  const Int128 m01 = minor(0, 1), m02 = minor(0, 2), m03 = minor(0, 3), m12 = minor(1, 2), m13 = minor(1, 3),
+               m23 = minor(2, 3);
+  return {-(c[1] * m23 - c[2] * m13 + c[3] * m12), c[0] * m23 - c[2] * m03 + c[3] * m02,
+          -(c[0] * m13 - c[1] * m03 + c[3] * m01), c[0] * m12 - c[1] * m02 + c[2] * m01};
+}
+
+}  // namespace
+
+Plane Plane::rounded(const glm::dvec3& normal, double offset) {
+  const double scale = std::min(std::ldexp(1.0, int(kUnitBits)), std::ldexp(1.0, int(kMostBits)) / std::abs(offset));
+  return {{std::round(normal.x * scale), std::round(normal.y * scale), std::round(normal.z * scale),
+           std::round(offset * scale)}};
+}
+
+PlaneLine::PlaneLine(const Plane& first_plane, const Plane& second_plane) : first(&first_plane), second(&second_plane) {
+  const auto &a = first->coefficients, &b = second->coefficients;
+  m01 = a[0] * b[1] - a[1] * b[0];
+  m02 = a[0] * b[2] - a[2] * b[0];
+  m03 = a[0] * b[3] - a[3] * b[0];
+  m12 = a[1] * b[2] - a[2] * b[1];
+  m13 = a[1] * b[3] - a[3] * b[1];
+  m23 = a[2] * b[3] - a[3] * b[2];
+}
+
+PlanePoint::PlanePoint(const PlaneLine& line, const Plane& third) : planes_{line.first, line.second, &third} {
+  const auto& c = third.coefficients;
+  homogeneous_ = {
+      -(c[1] * line.m23 - c[2] * line.m13 + c[3] * line.m12), c[0] * line.m23 - c[2] * line.m03 + c[3] * line.m02,
+      -(c[0] * line.m13 - c[1] * line.m03 + c[3] * line.m01), c[0] * line.m12 - c[1] * line.m02 + c[2] * line.m01};
+  const double weight = homogeneous_[3];
+  heading_ = std::abs(weight) > kDoubt3 ? (weight > 0 ? 1 : -1) : signOf(exactPoint(planes_)[3]);
+}
+
+int PlanePoint::side(const Plane& other) const {
+  const auto& d = other.coefficients;
+  const auto& x = homogeneous_;
+  const double determinant = x[0] * d[0] + x[1] * d[1] + x[2] * d[2] + x[3] * d[3];
+  if (std::abs(determinant) > kDoubt4) return determinant > 0 ? heading_ : -heading_;
+  const std::array<Int128, 4> exact = exactPoint(planes_);
+  Int128 sum = 0;
+  for (int i = 0; i < 4; ++i) sum += exact[i] * Int128(int64_t(d[i]));
+  return signOf(sum) * heading_;
+}
+
+glm::dvec3 PlanePoint::position() const {
+  const auto& x = homogeneous_;
+  if (std::abs(x[3]) > kClearWeight) return glm::dvec3(x[0], x[1], x[2]) / x[3];
+  const std::array<Int128, 4> exact = exactPoint(planes_);
+  return glm::dvec3(double(exact[0]), double(exact[1]), double(exact[2])) / double(exact[3]);
+}
+
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;  // rad
+constexpr double kDoubt = 1e-5;                 // rad, added to the angles of a wedge on either side
+constexpr double kDoubtShare = 0.1;  // of its own angle, added as well: flat corners move when planes are rounded
+constexpr double kLeastSine = 1e-3;  // between viewing line and baseline; below, the angle is not to be relied on
+
+struct Pencil {
+  glm::dvec3 across, up;  // unit, at right angles with the baseline
+
+  explicit Pencil(const glm::dvec3& baseline) {
+    const glm::dvec3 along = glm::normalize(baseline), size = glm::abs(along);
+    const glm::dvec3 axis = size.x <= size.y && size.x <= size.z ? glm::dvec3(1, 0, 0)
+                            : size.y <= size.z                   ? glm::dvec3(0, 1, 0)
+                                                                 : glm::dvec3(0, 0, 1);
+    across = glm::normalize(glm::cross(along, axis));
+    up = glm::cross(along, across);
+  }
+};
+
+// The angles of a wedge in steps of the circle, `first` … `first + count - 1`, to be taken modulo `steps`.
+struct Span {
+  int first = 0, count = 0;
+};
+
+Span spanOf(const Pencil& pencil, const glm::dvec3& from, const glm::dvec3& to, int steps) {
+  const glm::dvec2 a(glm::dot(from, pencil.across), glm::dot(from, pencil.up));
+  const glm::dvec2 b(glm::dot(to, pencil.across), glm::dot(to, pencil.up));
+  const double start = std::atan2(a.y, a.x), swept = std::atan2(a.x * b.y - a.y * b.x, glm::dot(a, b));
+  const bool unclear = glm::length(a) < kLeastSine || glm::length(b) < kLeastSine;
+  if (unclear || std::abs(swept) > kTurn / 2 - kLeastSine) return {0, steps};
+  const double doubt = kDoubt + kDoubtShare * std::abs(swept), middle = start + swept / 2 + 2 * kTurn;
+  const double low = middle - std::abs(swept) / 2 - doubt, high = middle + std::abs(swept) / 2 + doubt;
+  const int first = int(std::floor(low / kTurn * steps)), last = int(std::floor(high / kTurn * steps));
+  return {first, std::min(last - first + 1, steps)};
+}
+
+}  // namespace
+
+void visitEpipolarPairs(const HullPlanes& planes, int first, int second,
+                        const std::function<bool(uint32_t, uint32_t)>& visit) {
+  const Pencil pencil(planes.centres[second] - planes.centres[first]);
+  const auto ours = planes.ofCamera(first), theirs = planes.ofCamera(second);
+  const int steps = std::clamp(int(2 * theirs.size()), 16, 8192);
+  const auto span = [&](const HullPlane& wedge) {
+    return spanOf(pencil, wedge.from_ray, planes.planes[wedge.next].from_ray, steps);
+  };
+  std::vector<std::vector<uint32_t>> buckets(steps);
+  for (uint32_t i = 0; i < theirs.size(); ++i) {
+    if (!theirs[i].reaches_bounds) continue;
+    const Span s = span(theirs[i]);
+    for (int k = 0; k < s.count; ++k) buckets[(s.first + k) % steps].push_back(i);
+  }
+  std::vector<uint32_t> seen_by(theirs.size(), ~0u);
+  for (uint32_t e = 0; e < ours.size(); ++e) {
+    if (!ours[e].reaches_bounds) continue;
+    const Span s = span(ours[e]);
+    for (int k = 0; k < s.count; ++k)
+      for (uint32_t f : buckets[(s.first + k) % steps]) {
+        if (seen_by[f] == e) continue;
+        seen_by[f] = e;
+        if (!visit(planes.first[first] + e, planes.first[second] + f)) return;
+      }
+  }
 }
 
 }  // namespace fourdvt::reconstruct

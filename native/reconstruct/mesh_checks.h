@@ -2,13 +2,14 @@
 // Whether a mesh bounds a solid. Knows nothing of how the mesh was made, and does NOT repair it.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <glm/glm.hpp>
 #include <string>
 
 #include "base/mesh.h"
 
 namespace fourdvt::reconstruct {
-
 struct MeshReport {
   size_t bad_indices = 0;          // faces with a vertex that does not exist; the rest then stays unknown
   size_t open_edges = 0;           // directed edges that are not met by exactly one in the other direction
@@ -30,5 +31,14 @@ MeshReport checkMesh(const TriangleMesh& mesh, double tolerance_m = 1e-6);
 
 // One line for messages of tests and benches.
 std::string describe(const MeshReport& report);
+
+// Whether two triangles of space cross.
+
+using Triangle = std::array<glm::dvec3, 3>;
+
+// By how much one of them would have to move so that they do not cross, overlap in one plane included; 0: they are
+// apart or touch, or are the two sides of a sheet thinner than the tolerance. Stops looking, and returns 0, when it is
+// at most `tolerance`.
+double crossingDepth(const Triangle& a, const Triangle& b, double tolerance);
 
 }  // namespace fourdvt::reconstruct

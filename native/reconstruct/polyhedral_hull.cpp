@@ -2,7 +2,6 @@
 #include "reconstruct/polyhedral_hull.h"
 
 #include "reconstruct/hull_edges.h"
-#include "reconstruct/hull_faces.h"
 #include "reconstruct/hull_planes.h"
 
 namespace fourdvt::reconstruct {

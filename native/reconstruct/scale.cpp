@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/robust.h"
-#include "reconstruct/components.h"
+#include "reconstruct/surface_cleaning.h"
 
 namespace fourdvt::reconstruct {
 namespace {

@@ -8,6 +8,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <map>
 
+#include "base/parallel.h"
 #include "base/robust.h"
 
 namespace fourdvt::refine {
@@ -138,6 +139,139 @@ double shiftPixels(const PinholeCamera& a, const PinholeCamera& b, std::span<con
     squares += glm::dot(shift, shift);
   }
   return points.empty() ? 0 : std::sqrt(squares / double(points.size()));
+}
+
+namespace {
+
+// Added to standard deviations for what leaving out blocks cannot tell (the surface's errors all round).
+constexpr double kUnknownPixels = 0.1;
+constexpr double kMorePoints = 1.2;  // or so many times the points come within reach
+constexpr Freedom kTurn{}, kAll{.place = true};
+constexpr int kSteps = 10, kWideSteps = 4;
+constexpr double kWideRad = 0.026;       // the first steps search the matte's edge up to 1.5° away
+constexpr double kSettledPixels = 0.02;  // a smaller step ends the fit
+
+class Fit {
+ public:
+  Fit(const PinholeCamera& given, const MeasurePoints& measure, SurfaceKind surface, double deviations)
+      : given_(given), measure_(measure), surface_(surface), deviations_(deviations) {}
+
+  // The camera that fits best from `from` on; `from` itself where nothing can be said.
+  PinholeCamera fitted(const PinholeCamera& from, Freedom freedom, CameraStep& last) const {
+    PinholeCamera best = from;
+    const float near = OutlineOptions().reach_pixels, wide = std::max(near, static_cast<float>(kWideRad * from.fx));
+    for (int step = 0; step < kSteps; ++step) {
+      const auto points = measure_(best, step < kWideSteps && !freedom.place ? wide : near);
+      last = fitCamera(best, given_, points, freedom, surface_);
+      if (!last.solvable) return from;
+      const PinholeCamera next = refine::changed(best, last.change);
+      const double shift = shiftPixels(best, next, points);
+      best = next;
+      if (shift < kSettledPixels) break;
+    }
+    return best;
+  }
+
+  // `out` gets the spreads.
+  bool clearlyBetter(const PinholeCamera& from, const PinholeCamera& to, double deviation_pixels,
+                     CameraRefit& out) const {
+    const float reach = OutlineOptions().reach_pixels;
+    const auto before = measure_(from, reach), after = measure_(to, reach);
+    const double shift = shiftPixels(to, from, after);
+    if (!(shift >= deviations_ * std::hypot(deviation_pixels, kUnknownPixels))) return false;
+    std::vector<double> spread[2];
+    for (const BlockedPoint& s : before) spread[0].push_back(s.point.residual_pixels);
+    for (const BlockedPoint& s : after) spread[1].push_back(s.point.residual_pixels);
+    out.spread_before_pixels = robustScale(spread[0]), out.spread_after_pixels = robustScale(spread[1]);
+    // Far off, few edges are within reach at all.
+    return out.spread_after_pixels < out.spread_before_pixels || after.size() > kMorePoints * double(before.size());
+  }
+
+  void tell(const PinholeCamera& best, const CameraStep& step, CameraRefit& out) const {
+    const auto points = measure_(best, OutlineOptions().reach_pixels);
+    out.best = CameraShift{shiftPixels(best, given_, points), step.shift_deviation_pixels};
+    out.turn_deviation_deg = step.turn_deviation_rad * kDegrees;
+  }
+
+ private:
+  const PinholeCamera& given_;
+  const MeasurePoints& measure_;
+  SurfaceKind surface_;
+  double deviations_;
+};
+
+}  // namespace
+
+CameraRefit refitCamera(const PinholeCamera& current, const PinholeCamera& given, const MeasurePoints& measure,
+                        bool with_place, SurfaceKind surface, double deviations) {
+  CameraRefit out{.camera = current};
+  const Fit fit(given, measure, surface, deviations);
+  CameraStep step;
+  const PinholeCamera turned = fit.fitted(current, kTurn, step);
+  if (!step.solvable) return out;
+  fit.tell(turned, step, out);
+  out.changed = fit.clearlyBetter(current, turned, step.shift_deviation_pixels, out);
+  if (out.changed) out.camera = turned;
+  if (!with_place) return out;
+  const PinholeCamera moved = fit.fitted(turned, kAll, step);
+  if (!step.solvable || !fit.clearlyBetter(out.camera, moved, step.shift_deviation_pixels, out)) return out;
+  out.changed = true;
+  out.camera = moved;
+  fit.tell(moved, step, out);
+  return out;
+}
+
+namespace {
+
+constexpr uint32_t kLargestGap = 8;  // frames between two that are looked at
+constexpr uint32_t kWindow = 3;      // frames before and after that count for one
+constexpr double kLeastFall = 0.05;  // share by which the other cameras' misfit must fall
+constexpr SurfaceFitOptions kOptions{.bound_m = 0.005, .stiffness = 3, .keep = 4, .keep_at_median = false};
+
+uint32_t distance(uint32_t a, uint32_t b, uint32_t loop_frames) {
+  const uint32_t straight = a < b ? b - a : a - b;
+  return loop_frames > 0 ? std::min(straight, loop_frames - straight) : straight;
+}
+
+// [frame][vertex] offsets from the claims of every `step`-th camera, beginning with the first.
+std::vector<std::vector<float>> fitFrom(std::span<const SlowFrame> frames, std::span<const InnerEdge> edges,
+                                        size_t vertices, uint32_t loop_frames, size_t step) {
+  const std::vector<float> none(vertices);
+  std::vector<std::vector<float>> out(frames.size());
+  inParallel(frames.size(), [&](int f) {
+    std::vector<OffsetClaim> claims;
+    for (const SlowFrame& near : frames) {
+      if (distance(near.index, frames[size_t(f)].index, loop_frames) > kWindow) continue;
+      for (size_t c = 0; c < near.claims.size(); c += step)
+        claims.insert(claims.end(), near.claims[c].begin(), near.claims[c].end());
+    }
+    out[size_t(f)] = fitOffsets(claims, edges, none, {}, kOptions);
+  });
+  return out;
+}
+
+}  // namespace
+
+std::optional<capture::SlowOffsets> fitSlowOffsets(std::span<const SlowFrame> frames, std::span<const InnerEdge> edges,
+                                                   size_t vertices, uint32_t loop_frames) {
+  if (frames.size() < 3 || frames[0].claims.size() < 2) return std::nullopt;
+  for (size_t i = 1; i < frames.size(); ++i)
+    if (frames[i].index - frames[i - 1].index > kLargestGap) return std::nullopt;
+  const auto half = fitFrom(frames, edges, vertices, loop_frames, 2);
+  std::vector<double> without, with;
+  for (size_t f = 0; f < frames.size(); ++f)
+    for (size_t c = 1; c < frames[f].claims.size(); c += 2)
+      for (const OffsetClaim& claim : frames[f].claims[c]) {
+        without.push_back(claim.offset_m);
+        with.push_back(claim.offset_m - (1 - claim.to_share) * half[f][claim.from] -
+                       claim.to_share * half[f][claim.to]);
+      }
+  if (!(robustScale(with) < (1 - kLeastFall) * robustScale(without))) return std::nullopt;
+  capture::SlowOffsets out;
+  for (const SlowFrame& frame : frames) out.frames.push_back(frame.index);
+  out.offset_m = fitFrom(frames, edges, vertices, loop_frames, 1);
+  out.loop_frames = loop_frames;
+  return out;
 }
 
 }  // namespace fourdvt::refine

@@ -4,13 +4,16 @@
 #pragma once
 
 #include <array>
+#include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "capture/surface_offsets.h"
 #include "refine/outline.h"
+#include "refine/surface_fit.h"
 
 namespace fourdvt::refine {
-
 // A change of a camera: first turned about its own axes, then moved along them, then zoomed.
 struct CameraChange {
   glm::dvec3 turn_rad{0};  // rotation vector in the camera's frame
@@ -53,5 +56,45 @@ CameraStep fitCamera(const PinholeCamera& camera, const PinholeCamera& given, st
 
 // Root mean square of how far the points lie apart in two cameras' pictures, pixels. They were taken with `a`.
 double shiftPixels(const PinholeCamera& a, const PinholeCamera& b, std::span<const BlockedPoint> points);
+
+// Fits a camera step by step to points that are measured anew after every step, and keeps the change only if it
+// explains more than chance could. Does NOT measure: the outlines of a mesh or of a visual hull come from its caller.
+
+constexpr double kClearDeviations = 3;  // standard deviations that chance does not explain
+
+// Measures the outline against a camera's mattes as if it were `as`; edges are searched up to `reach_pixels` away.
+using MeasurePoints = std::function<std::vector<BlockedPoint>(const PinholeCamera& as, float reach_pixels)>;
+
+// How far a camera would move, as the root mean square of the outline's shift in the picture, and how sure that is.
+struct CameraShift {
+  double pixels = 0, deviation_pixels = 0;
+};
+
+struct CameraRefit {
+  PinholeCamera camera;              // the refined one, or the current one
+  bool changed = false;              // clearly better than the current one
+  std::optional<CameraShift> best;   // against the given camera; none: the outline says too little
+  glm::dvec3 turn_deviation_deg{0};  // with `best`
+  double spread_before_pixels = 0, spread_after_pixels = 0;  // robust scale of the residuals
+};
+
+// Turns first, then, `with_place`, moves and zooms, too. `given`: before any refinement. `deviations`: how many of them
+// a change must exceed.
+CameraRefit refitCamera(const PinholeCamera& current, const PinholeCamera& given, const MeasurePoints& measure,
+                        bool with_place, SurfaceKind surface, double deviations = kClearDeviations);
+
+// Offsets that vary slowly with time, for meshes whose error depends on the pose.
+
+// What the outlines of one frame still lack, given the constant offsets.
+struct SlowFrame {
+  uint32_t index = 0;
+  std::vector<std::vector<OffsetClaim>> claims;  // [camera]
+};
+
+// Departures from the constant offsets at the frames given, each from its neighbours in time. None where the data do
+// not support them: the frames must be close in time, and what the cameras with even numbers say must bring the
+// outlines closer in those with odd numbers. `loop_frames`: of a loop, else 0.
+std::optional<capture::SlowOffsets> fitSlowOffsets(std::span<const SlowFrame> frames, std::span<const InnerEdge> edges,
+                                                   size_t vertices, uint32_t loop_frames);
 
 }  // namespace fourdvt::refine

@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 #include "mattes/frame_reader.h"
-#include "refine/matte_bias.h"
+#include "refine/outline.h"
 
 namespace fourdvt::refine {
 namespace {

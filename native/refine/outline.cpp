@@ -2,10 +2,14 @@
 #include "refine/outline.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <glm/glm.hpp>
 #include <map>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+
+#include "base/image.h"
 
 namespace fourdvt::refine {
 namespace {
@@ -171,6 +175,161 @@ std::vector<OutlinePoint> outlinePoints(const PinholeCamera& camera, std::span<c
       out.push_back(s);
     }
   }
+  return out;
+}
+
+namespace {
+
+constexpr int kScale = 2, kMargin = 12;  // pixels of the picture
+constexpr float kAgree = 0.25f, kFull = 2, kDark = 0.6f;
+
+cv::Scalar colourOf(float residual) {
+  if (std::abs(residual) <= kAgree) return {40, 220, 60};
+  const double share = std::min(1.0f, (std::abs(residual) - kAgree) / (kFull - kAgree));
+  const double pale = 200 * (1 - share);
+  return residual < 0 ? cv::Scalar(255, pale, 40) : cv::Scalar(40, pale, 255);
+}
+
+}  // namespace
+
+Image outlinePicture(const Image& rgba, const PinholeCamera& camera, std::span<const OutlinePoint> points) {
+  int left = rgba.width, top = rgba.height, right = 0, bottom = 0;
+  for (int y = 0; y < rgba.height; ++y)
+    for (int x = 0; x < rgba.width; ++x) {
+      if (rgba.at(x, y)[3] < 128) continue;
+      left = std::min(left, x - kMargin);
+      right = std::max(right, x + kMargin);
+      top = std::min(top, y - kMargin);
+      bottom = y + kMargin;
+    }
+  left = std::max(0, left);
+  top = std::max(0, top);
+  right = std::min(rgba.width, right);
+  bottom = std::min(rgba.height, bottom);
+  if (right <= left || bottom <= top) return Image(2, 2, 3);
+  const cv::Mat whole(rgba.height, rgba.width, CV_8UC4, const_cast<uint8_t*>(rgba.pixels.data()));
+  cv::Mat part;
+  cv::cvtColor(whole(cv::Rect(left, top, right - left, bottom - top)), part, cv::COLOR_RGBA2RGB);
+  cv::resize(part, part, {}, kScale, kScale, cv::INTER_LINEAR);
+  part *= kDark;
+  for (const OutlinePoint& s : points) {
+    const glm::vec3& p = s.point_in_cam;
+    const double x = camera.fx * p.x / p.z + camera.cx - left, y = camera.fy * p.y / p.z + camera.cy - top;
+    cv::circle(part, cv::Point(int(std::lround(x * kScale)), int(std::lround(y * kScale))), 1,
+               colourOf(s.residual_pixels), cv::FILLED, cv::LINE_8);
+  }
+  Image out(part.cols, part.rows, 3);
+  part.copyTo(cv::Mat(part.rows, part.cols, CV_8UC3, out.pixels.data()));
+  return out;
+}
+
+Image beside(const Image& left, const Image& right) {
+  Image out(left.width + right.width, left.height, 3);
+  for (int y = 0; y < left.height; ++y) {
+    std::copy_n(left.at(0, y), size_t(left.width) * 3, out.at(0, y));
+    std::copy_n(right.at(0, y), size_t(right.width) * 3, out.at(left.width, y));
+  }
+  return out;
+}
+
+namespace {
+
+constexpr float kInner = 4, kOuter = 7;  // pixels from the matte's edge
+constexpr float kContrast = 0.06f;       // smallest distance of the two colours, linear light
+constexpr float kReach = 4;              // pixels; an edge further off is not this matte's
+
+struct LinearLight {
+  std::array<float, 256> of;
+  LinearLight() {
+    for (int i = 0; i < 256; ++i) of[size_t(i)] = linearFromSrgb(float(i) / 255);
+  }
+};
+
+class Profile {
+ public:
+  Profile(const Image& rgba, glm::vec2 origin, glm::vec2 outward) : rgba_(rgba), origin_(origin), outward_(outward) {}
+  // Linear colour and matte (0…1).
+  glm::vec4 at(float t) const {
+    static const LinearLight linear;
+    const glm::vec2 p = origin_ + t * outward_ - 0.5f;
+    const int x = int(std::floor(p.x)), y = int(std::floor(p.y));
+    const float u = p.x - float(x), v = p.y - float(y);
+    glm::vec4 sum(0);
+    for (int j = 0; j < 2; ++j)
+      for (int i = 0; i < 2; ++i) {
+        const uint8_t* q = rgba_.at(x + i, y + j);
+        sum += (i ? u : 1 - u) * (j ? v : 1 - v) *
+               glm::vec4(linear.of[q[0]], linear.of[q[1]], linear.of[q[2]], float(q[3]) / 255);
+      }
+    return sum;
+  }
+  glm::vec3 mean(float from, float to) const {
+    glm::vec3 sum(0);
+    constexpr int kTaps = 4;
+    for (int i = 0; i < kTaps; ++i) sum += glm::vec3(at(from + (to - from) * float(i) / (kTaps - 1)));
+    return sum / float(kTaps);
+  }
+
+ private:
+  const Image& rgba_;
+  const glm::vec2 origin_, outward_;
+};
+
+// Where `value` falls through one half on the way out, nearest to 0.
+template <class Value>
+std::optional<float> crossing(const Value& value, float reach) {
+  constexpr float kStep = 0.25f;
+  std::optional<float> best;
+  float before = value(-reach);
+  for (float t = -reach; t < reach; t += kStep) {
+    const float after = value(t + kStep);
+    if (before >= 0.5f && after < 0.5f) {
+      const float at = t + kStep * (before - 0.5f) / (before - after);
+      if (!best || std::abs(at) < std::abs(*best)) best = at;
+    }
+    before = after;
+  }
+  return best;
+}
+
+std::optional<double> offsetAt(const Image& rgba, int x, int y) {
+  const auto alpha = [&](int i, int j) { return float(rgba.at(i, j)[3]); };
+  const glm::vec2 gradient(alpha(x + 1, y) - alpha(x - 1, y), alpha(x, y + 1) - alpha(x, y - 1));
+  const float length = glm::length(gradient);
+  if (length < 64) return std::nullopt;
+  const Profile profile(rgba, glm::vec2(x + 0.5f, y + 0.5f), -gradient / length);
+  const auto matte_edge = crossing([&](float t) { return profile.at(t).a; }, 1.5f);
+  if (!matte_edge) return std::nullopt;
+  const float m = *matte_edge;
+  if (profile.at(m - kInner).a < 0.95f || profile.at(m - kOuter).a < 0.95f) return std::nullopt;
+  if (profile.at(m + kInner).a > 0.05f || profile.at(m + kOuter).a > 0.05f) return std::nullopt;
+  const glm::vec3 figure = profile.mean(m - kOuter, m - kInner), background = profile.mean(m + kInner, m + kOuter);
+  const glm::vec3 between = figure - background;
+  const float squared = glm::dot(between, between);
+  if (squared < kContrast * kContrast) return std::nullopt;
+  const auto picture_edge =
+      crossing([&](float t) { return glm::dot(glm::vec3(profile.at(m + t)) - background, between) / squared; }, kReach);
+  if (!picture_edge) return std::nullopt;
+  return -double(*picture_edge);
+}
+
+}  // namespace
+
+std::vector<double> matteEdgeOffsets(const Image& rgba, int stride) {
+  const int margin = int(kOuter + kReach) + 3;
+  std::vector<double> out;
+  int seen = 0;
+  for (int y = margin; y < rgba.height - margin; ++y)
+    for (int x = margin; x < rgba.width - margin; ++x) {
+      const uint8_t here = rgba.at(x, y)[3];
+      // A pixel beside the edge: at least half inside, with a neighbour that is not.
+      if (here < 128) continue;
+      if (rgba.at(x + 1, y)[3] >= 128 && rgba.at(x - 1, y)[3] >= 128 && rgba.at(x, y + 1)[3] >= 128 &&
+          rgba.at(x, y - 1)[3] >= 128)
+        continue;
+      if (seen++ % stride) continue;
+      if (const auto offset = offsetAt(rgba, x, y)) out.push_back(*offset);
+    }
   return out;
 }
 

@@ -13,7 +13,6 @@
 #include "base/mesh.h"
 
 namespace fourdvt::refine {
-
 // An edge of the mesh with a face on either side; the outline is made of such edges.
 struct InnerEdge {
   uint32_t from = 0, to = 0;  // vertices
@@ -49,5 +48,23 @@ std::vector<OutlinePoint> outlinePoints(const PinholeCamera& camera, std::span<c
                                         std::span<const InnerEdge> edges, std::span<const glm::vec3> positions,
                                         std::span<const glm::vec3> normals, const MatteCrop& matte,
                                         const OutlineOptions& options);
+
+// Draws a mesh's outline over a camera's picture, coloured by its distance from the matte's.
+
+// RGB, the part of `rgba` round the matte, darkened and twice as large, with a dot at every point: green where the
+// outlines agree to a quarter of a pixel, towards red where the mesh is too large, towards blue where it is too small
+// (full colour from 2 pixels on). `camera`: the one that the points were taken with.
+Image outlinePicture(const Image& rgba, const PinholeCamera& camera, std::span<const OutlinePoint> points);
+
+// Two pictures of one height beside each other.
+Image beside(const Image& left, const Image& right);
+
+// How far a matte's edge lies from the edge that the picture itself shows. Does NOT need the mesh.
+
+// For every place on the matte's edge where figure and background differ clearly in colour: how many pixels the matte's
+// edge lies outside the picture's (negative: the matte is too small). `rgba`: alpha = matte. The figure's colour is
+// taken from 4 to 7 pixels inside, the background's from as far outside, and the picture's edge is where linear light
+// is half of each. Every `stride`-th pixel of the edge.
+std::vector<double> matteEdgeOffsets(const Image& rgba, int stride);
 
 }  // namespace fourdvt::refine

@@ -8,10 +8,9 @@
 #include "base/parallel.h"
 #include "base/robust.h"
 #include "mattes/frame_reader.h"
-#include "refine/camera_refit.h"
+#include "refine/camera_fit.h"
 #include "refine/frames.h"
-#include "refine/outline_picture.h"
-#include "refine/slow_fit.h"
+#include "refine/outline.h"
 #include "refine/surface_fit.h"
 
 namespace fourdvt::refine {

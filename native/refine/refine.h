@@ -16,7 +16,7 @@
 
 #include "base/image.h"
 #include "capture/capture.h"
-#include "refine/camera_refit.h"
+#include "refine/camera_fit.h"
 
 namespace fourdvt::refine {
 

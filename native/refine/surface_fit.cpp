@@ -4,6 +4,11 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <optional>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
 
 #include "base/robust.h"
 
@@ -74,6 +79,171 @@ std::vector<float> fitOffsets(std::span<const OffsetClaim> claims, std::span<con
     out[v] = float(std::clamp(offset[Eigen::Index(v)], -options.bound_m, options.bound_m));
   keepClear(clearances, out);
   return out;
+}
+
+namespace {
+
+constexpr float kShare = 0.8f;          // of the thickness may be used up
+constexpr float kLeastOpposite = 0.5f;  // cosine between two sides, one of them turned round
+constexpr float kCovered_m = 0.05f;     // what covers a place is looked for up to here
+constexpr int kPushRounds = 200;
+constexpr float kSettled_m = 2e-6f;                 // a smaller step of every vertex ends it
+constexpr float kCell_m = 0.02f, kMostCells = 200;  // side; along the mesh's longest side
+constexpr glm::vec3 kPlaces[] = {
+    {4 / 6.f, 1 / 6.f, 1 / 6.f}, {1 / 6.f, 4 / 6.f, 1 / 6.f}, {1 / 6.f, 1 / 6.f, 4 / 6.f}, {1 / 3.f, 1 / 3.f, 1 / 3.f}};
+
+uint64_t keyOf(const glm::ivec3& cell) {
+  const auto part = [](int v) { return uint64_t(uint32_t(v + (1 << 20)) & 0x1fffff); };
+  return part(cell.x) << 42 | part(cell.y) << 21 | part(cell.z);
+}
+
+// The faces by the cells that their boxes touch.
+class Faces {
+ public:
+  Faces(std::span<const glm::uvec3> face_vertices, std::span<const glm::vec3> positions)
+      : face_vertices_(face_vertices), positions_(positions) {
+    if (positions.empty()) return;
+    low_ = positions[0];
+    glm::vec3 high = low_;
+    for (const glm::vec3& p : positions) low_ = glm::min(low_, p), high = glm::max(high, p);
+    const glm::vec3 size = high - low_;
+    cell_m_ = std::max(kCell_m, std::max(size.x, std::max(size.y, size.z)) / kMostCells);
+    for (uint32_t f = 0; f < face_vertices.size(); ++f) {
+      const glm::vec3 a = corner(f, 0), b = corner(f, 1), c = corner(f, 2);
+      eachCell(glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c)),
+               [&](uint64_t key) { cells_[key].push_back(f); });
+    }
+  }
+
+  struct Hit {
+    uint32_t face = 0;
+    glm::vec3 shares{0};  // of the face's corners
+    float distance_m = 0;
+    bool from_behind = false;
+  };
+  // The nearest face but `own` along the unit vector `ray`, closer than `reach`.
+  std::optional<Hit> along(const glm::vec3& from, const glm::vec3& ray, uint32_t own, float reach) const {
+    std::optional<Hit> nearest;
+    const auto before = [&] { return nearest ? nearest->distance_m : reach; };
+    for (float start = 0; start < before(); start += cell_m_) {
+      const glm::vec3 a = from + start * ray, b = from + std::min(start + cell_m_, reach) * ray;
+      eachCell(glm::min(a, b), glm::max(a, b), [&](uint64_t key) {
+        const auto it = cells_.find(key);
+        if (it == cells_.end()) return;
+        for (const uint32_t f : it->second) {
+          if (f == own) continue;
+          const std::optional<Hit> hit = meet(from, ray, f);
+          if (hit && hit->distance_m < before()) nearest = hit;
+        }
+      });
+    }
+    return nearest;
+  }
+
+ private:
+  template <class Use>
+  void eachCell(const glm::vec3& low_point, const glm::vec3& high_point, Use use) const {
+    const glm::ivec3 low = cellOf(low_point), high = cellOf(high_point);
+    for (int x = low.x; x <= high.x; ++x)
+      for (int y = low.y; y <= high.y; ++y)
+        for (int z = low.z; z <= high.z; ++z) use(keyOf({x, y, z}));
+  }
+  glm::ivec3 cellOf(const glm::vec3& point) const { return glm::floor((point - low_) / cell_m_); }
+  glm::vec3 corner(uint32_t face, int k) const { return positions_[face_vertices_[face][k]]; }
+
+  // A ray and a triangle (MT97).
+  std::optional<Hit> meet(const glm::vec3& from, const glm::vec3& ray, uint32_t face) const {
+    const glm::vec3 a = corner(face, 0), ab = corner(face, 1) - a, ac = corner(face, 2) - a;
+    const glm::vec3 p = glm::cross(ray, ac);
+    const float size = glm::dot(ab, p);  // negative: met from behind
+    if (size == 0) return std::nullopt;
+    const glm::vec3 to = from - a, q = glm::cross(to, ab);
+    const float u = glm::dot(to, p) / size, v = glm::dot(ray, q) / size, distance = glm::dot(ac, q) / size;
+    if (!(u >= 0 && v >= 0 && u + v <= 1 && distance > 0)) return std::nullopt;
+    return Hit{face, {1 - u - v, u, v}, distance, size < 0};
+  }
+
+  const std::span<const glm::uvec3> face_vertices_;
+  const std::span<const glm::vec3> positions_;
+  glm::vec3 low_{0};
+  float cell_m_ = kCell_m;
+  std::unordered_map<uint64_t, std::vector<uint32_t>> cells_;
+};
+
+}  // namespace
+
+std::vector<Clearance> clearancesOf(std::span<const glm::uvec3> face_vertices, std::span<const glm::vec3> positions,
+                                    std::span<const glm::vec3> normals, float bound_m) {
+  std::vector<Clearance> out;
+  const Faces faces(face_vertices, positions);
+  const auto mixed = [&](const glm::uvec3& v, const glm::vec3& shares, std::span<const glm::vec3> of) {
+    return shares.x * of[v.x] + shares.y * of[v.y] + shares.z * of[v.z];
+  };
+  for (uint32_t f = 0; f < face_vertices.size(); ++f) {
+    for (uint32_t i = 0; i < std::size(kPlaces); ++i) {
+      const glm::vec3& place = kPlaces[i];
+      const glm::vec3 sum = mixed(face_vertices[f], place, normals), point = mixed(face_vertices[f], place, positions);
+      const float length = glm::length(sum);
+      if (!(length > 0)) continue;
+      const glm::vec3 inward = sum / -length;
+      const auto behind = faces.along(point, inward, f, 2 * bound_m / kShare);
+      if (!behind || !behind->from_behind) continue;
+      const glm::uvec3 other = face_vertices[behind->face];
+      const float opposite = glm::dot(inward, mixed(other, behind->shares, normals));
+      if (opposite < kLeastOpposite) continue;
+      // Inside another part of the mesh, what lies behind is not the other side of this one.
+      const auto before = faces.along(point, -inward, f, kCovered_m);
+      if (before && before->from_behind) continue;
+      Clearance c{.place = f * uint32_t(std::size(kPlaces)) + i, .most_m = kShare * behind->distance_m};
+      for (int k = 0; k < 3; ++k) {
+        c.vertices[k] = face_vertices[f][k];
+        c.shares[k] = -place[k];
+        c.vertices[3 + k] = other[k];
+        c.shares[3 + k] = -opposite * behind->shares[k];
+      }
+      for (int k = 3; k < 6; ++k)  // a vertex of both faces counts once, with both shares
+        for (int j = 0; j < 3; ++j)
+          if (c.vertices[k] == c.vertices[j]) c.shares[j] += std::exchange(c.shares[k], 0.f);
+      out.push_back(c);
+    }
+  }
+  return out;
+}
+
+std::vector<Clearance> usualClearances(std::vector<Clearance> of_all_frames, size_t frames) {
+  std::sort(of_all_frames.begin(), of_all_frames.end(), [](const Clearance& a, const Clearance& b) {
+    return std::tie(a.place, a.most_m) < std::tie(b.place, b.most_m);
+  });
+  std::vector<Clearance> out;
+  for (size_t first = 0, last = 0; first < of_all_frames.size(); first = last) {
+    while (last < of_all_frames.size() && of_all_frames[last].place == of_all_frames[first].place) ++last;
+    if (last - first > frames / 2) out.push_back(of_all_frames[first + frames / 2]);
+  }
+  return out;
+}
+
+void keepClear(std::span<const Clearance> clearances, std::span<float> offsets_m) {
+  std::vector<float> pushed(clearances.size(), 0);  // so far, never below 0
+  for (int round = 0; round < kPushRounds; ++round) {
+    float furthest_m = 0;
+    for (size_t i = 0; i < clearances.size(); ++i) {
+      const Clearance& c = clearances[i];
+      float closing_m = -c.most_m, give = 0;
+      for (int k = 0; k < 6; ++k) {
+        closing_m += c.shares[k] * offsets_m[c.vertices[k]];
+        give += c.shares[k] * c.shares[k];
+      }
+      if (!(give > 0)) continue;
+      const float push = std::max(closing_m / give, -pushed[i]);
+      pushed[i] += push;
+      for (int k = 0; k < 6; ++k) {
+        const float step_m = push * c.shares[k];
+        offsets_m[c.vertices[k]] -= step_m;
+        furthest_m = std::max(furthest_m, std::abs(step_m));
+      }
+    }
+    if (furthest_m < kSettled_m) return;
+  }
 }
 
 }  // namespace fourdvt::refine

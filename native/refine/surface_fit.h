@@ -3,14 +3,39 @@
 // pictures: outline.h does.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
 
-#include "refine/clearance.h"
+#include "base/mesh.h"
 #include "refine/outline.h"
 
 namespace fourdvt::refine {
+// Keeps thin parts of a mesh, like a hem, from turning inside out as its vertices move along their normals. Does NOT
+// look at pictures, and does NOT keep parts apart that come close from outside.
+
+// Two sides of a thin part, which come towards each other as vertices move inwards: Σ share · offset (metres along the
+// normals, shares at most 0) over these vertices must not exceed `most_m`.
+struct Clearance {
+  uint32_t place = 0;  // which of the mesh's, the same in all frames
+  std::array<uint32_t, 6> vertices{};
+  std::array<float, 6> shares{};
+  float most_m = 0;  // a share of the thickness
+};
+
+// At up to four places within every face: where less than two times `bound_m` lies between two sides, and not inside
+// another part of the mesh. `face_vertices`: welded, so that `normals` (unit) need be known only for vertices that
+// faces name.
+std::vector<Clearance> clearancesOf(std::span<const glm::uvec3> face_vertices, std::span<const glm::vec3> positions,
+                                    std::span<const glm::vec3> normals, float bound_m);
+
+// Of every place that has a clearance in more than half of the frames, the one in the middle: where a part only now and
+// then touches another or folds in a joint, offsets that are constant in time stay free.
+std::vector<Clearance> usualClearances(std::vector<Clearance> of_all_frames, size_t frames);
+
+// The nearest offsets (least squares) that keep within the clearances, to about 10 µm. Source: Hildreth's method (H57).
+void keepClear(std::span<const Clearance> clearances, std::span<float> offsets_m);
 
 // Weights are relative to that of one point's squared misfit. Chosen on the sample capture's walk.
 struct SurfaceFitOptions {

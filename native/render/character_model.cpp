@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "base/surface_frame.h"
+#include "base/mesh.h"
 #include "render/shared_corners.h"
 #include "render/table.h"
 

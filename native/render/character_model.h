@@ -48,7 +48,7 @@ class CharacterModel {
   // What the passes bind. Textures are 2-D tables addressed as index → (index % width, index / width).
   static constexpr int kTableWidth = 256;
   // RGBA32F, 2 texels per corner: uv.x, uv.y, vertex index (exact below 2^24), unused; then uv_from_tangents, column by
-  // column (base/surface_frame.h).
+  // column (base/mesh.h).
   gpu::Texture corners;             // none for surfaces
   gpu::Texture corner_vertices;     // R32UI, the vertex of every corner; surfaces only
   gpu::Texture positions_normals;   // RGBA32F, 2 texels per vertex: position, normal

@@ -8,6 +8,9 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <queue>
+
+#include "base/triangulate.h"
 
 namespace fourdvt::silhouette {
 namespace {
@@ -126,6 +129,192 @@ Outline outlineOf(const Image& coverage, const OutlineRules& rules) {
   });
   if (rules.tolerance_px > 0) simplifyRings(outline.rings, rules.tolerance_px);
   return outline;
+}
+
+namespace {
+
+constexpr double kClearance_px = 0.01;  // between an edge and the points that it passes
+constexpr double kStraight_px2 = 1e-9;  // twice the area that a point on a straight line spans
+constexpr double kCell_px = 8;          // of the grid that finds points
+
+double distanceSquared(const glm::dvec2& point, const glm::dvec2& from, const glm::dvec2& to) {
+  const glm::dvec2 along = to - from, away = point - from;
+  const double length2 = glm::dot(along, along);
+  const double share = length2 > 0 ? std::clamp(glm::dot(away, along) / length2, 0.0, 1.0) : 0.0;
+  const glm::dvec2 rest = away - share * along;
+  return glm::dot(rest, rest);
+}
+
+struct Vertex {
+  glm::dvec2 point{0};
+  uint32_t ring = 0, previous = 0, next = 0;  // vertices that still stand
+  uint32_t version = 0;                       // of its neighbourhood
+  bool stands = true;
+};
+
+struct Removal {
+  double distance2 = 0;
+  uint32_t vertex = 0, version = 0;
+  bool operator<(const Removal& other) const {  // the least distance is on top of the queue; ties by index
+    return distance2 != other.distance2 ? distance2 > other.distance2 : vertex > other.vertex;
+  }
+};
+
+// Buckets of the vertices by place.
+class Grid {
+ public:
+  explicit Grid(const std::vector<Vertex>& vertices) {
+    if (vertices.empty()) return;
+    glm::dvec2 high = low_ = vertices[0].point;
+    for (const Vertex& v : vertices) low_ = glm::min(low_, v.point), high = glm::max(high, v.point);
+    columns_ = int((high.x - low_.x) / kCell_px) + 1;
+    rows_ = int((high.y - low_.y) / kCell_px) + 1;
+    cells_.resize(size_t(columns_) * rows_);
+    for (uint32_t v = 0; v < vertices.size(); ++v)
+      cells_[size_t(cell(vertices[v].point.y - low_.y, rows_)) * columns_ +
+             cell(vertices[v].point.x - low_.x, columns_)]
+          .push_back(v);
+  }
+
+  // Whether `holds` is true for a vertex near the box.
+  template <class Holds>
+  bool any(const glm::dvec2& low, const glm::dvec2& high, const Holds& holds) const {
+    const int x0 = cell(low.x - low_.x, columns_), x1 = cell(high.x - low_.x, columns_);
+    const int y0 = cell(low.y - low_.y, rows_), y1 = cell(high.y - low_.y, rows_);
+    for (int y = y0; y <= y1; ++y)
+      for (int x = x0; x <= x1; ++x)
+        for (uint32_t v : cells_[size_t(y) * columns_ + x])
+          if (holds(v)) return true;
+    return false;
+  }
+
+ private:
+  static int cell(double offset_px, int count) { return std::clamp(int(offset_px / kCell_px), 0, count - 1); }
+
+  glm::dvec2 low_{0};
+  int columns_ = 0, rows_ = 0;
+  std::vector<std::vector<uint32_t>> cells_;
+};
+
+class Simplifier {
+ public:
+  Simplifier(const std::vector<Ring>& rings, double tolerance_px)
+      : tolerance2_(tolerance_px * tolerance_px), vertices_(listed(rings)), grid_(vertices_) {
+    uint32_t first = 0;
+    for (const Ring& ring : rings) {
+      first_.push_back(first);
+      left_.push_back(uint32_t(ring.size()));
+      first += uint32_t(ring.size());
+    }
+    first_.push_back(first);
+  }
+
+  void run() {
+    for (bool changed = true; changed;) {  // again: a point that was in the way may be gone
+      changed = false;
+      for (uint32_t v = 0; v < vertices_.size(); ++v) propose(v);
+      while (!queue_.empty()) {
+        const Removal removal = queue_.top();
+        queue_.pop();
+        const Vertex& v = vertices_[removal.vertex];
+        if (!v.stands || v.version != removal.version || left_[v.ring] <= 3 || inTheWay(v)) continue;
+        remove(removal.vertex);
+        changed = true;
+      }
+    }
+  }
+
+  std::vector<Ring> rings() const {
+    std::vector<Ring> out(left_.size());
+    for (const Vertex& v : vertices_)
+      if (v.stands) out[v.ring].push_back(v.point);
+    return out;
+  }
+
+ private:
+  static std::vector<Vertex> listed(const std::vector<Ring>& rings) {
+    std::vector<Vertex> vertices;
+    for (uint32_t r = 0; r < rings.size(); ++r) {
+      const uint32_t first = uint32_t(vertices.size()), count = uint32_t(rings[r].size());
+      for (uint32_t i = 0; i < count; ++i)
+        vertices.push_back({rings[r][i], r, first + (i + count - 1) % count, first + (i + 1) % count});
+    }
+    return vertices;
+  }
+
+  // Puts the vertex into the queue if the tolerance lets it go.
+  void propose(uint32_t index) {
+    const Vertex& v = vertices_[index];
+    if (!v.stands || left_[v.ring] <= 3) return;
+    const glm::dvec2 &from = vertices_[v.previous].point, &to = vertices_[v.next].point;
+    double farthest2 = 0;
+    for (uint32_t i = given(v.previous, v.ring); i != v.next && farthest2 <= tolerance2_; i = given(i, v.ring))
+      farthest2 = std::max(farthest2, distanceSquared(vertices_[i].point, from, to));
+    if (farthest2 <= tolerance2_) queue_.push({farthest2, index, v.version});
+  }
+
+  // The next vertex of the given ring, standing or not.
+  uint32_t given(uint32_t index, uint32_t ring) const {
+    return index + 1 == first_[ring + 1] ? first_[ring] : index + 1;
+  }
+
+  // Whether another vertex lies in the triangle with the neighbours, or nearly on the edge that would replace it.
+  bool inTheWay(const Vertex& v) const {
+    const glm::dvec2 &a = vertices_[v.previous].point, &b = v.point, &c = vertices_[v.next].point;
+    const auto holds = [&](uint32_t index) {
+      const Vertex& other = vertices_[index];
+      if (!other.stands || &other == &v || index == v.previous || index == v.next) return false;
+      const glm::dvec2& p = other.point;
+      const double ab = cross(b - a, p - a), bc = cross(c - b, p - b), ca = cross(a - c, p - c);
+      if ((ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0)) return true;
+      return distanceSquared(p, a, c) < kClearance_px * kClearance_px;
+    };
+    return grid_.any(glm::min(a, glm::min(b, c)) - kClearance_px, glm::max(a, glm::max(b, c)) + kClearance_px, holds);
+  }
+
+  void remove(uint32_t index) {
+    Vertex& v = vertices_[index];
+    v.stands = false;
+    --left_[v.ring];
+    vertices_[v.previous].next = v.next;
+    vertices_[v.next].previous = v.previous;
+    for (uint32_t neighbour : {v.previous, v.next}) {
+      ++vertices_[neighbour].version;
+      propose(neighbour);
+    }
+  }
+
+  double tolerance2_;
+  std::vector<Vertex> vertices_;  // ring after ring
+  std::vector<uint32_t> first_;   // per ring: its first vertex; the end at last
+  std::vector<uint32_t> left_;    // per ring: vertices that stand
+  Grid grid_;
+  std::priority_queue<Removal> queue_;
+};
+
+// Straight runs have many points that no one needs to look at again.
+void dropStraightPoints(Ring& ring) {
+  Ring kept;
+  for (size_t i = 0; i < ring.size(); ++i) {
+    const glm::dvec2 &before = kept.empty() ? ring.back() : kept.back(), &after = ring[(i + 1) % ring.size()];
+    if (std::abs(cross(ring[i] - before, after - ring[i])) > kStraight_px2) kept.push_back(ring[i]);
+  }
+  if (kept.size() >= 3) ring = std::move(kept);
+}
+
+}  // namespace
+
+double signedArea_px2(const Ring& ring) {
+  double twice = 0;
+  for (size_t i = 0; i < ring.size(); ++i) twice += cross(ring[i], ring[(i + 1) % ring.size()]);
+  return twice / 2;
+}
+
+void simplifyRings(std::vector<Ring>& rings, double tolerance_px) {
+  for (Ring& ring : rings) dropStraightPoints(ring);
+  Simplifier simplifier(rings, tolerance_px);
+  simplifier.run();
+  rings = simplifier.rings();
 }
 
 }  // namespace fourdvt::silhouette

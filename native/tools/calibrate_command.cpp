@@ -2,7 +2,6 @@
 #include <cstdio>
 
 #include "refine/run/calibrate_capture.h"
-#include "refine/run/calibration_report.h"
 #include "tools/args.h"
 #include "tools/commands.h"
 #include "tools/common_options.h"

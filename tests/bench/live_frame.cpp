@@ -13,7 +13,6 @@
 #include "bench/blend_cost.h"
 #include "capture/capture.h"
 #include "encode/surfaces.h"
-#include "live/server/jpeg_planes.h"
 #include "live/server/live_encoder.h"
 #include "live/server/live_hull.h"
 #include "live/server/pipeline.h"

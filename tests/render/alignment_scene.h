@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/surface_frame.h"
+#include "base/mesh.h"
 #include "quad_scene.h"
 
 namespace fourdvt::testing {

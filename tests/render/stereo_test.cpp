@@ -8,10 +8,10 @@
 
 #include "base/face_buffer.h"
 #include "gl_fixture.h"
-#include "reconstruct/components.h"
+#include "reconstruct/carve.h"
 #include "reconstruct/stereo/steady.h"
 #include "reconstruct/stereo/stereo_refiner.h"
-#include "reconstruct/volumetric_hull.h"
+#include "reconstruct/surface_cleaning.h"
 
 namespace fourdvt::testing {
 namespace {

@@ -37,7 +37,7 @@ test('the player, other commands and their shaders do not', () => {
 });
 
 test('other folders have stamps of their own', () => {
-  assert.ok(changes('native/reconstruct/fairing.cpp', ['reconstruct/run']));
+  assert.ok(changes('native/reconstruct/surface_cleaning.cpp', ['reconstruct/run']));
   assert.ok(!changes('native/bake/bake.cpp', ['reconstruct/run']));
   assert.ok(sourcesOf(root, ['reconstruct/run']).includes('shaders/gles/stereo_costs.frag'));
 });

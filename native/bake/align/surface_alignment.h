@@ -25,7 +25,7 @@ struct AlignmentOptions {
 };
 
 struct AlignedFrame {
-  std::vector<glm::vec2> displacement_m;  // [member - 1][vertex], along the tangents of base/surface_frame.h
+  std::vector<glm::vec2> displacement_m;  // [member - 1][vertex], along the tangents of base/mesh.h
   std::vector<float> confidence;          // likewise, 0..1
   float detail_correlation = 1;           // of the members' looks after this displacement; see views.h
 };

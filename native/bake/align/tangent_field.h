@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bake/align/views.h"
-#include "base/surface_frame.h"
+#include "base/mesh.h"
 
 namespace fourdvt::bake {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/camera.h"
-#include "base/surface_frame.h"
+#include "base/mesh.h"
 
 namespace fourdvt::bake {
 

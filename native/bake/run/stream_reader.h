@@ -9,6 +9,7 @@
 #include "bake/run/bake_run.h"
 #include "bake/run/job.h"
 #include "bake/texels/picture_crop.h"
+#include "mattes/frame_reader.h"
 #include "package/stream_file.h"
 
 namespace fourdvt::bake {

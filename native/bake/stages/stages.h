@@ -14,6 +14,7 @@
 #include "bake/report/report.h"
 #include "bake/run/bake_run.h"
 #include "bake/texels/colour_calibration.h"
+#include "mattes/frame_reader.h"
 #include "package/sound.h"
 
 namespace fourdvt::bake {

@@ -168,16 +168,6 @@ Status linkCapture(const Capture& capture, const std::string& to, const LinkOpti
   return writeText(to + "/capture.json", json.dump(2) + "\n");
 }
 
-Result<Capture> openLinked(const std::string& folder, const std::string& linked_capture,
-                           const std::vector<std::string>& sequences, const OpenVideo& open_video) {
-  auto opened = openCapture(folder, open_video, sequences, MeshNeed::Nothing, MatteNeed::None);
-  if (opened.ok()) return opened;
-  return Error{opened.error().id, linked_capture +
-                                      "/capture.json: names files outside of the capture or in a sequence that is "
-                                      "left out; move them into folders of their own inside it (" +
-                                      opened.error().message + ")"};
-}
-
 Status leaveOut(const std::vector<std::string>& names, Capture& capture) {
   for (const std::string& name : names) {
     const auto at = std::find_if(capture.cameras.begin(), capture.cameras.end(),

@@ -29,11 +29,6 @@ struct LinkOptions {
 // classes, which need one topology, are left out. Errors: WriteFailed, CaptureJson, FileMissing.
 Status linkCapture(const Capture& capture, const std::string& to, const LinkOptions& options);
 
-// Opens sequences of the folder that a capture was linked into. Errors: those of openCapture, under the name of the
-// capture that its links lead to: whatever capture.json names must be found from the new folder.
-Result<Capture> openLinked(const std::string& folder, const std::string& linked_capture,
-                           const std::vector<std::string>& sequences, const OpenVideo& open_video);
-
 // Takes cameras out of a capture that was opened. Errors: InvalidArgument (a name that no camera has; fewer than two
 // would be left).
 Status leaveOut(const std::vector<std::string>& names, Capture& capture);

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "base/text.h"
-#include "base/warning_lines.h"
 #include "capture/import/calibration_files.h"
 #include "capture/import/class_option.h"
 #include "capture/import/layout.h"

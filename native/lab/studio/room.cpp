@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
 
-#include "base/srgb.h"
+#include "base/image.h"
 #include "lab/studio/random.h"
 
 namespace fourdvt::studio {

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "base/watch.h"
-#include "live/net/http_text.h"
+#include "live/net/http.h"
 #include "live/net/pump.h"
 
 namespace fourdvt::live {

@@ -5,8 +5,7 @@
 #include <boost/beast/http/parser.hpp>
 #include <optional>
 
-#include "live/net/http_answer.h"
-#include "live/net/http_text.h"
+#include "live/net/http.h"
 #include "live/net/pump.h"
 
 namespace fourdvt::live {

@@ -5,8 +5,8 @@
 
 #include <memory>
 
+#include "live/net/pump.h"
 #include "live/net/server_core.h"
-#include "live/net/wire.h"
 
 namespace fourdvt::live {
 

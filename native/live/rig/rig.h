@@ -11,8 +11,8 @@
 #include "capture/capture.h"
 
 namespace fourdvt::live {
-
-// Input that FFmpeg opens. A file is played in a loop at its own pace, such that all cameras of a stage show the same moment.
+// Input that FFmpeg opens. A file is played in a loop at its own pace, such that all cameras of a stage show the same
+// moment.
 struct SourcePlace {
   std::string url;                             // file (relative to the rig's folder), device or address
   std::string format;                          // FFmpeg's input format, e.g. "v4l2"; empty: told from the url
@@ -43,5 +43,11 @@ Result<std::vector<Image>> readRigPlates(const Rig& rig, const RigCamera& camera
 
 // Errors: FileMissing, CaptureJson (a field of RIG.json), and those of readColmapCameras.
 Result<Rig> readRig(const std::string& path);
+
+// The box of space that all cameras of a rig see, for a rig that names none. Does NOT look at pictures.
+
+// World, metres: above the ground but for a hundredth of its height, with every camera outside. Accurate to about a
+// fiftieth of the cameras' distance. None where no space is seen by all.
+std::optional<BoundingBox> commonView(const std::vector<capture::CaptureCamera>& cameras, double ground_y_m);
 
 }  // namespace fourdvt::live

@@ -3,6 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include "base/robust.h"
 
 namespace fourdvt::live {
 namespace {
@@ -134,6 +138,66 @@ std::optional<Instants::Taken> Instants::take(int64_t now_us) {
 std::optional<int64_t> Instants::due_us() const {
   if (slots_.empty()) return std::nullopt;
   return timeOf(slots_.begin()->first) + std::llround(1e6 * rules_.wait_s);
+}
+
+namespace {
+
+constexpr size_t kAnswers = 16, kDeciding = 4;
+constexpr int64_t kMuchLonger_us = 2000;  // than the shortest round trip: such an answer does not decide
+
+}  // namespace
+
+void ClockOffset::add(const ClockAnswer& answer, int64_t now_us) {
+  if (std::max(std::abs(answer.camera_us), std::abs(now_us)) > kLatest_us) return;
+  if (answer.server_us > now_us || answer.server_us < now_us - kMostRoundTrip_us) return;
+  const int64_t round_trip_us = now_us - answer.server_us;
+  const Answer next{round_trip_us, answer.camera_us - (answer.server_us + round_trip_us / 2)};
+  // The true offset lies within half of the round trip round an answer's.
+  if (known() && std::abs(next.offset_us - offset_us_) > kJump_us + round_trip_us / 2) answers_.clear();
+  answers_.push_back(next);
+  if (answers_.size() > kAnswers) answers_.pop_front();
+  decide();
+}
+
+void ClockOffset::decide() {
+  std::vector<Answer> sorted(answers_.begin(), answers_.end());
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const Answer& a, const Answer& b) { return a.round_trip_us < b.round_trip_us; });
+  const int64_t base_us = sorted[0].offset_us, longest_us = sorted[0].round_trip_us + kMuchLonger_us;
+  int64_t sum_us = 0, count = 0;  // of differences: offsets themselves may be large
+  for (size_t i = 0; i < std::min(kDeciding, sorted.size()) && sorted[i].round_trip_us <= longest_us; ++i, ++count)
+    sum_us += sorted[i].offset_us - base_us;
+  offset_us_ = base_us + sum_us / count;
+}
+
+namespace {
+
+constexpr int64_t kReaches_us = 200'000;              // from here to the cameras and back in outlines
+constexpr double kTooBusy = 1.1, kTooIdle = 0.85;     // times the hull's share: nothing changes between them
+constexpr double kMostRise = 1.8, kMostFall = 0.93;   // per step
+constexpr double kRisePower = 0.9, kFallPower = 0.3;  // of the ratio to the wanted share
+constexpr size_t kMostRatios = 1000;
+
+}  // namespace
+
+ToleranceControl::ToleranceControl(const ToleranceRules& rules, double first_px)
+    : rules_(rules), tolerance_px_(std::clamp(first_px, rules.least_px, rules.most_px)) {}
+
+bool ToleranceControl::add(int64_t now_us, double hull_busy, double other_busy) {
+  if (!began_ || now_us < stepped_us_) began_ = true, stepped_us_ = now_us;
+  const double hull_share = std::max(rules_.busy_share - other_busy, rules_.least_hull_share);
+  if (now_us - stepped_us_ >= kReaches_us && ratios_.size() < kMostRatios) ratios_.push_back(hull_busy / hull_share);
+  if (now_us - stepped_us_ < kStep_us || ratios_.empty()) return false;
+  const double ratio = median(ratios_);
+  double factor = 1;
+  if (ratio > kTooBusy) factor = std::min(std::pow(ratio, kRisePower), kMostRise);
+  if (ratio < kTooIdle) factor = std::max(std::pow(std::max(ratio, 1e-3), kFallPower), kMostFall);
+  const double next_px = std::clamp(tolerance_px_ * factor, rules_.least_px, rules_.most_px);
+  stepped_us_ = now_us;
+  ratios_.clear();
+  if (next_px == tolerance_px_) return false;
+  tolerance_px_ = next_px;
+  return true;
 }
 
 }  // namespace fourdvt::live

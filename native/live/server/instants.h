@@ -3,16 +3,18 @@
 // belongs to the slot that is nearest to its capture. Holds few slots. Does NOT read clocks and has no threads.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "base/robust.h"
 #include "live/protocol/camera_messages.h"
 
 namespace fourdvt::live {
-
 struct InstantRules {
   size_t cameras = 0;
   double fps = 25;
@@ -84,6 +86,99 @@ class Instants {
   std::map<int64_t, Slot> slots_;  // none is empty of pictures
   int64_t closed_ = INT64_MIN;     // this slot and those before it are over
   uint64_t skipped_ = 0, too_few_ = 0;
+};
+
+// A camera's clock against the server's, from questions and answers as in NTP: of the last answers, those with the
+// shortest round trips decide. Does NOT read clocks.
+
+class ClockOffset {
+ public:
+  // `now_us`: by the server's clock, when the answer came. Answers to questions that cannot have been put (from the
+  // future, or more than kMostRoundTrip_us ago) are left out. A camera whose clock jumps by more than kJump_us begins
+  // anew.
+  void add(const ClockAnswer& answer, int64_t now_us);
+  void reset() { answers_.clear(); }
+  bool known() const { return !answers_.empty(); }
+  int64_t offset_us() const { return offset_us_; }  // camera's clock minus server's; 0 before the first answer
+  int64_t toServer(int64_t camera_us) const { return camera_us - offset_us_; }
+
+  static constexpr int64_t kMostRoundTrip_us = 5'000'000, kJump_us = 250'000;
+  static constexpr int64_t kLatest_us = int64_t(1) << 60;  // times beyond are no times
+
+ private:
+  struct Answer {
+    int64_t round_trip_us, offset_us;
+  };
+  void decide();
+
+  std::deque<Answer> answers_;
+  int64_t offset_us_ = 0;
+};
+
+// Figures of the last second. Does NOT read clocks.
+
+class Recent {
+ public:
+  void add(int64_t now_us, double value) {
+    values_.push_back({now_us, value});
+    forget(now_us);
+  }
+  double median(int64_t now_us) const {
+    std::vector<double> values;
+    for (const Value& v : values_)
+      if (isRecent(v, now_us)) values.push_back(v.value);
+    return fourdvt::median(std::move(values));
+  }
+  double sum(int64_t now_us) const {
+    double out = 0;
+    for (const Value& v : values_) out += isRecent(v, now_us) ? v.value : 0;
+    return out;
+  }
+
+ private:
+  struct Value {
+    int64_t time_us;
+    double value;
+  };
+  static constexpr int64_t kSecond_us = 1'000'000;
+  static constexpr size_t kMost = 1000;
+
+  static bool isRecent(const Value& v, int64_t now_us) {
+    return v.time_us <= now_us && now_us - v.time_us < kSecond_us;
+  }
+  void forget(int64_t now_us) {
+    while (!values_.empty() && (!isRecent(values_.front(), now_us) || values_.size() > kMost)) values_.pop_front();
+  }
+
+  std::deque<Value> values_;
+};
+
+// Moves the tolerance of outlines such that the work for a frame takes a wanted share of the frame's time: up at once,
+// down slowly. Work that the tolerance does not change leaves the hull at least a share of its own, since a coarser
+// hull would not make it cheaper. Does NOT measure times.
+
+struct ToleranceRules {
+  double least_px = 0.5, most_px = 16;
+  double busy_share = 0.75;
+  double least_hull_share = 0.15;  // of the frame's time, for the hull
+};
+
+class ToleranceControl {
+ public:
+  explicit ToleranceControl(const ToleranceRules& rules, double first_px = 1);
+  // A frame's work over the frame's time: hull, and all else. True when the tolerance was changed: at most every
+  // kStep_us.
+  bool add(int64_t now_us, double hull_busy, double other_busy);
+  double tolerance_px() const { return tolerance_px_; }
+
+  static constexpr int64_t kStep_us = 500'000;
+
+ private:
+  ToleranceRules rules_;
+  double tolerance_px_;
+  bool began_ = false;
+  int64_t stepped_us_ = 0;
+  std::vector<double> ratios_;  // of the hull's work to its share, since the last step has reached the cameras
 };
 
 }  // namespace fourdvt::live

@@ -10,9 +10,10 @@
 
 #include "base/image.h"
 #include "base/result.h"
+#include "live/rig/rig.h"
+#include "live/server/tiles.h"
 
 namespace fourdvt::live {
-
 struct EncoderRules {
   int width = 0, height = 0;  // even
   double fps = 25;
@@ -36,5 +37,40 @@ class LiveEncoder {
   virtual void setCrf(int crf) = 0;              // from the next key on
   virtual const std::string& codec() const = 0;  // RFC 6381, "avc1.…", as the parameter sets say; the same for life
 };
+
+// The manifest of a live stream, which viewers get before its frames: FORMAT.md, "A live stream". Does NOT read one.
+
+constexpr uint32_t kMostVertices = 65536, kMostFaces = 65536;  // of any frame
+constexpr float kPositionStep_m = 0.001f;
+
+struct ManifestInput {
+  std::string session;  // 16 hexadecimal digits, others at every start
+  std::string codec;    // RFC 6381
+  PackedSize size;
+};
+
+std::string liveManifest(const Rig& rig, const ManifestInput& input);
+
+}  // namespace fourdvt::live
+
+// Owning handles for libavcodec's objects. Private to the files that link it; does NOT open anything.
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavutil/imgutils.h>
+#include <libavutil/opt.h>
+}
+
+namespace fourdvt::live {
+
+struct AvFree {
+  void operator()(AVCodecContext* p) const { avcodec_free_context(&p); }
+  void operator()(AVFrame* p) const { av_frame_free(&p); }
+  void operator()(AVPacket* p) const { av_packet_free(&p); }
+};
+
+using AvContext = std::unique_ptr<AVCodecContext, AvFree>;
+using AvFrame = std::unique_ptr<AVFrame, AvFree>;
+using AvPacket = std::unique_ptr<AVPacket, AvFree>;
 
 }  // namespace fourdvt::live

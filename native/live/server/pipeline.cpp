@@ -10,18 +10,12 @@
 #include "base/text.h"
 #include "base/watch.h"
 #include "encode/surfaces.h"
-#include "live/server/camera_regions.h"
-#include "live/server/clock_offset.h"
 #include "live/server/instants.h"
-#include "live/server/jpeg_planes.h"
 #include "live/server/live_encoder.h"
 #include "live/server/live_hull.h"
-#include "live/server/manifest_writer.h"
-#include "live/server/recent.h"
 #include "live/server/recorder.h"
 #include "live/server/tile_painter.h"
 #include "live/server/tiles.h"
-#include "live/server/tolerance_control.h"
 #include "package/live_frame.h"
 
 namespace fourdvt::live {

@@ -15,7 +15,7 @@
 #include "base/text.h"
 #include "capture/pictures.h"
 #include "capture/undistort.h"
-#include "live/server/ring_coverage.h"
+#include "live/server/live_hull.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "platform/video_writer.h"

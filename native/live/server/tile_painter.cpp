@@ -6,8 +6,11 @@
 #include <cmath>
 #include <cstring>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "encode/camera_layout.h"
+#include "live/server/live_encoder.h"
+#include "live/server/tiles.h"
 #include "package/barcode.h"
 
 namespace fourdvt::live {
@@ -249,6 +252,99 @@ void TilePainter::fill() {
   fillPlane(levels[0], &Block::y, 1, y_);
   fillPlane(levels[0], &Block::u, 2, u_);
   fillPlane(levels[0], &Block::v, 2, v_);
+}
+
+namespace {
+
+class FfmpegJpeg final : public JpegDecoder {
+ public:
+  Status open() {
+    const AVCodec* codec = avcodec_find_decoder(AV_CODEC_ID_MJPEG);
+    if (!codec) return Error{ErrorId::Unsupported, "this FFmpeg decodes no JPEG; install one that does"};
+    context_.reset(avcodec_alloc_context3(codec));
+    context_->thread_count = 1;
+    context_->max_pixels = kMostPixels;
+    context_->err_recognition = AV_EF_EXPLODE;
+    if (avcodec_open2(context_.get(), codec, nullptr) < 0)
+      return Error{ErrorId::Unsupported, "the JPEG decoder of this FFmpeg does not open"};
+    frame_.reset(av_frame_alloc());
+    packet_.reset(av_packet_alloc());
+    return {};
+  }
+
+  Result<JpegPlanes> decode(std::span<const uint8_t> jpeg, int width, int height) override {
+    const Error bad{ErrorId::FileUnreadable, "a camera's JPEG does not decode; use the same version on all sides"};
+    bytes_.assign(jpeg.begin(), jpeg.end());
+    bytes_.resize(jpeg.size() + AV_INPUT_BUFFER_PADDING_SIZE);
+    packet_->data = bytes_.data();
+    packet_->size = int(jpeg.size());
+    const bool decoded = avcodec_send_packet(context_.get(), packet_.get()) >= 0 &&
+                         avcodec_receive_frame(context_.get(), frame_.get()) >= 0;
+    if (!decoded) {
+      avcodec_flush_buffers(context_.get());
+      return bad;
+    }
+    const bool sampled = frame_->format == AV_PIX_FMT_YUVJ420P || frame_->format == AV_PIX_FMT_YUV420P;
+    if (!sampled || frame_->width != width || frame_->height != height) return bad;
+    return JpegPlanes{width,
+                      height,
+                      frame_->data[0],
+                      frame_->data[1],
+                      frame_->data[2],
+                      frame_->linesize[0],
+                      frame_->linesize[1],
+                      frame_->linesize[2]};
+  }
+
+ private:
+  static constexpr int64_t kMostPixels = int64_t(4096) * 4096;
+
+  AvContext context_;
+  AvFrame frame_;
+  AvPacket packet_;
+  std::vector<uint8_t> bytes_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<JpegDecoder>> JpegDecoder::create() {
+  auto decoder = std::make_unique<FfmpegJpeg>();
+  FOURDVT_TRY(decoder->open());
+  return std::unique_ptr<JpegDecoder>(std::move(decoder));
+}
+
+namespace {
+
+using package::Rect;
+
+constexpr double kRoomShare = 0.25, kLeastRoomShare = 0.15;  // of the performer's longer side, on each side
+constexpr int kRoomPixels = 16, kLeastRoomPixels = 8;
+constexpr double kTooLarge = 1.6;  // times the pixels of the region that would do
+constexpr int64_t kUnseen_us = 1'000'000;
+
+double areaOf(const Rect& r) { return double(r.width) * r.height; }
+
+}  // namespace
+
+std::vector<bool> CameraRegions::update(std::span<const Rect> boxes, int64_t now_us) {
+  std::vector<bool> changed(cameras_.size(), false);
+  if (boxes.empty()) {
+    if (seen_us_ != INT64_MIN && now_us - seen_us_ < kUnseen_us) return changed;
+    for (size_t c = 0; c < cameras_.size(); ++c) changed[c] = regions_[c].width != 0, regions_[c] = {};
+    return changed;
+  }
+  seen_us_ = now_us;
+  for (size_t c = 0; c < cameras_.size(); ++c) {
+    if (boxes[c].width == 0) continue;  // not seen by this camera: as it was
+    const Rect all{0, 0, cameras_[c].width, cameras_[c].height};
+    const Rect wanted = padded(boxes[c], kRoomShare, kRoomPixels, all);
+    const Rect least = padded(boxes[c], kLeastRoomShare, kLeastRoomPixels, all);
+    const Rect& now = regions_[c].width == 0 ? all : regions_[c];
+    if (areaOf(common(least, now)) == areaOf(least) && areaOf(now) <= kTooLarge * areaOf(wanted)) continue;
+    regions_[c] = wanted;
+    changed[c] = true;
+  }
+  return changed;
 }
 
 }  // namespace fourdvt::live

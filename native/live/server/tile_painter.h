@@ -3,14 +3,36 @@
 // smoothed, then grey, which cost a codec nothing. Does NOT choose tiles.
 #pragma once
 
+#include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
+#include "base/camera.h"
 #include "base/image.h"
-#include "live/server/jpeg_planes.h"
-#include "live/server/ring_coverage.h"
+#include "base/result.h"
+#include "live/server/live_hull.h"
 #include "live/server/tiles.h"
+#include "package/character.h"
 
 namespace fourdvt::live {
+// Decodes a camera's JPEG to its planes, without a change of colours. Does NOT take other samplings than 4:2:0.
+
+// BT.601, full range. Chroma planes are half as large, rounded up.
+struct JpegPlanes {
+  int width = 0, height = 0;
+  const uint8_t *y = nullptr, *u = nullptr, *v = nullptr;
+  int stride_y = 0, stride_u = 0, stride_v = 0;  // bytes
+};
+
+class JpegDecoder {
+ public:
+  // Errors: Unsupported (this FFmpeg has no decoder).
+  static Result<std::unique_ptr<JpegDecoder>> create();
+  virtual ~JpegDecoder() = default;
+  // Valid until the next call. Errors: FileUnreadable (damaged, another size, or not 4:2:0).
+  virtual Result<JpegPlanes> decode(std::span<const uint8_t> jpeg, int width, int height) = 0;
+};
 
 class TilePainter {
  public:
@@ -47,6 +69,24 @@ class TilePainter {
   RingCoverage coverage_;
   Plane y_, u_, v_, known_;  // of the tile's cells; known: 255 performer, 0 to be filled
   std::vector<uint8_t> smooth_, small_;
+};
+
+// Which part of its picture each camera shall send: round the performer, with room to move; all of it while nobody is
+// seen. Changes only when it is worth a message. Does NOT send anything.
+
+class CameraRegions {
+ public:
+  explicit CameraRegions(std::vector<PinholeCamera> cameras)
+      : cameras_(std::move(cameras)), regions_(cameras_.size()) {}
+  // boxes: projectedBox of each camera; no width: it does not see the hull. Empty: there is no hull. True where a
+  // region was changed.
+  std::vector<bool> update(std::span<const package::Rect> boxes, int64_t now_us);
+  const package::Rect& region(size_t camera) const { return regions_[camera]; }  // no width: all
+
+ private:
+  std::vector<PinholeCamera> cameras_;
+  std::vector<package::Rect> regions_;
+  int64_t seen_us_ = INT64_MIN;  // last time that there was a hull
 };
 
 }  // namespace fourdvt::live

@@ -21,7 +21,6 @@
 namespace fourdvt::mattes {
 namespace {
 
-
 constexpr uint32_t kShownFrames = 6;          // of a sequence, in its contact sheets
 constexpr const char* kVersion = "mattes 1";  // raise it when the same options give other mattes
 const capture::FolderWriter kWriter{"mattes", kReportJson, "reconstruct.json"};
@@ -272,7 +271,7 @@ Result<MattesSummary> makeMattes(const MattesOptions& options, const MattesEnvir
     std::vector<std::string> names;
     for (const capture::CaptureSequence& s : capture.sequences) names.push_back(s.name);
     FOURDVT_TRY(capture::linkCapture(capture, folder.partFolder(), {names, false, options.leave_out}));
-    FOURDVT_TRY(capture::openLinked(folder.partFolder(), capture.folder, names, environment.open_video));
+    FOURDVT_TRY(mattes::openLinked(folder.partFolder(), capture.folder, names, environment.open_video));
   }
   FOURDVT_ASSIGN(auto summary, addMattes(capture, folder.partFolder(), folder.workFolder(), options, environment));
   FOURDVT_TRY(folder.finish());

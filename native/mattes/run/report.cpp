@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "base/warning_lines.h"
+#include "base/text.h"
 #include "capture/pictures.h"
 #include "platform/files.h"
 #include "report/picture_sheets.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruct/run/finish.h"
 
-#include "base/warning_lines.h"
+#include "base/text.h"
 #include "mattes/frame_reader.h"
 
 namespace fourdvt::reconstruct {

@@ -4,9 +4,9 @@
 
 #include <optional>
 
-#include "reconstruct/run/frame_store.h"
 #include "reconstruct/run/prepare.h"
 #include "reconstruct/run/report.h"
+#include "reconstruct/run/sequence_frames.h"
 
 namespace fourdvt::reconstruct {
 

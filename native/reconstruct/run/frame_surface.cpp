@@ -10,15 +10,12 @@
 #include "base/parallel.h"
 #include "base/watch.h"
 #include "capture/undistort.h"
-#include "reconstruct/components.h"
-#include "reconstruct/fairing.h"
+#include "reconstruct/carve.h"
 #include "reconstruct/mesh_checks.h"
 #include "reconstruct/polyhedral_hull.h"
-#include "reconstruct/rig_space.h"
 #include "reconstruct/run/silhouette_match.h"
 #include "reconstruct/scale.h"
-#include "reconstruct/simplify.h"
-#include "reconstruct/volumetric_hull.h"
+#include "reconstruct/surface_cleaning.h"
 
 namespace fourdvt::reconstruct {
 namespace {

@@ -11,7 +11,7 @@
 #include "capture/capture.h"
 #include "reconstruct/carve.h"
 #include "reconstruct/run/frame_figures.h"
-#include "reconstruct/run/options.h"
+#include "reconstruct/run/prepare.h"
 #include "reconstruct/stereo/stereo_refiner.h"
 
 namespace fourdvt::reconstruct {

@@ -14,7 +14,7 @@
 #include "mattes/frame_reader.h"
 #include "platform/files.h"
 #include "reconstruct/run/finish.h"
-#include "reconstruct/run/job_file.h"
+#include "reconstruct/run/prepare.h"
 #include "reconstruct/run/sequence_frames.h"
 
 namespace fourdvt::reconstruct {
@@ -165,8 +165,8 @@ bool isPlaced(const std::string& job_folder, const ReconstructOptions& options) 
 
 Result<ReconstructSummary> writeAndPlace(const std::string& job_folder, Prepared& job, const OpenVideo& open_video) {
   const capture::ResultFolder folder = resultFolder(job.options);
-  FOURDVT_ASSIGN(job.capture, capture::openLinked(folder.partFolder(), job.options.capture_folder,
-                                                  job.options.sequences, open_video));
+  FOURDVT_ASSIGN(job.capture, mattes::openLinked(folder.partFolder(), job.options.capture_folder, job.options.sequences,
+                                                 open_video));
   job.capture.name = job.name;
   const FrameStore store(folder, job.capture, job.settings_key);
   ReportPictures pictures;

@@ -12,9 +12,10 @@
 #include "mattes/frame_reader.h"
 #include "mattes/run/matte_sources.h"
 #include "mattes/run/mattes.h"
-#include "reconstruct/run/frame_store.h"
 #include "reconstruct/run/report.h"
-#include "refine/run/calibration_report.h"
+#include "reconstruct/run/sequence_frames.h"
+#include "refine/run/calibrate_capture.h"
+#include "store/folder.h"
 
 namespace fourdvt::reconstruct {
 namespace {
@@ -78,8 +79,8 @@ Status Preparation::link(Earlier earlier) {
                       ": holds work of other settings, of another capture or of another build; all begins again");
   FOURDVT_TRY(folder.open(out_.settings_key, earlier == Earlier::Kept || (earlier == Earlier::KeptIfSame && same)));
   FOURDVT_TRY(linkFrames());
-  FOURDVT_ASSIGN(out_.capture, capture::openLinked(folder.partFolder(), out_.options.capture_folder,
-                                                   out_.options.sequences, environment_.open_video));
+  FOURDVT_ASSIGN(out_.capture, mattes::openLinked(folder.partFolder(), out_.options.capture_folder,
+                                                  out_.options.sequences, environment_.open_video));
   capture::Capture& linked = out_.capture;
   linked.name = given_.name;
   for (size_t c = 0; c < given_.cameras.size(); ++c) given_.cameras[c].pinhole = linked.cameras[c].pinhole;
@@ -148,6 +149,42 @@ Status Preparation::addMattes() {
                  mattes::addMattes(given_, folder.partFolder(), folder.workFolder(), options, environment));
   out_.warnings.insert(out_.warnings.end(), summary.warnings.begin(), summary.warnings.end());
   return {};
+}
+
+}  // namespace fourdvt::reconstruct
+
+namespace fourdvt::store {
+
+// Options that frames and their report depend on.
+void fields(Archive& a, reconstruct::ReconstructOptions& o) {
+  a(o.capture_folder, o.folder, o.sequences, o.leave_out, o.mattes_alone, o.any_silhouettes, o.synchronise,
+    o.refine_cameras, o.hull, o.contour_tolerance_px, o.voxel_m, o.faces, o.adaptivity, o.stereo, o.planes, o.fairing);
+}
+void fields(Archive& a, reconstruct::JobFile& f) {
+  a(f.job.options, f.job.settings_key, f.job.warnings, f.job.name, f.common_input_digest);
+}
+
+}  // namespace fourdvt::store
+
+namespace fourdvt::reconstruct {
+namespace {
+
+constexpr const char* kFile = "/job.bin";
+
+}  // namespace
+
+Status writeJobFile(const std::string& job_folder, const JobFile& file) {
+  return store::save(job_folder + kFile, file);
+}
+
+Result<JobFile> readJobFile(const std::string& job_folder) {
+  const std::string path = job_folder + kFile;
+  auto file = store::load<JobFile>(path);
+  if (file) return file;
+  if (file.error().id == ErrorId::FileMissing)
+    return Error{ErrorId::FileMissing, path + ": there is none; run `fourdvt plan` again"};
+  return Error{ErrorId::FileUnreadable,
+               path + ": damaged, or of another version; delete it and run `fourdvt plan` again"};
 }
 
 }  // namespace fourdvt::reconstruct

@@ -9,7 +9,7 @@
 
 #include "capture/capture.h"
 #include "reconstruct/run/frame_figures.h"
-#include "reconstruct/run/options.h"
+#include "reconstruct/run/prepare.h"
 
 namespace fourdvt::reconstruct {
 

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core/utility.hpp>
+#include <unordered_map>
+
+#include "base/parallel.h"
 
 namespace fourdvt::reconstruct {
 namespace {
@@ -109,6 +112,170 @@ FusedDistance fuseDepths(const SparseDistance& hull, std::span<const DepthMap> m
     }
   });
   return out;
+}
+
+namespace {
+
+constexpr int kVoxels = kBlock * kBlock * kBlock;
+using Blocks = std::vector<BlockValues>;
+
+// Which blocks lie beside each block: −x, +x, −y, +y, −z, +z; -1: none.
+class Neighbours {
+ public:
+  explicit Neighbours(const SparseDistance& distance) : beside_(distance.blocks.size()) {
+    std::unordered_map<uint64_t, int> index;
+    for (size_t b = 0; b < distance.blocks.size(); ++b) index[blockKey(distance.blocks[b].at)] = int(b);
+    for (size_t b = 0; b < distance.blocks.size(); ++b)
+      for (int k = 0; k < 6; ++k) {
+        glm::ivec3 at = distance.blocks[b].at;
+        at[k / 2] += k % 2 ? kBlock : -kBlock;
+        const auto found = index.find(blockKey(at));
+        beside_[b][k] = found == index.end() ? -1 : found->second;
+      }
+  }
+  // The six values round voxel i of a block; `none` where there is no block.
+  std::array<float, 6> round(const Blocks& blocks, size_t block, int i, float none) const {
+    const std::array<float, kVoxels>& here = blocks[block];
+    std::array<float, 6> out;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int stride = kBlock * kBlock >> 3 * axis, place = i / stride % kBlock, across = (kBlock - 1) * stride;
+      const auto beyond = [&](int k, int voxel) {
+        return beside_[block][k] < 0 ? none : blocks[beside_[block][k]][voxel];
+      };
+      out[2 * axis] = place > 0 ? here[i - stride] : beyond(2 * axis, i + across);
+      out[2 * axis + 1] = place < kBlock - 1 ? here[i + stride] : beyond(2 * axis + 1, i - across);
+    }
+    return out;
+  }
+
+ private:
+  std::vector<std::array<int, 6>> beside_;
+};
+
+// New values of all voxels from those of the round before.
+template <class Rule>
+void update(Blocks& blocks, Blocks& next, const Rule& rule) {
+  inParallel(blocks.size(), [&](int b) {
+    for (int i = 0; i < kVoxels; ++i) next[b][i] = rule(size_t(b), i);
+  });
+  std::swap(blocks, next);
+}
+
+Blocks valuesOf(const SparseDistance& distance) {
+  Blocks out;
+  for (const SparseDistance::Block& block : distance.blocks) out.push_back(block.values);
+  return out;
+}
+
+// 1 where the hull is thick: a voxel as deep as the band is near; else 0.
+Blocks thickOf(const Blocks& hull, const Neighbours& neighbours, float band_m, int reach) {
+  Blocks thick = hull, next = hull;
+  for (BlockValues& block : thick)
+    for (float& value : block) value = value >= 0.99f * band_m;
+  for (int step = 0; step < reach; ++step)
+    update(thick, next, [&](size_t b, int i) {
+      const std::array<float, 6> round = neighbours.round(thick, b, i, 0);
+      return std::max(thick[b][i], *std::max_element(round.begin(), round.end()));
+    });
+  return thick;
+}
+
+// How near maps know something: 1 up to half of `reach` steps away, 0 beyond it.
+Blocks evidenceOf(std::span<const BlockValues> trust, const Neighbours& neighbours, int reach) {
+  Blocks near(trust.begin(), trust.end());
+  for (BlockValues& block : near)
+    for (float& value : block) value = value > 0 ? 2.0f : 0.0f;
+  Blocks next = near;
+  const float step = 2.0f / float(reach);
+  for (int k = 0; k < reach; ++k)
+    update(near, next, [&](size_t b, int i) {
+      const std::array<float, 6> round = neighbours.round(near, b, i, 0);
+      return std::max(near[b][i], *std::max_element(round.begin(), round.end()) - step);
+    });
+  return near;
+}
+
+}  // namespace
+
+void spanMembrane(const SparseDistance& hull, std::span<const BlockValues> trust, const MembraneOptions& options,
+                  SparseDistance& distance) {
+  if (options.stiffness <= 0) return;
+  const Neighbours neighbours(hull);
+  const float band = hull.band_m, stiffness = float(options.stiffness);
+  const Blocks limits = valuesOf(hull), measured = valuesOf(distance),
+               thick = thickOf(limits, neighbours, band, options.thin_voxels);
+  Blocks values = measured, next = measured;
+  for (int round = 0; round < options.rounds; ++round)
+    update(values, next, [&](size_t b, int i) {
+      const float limit = limits[b][i], known = trust[b][i];
+      if (limit <= -band || (known <= 0 && thick[b][i] == 0)) return limit;
+      const std::array<float, 6> near = neighbours.round(values, b, i, -band);
+      const float sum = near[0] + near[1] + near[2] + near[3] + near[4] + near[5];
+      const float value = (known * measured[b][i] + stiffness * sum) / (known + 6 * stiffness);
+      return std::min(known > 0 ? std::max(value, measured[b][i]) : value, limit);
+    });
+  if (options.reach_voxels > 0) {
+    const Blocks near = evidenceOf(trust, neighbours, options.reach_voxels);
+    for (size_t b = 0; b < values.size(); ++b)
+      for (int i = 0; i < kVoxels; ++i)
+        values[b][i] = limits[b][i] + std::clamp(near[b][i], 0.0f, 1.0f) * (values[b][i] - limits[b][i]);
+  }
+  for (size_t b = 0; b < values.size(); ++b) distance.blocks[b].values = values[b];
+}
+
+namespace {
+
+constexpr int kMask = kBlock - 1;
+
+size_t valueIndex(const glm::ivec3& voxel) {
+  return size_t(voxel.x & kMask) << 6 | size_t(voxel.y & kMask) << 3 | size_t(voxel.z & kMask);
+}
+
+uint64_t mixed(uint64_t key) { return (key ^ key >> 29) * 0x9e3779b97f4a7c15ull >> 20; }
+
+}  // namespace
+
+BlockIndex::BlockIndex(std::span<const SparseDistance::Block> blocks) {
+  size_t size = 16;
+  while (size < 2 * blocks.size()) size *= 2;
+  slots_.resize(size);
+  mask_ = size - 1;
+  for (size_t b = 0; b < blocks.size(); ++b) {
+    const uint64_t key = blockKey(blocks[b].at);
+    size_t at = mixed(key) & mask_;
+    while (slots_[at].block >= 0) at = (at + 1) & mask_;
+    slots_[at] = {key, int(b)};
+  }
+}
+
+int BlockIndex::find(const glm::ivec3& voxel) const {
+  const uint64_t key = blockKey(glm::ivec3(voxel.x & ~kMask, voxel.y & ~kMask, voxel.z & ~kMask));
+  for (size_t at = mixed(key) & mask_; slots_[at].block >= 0; at = (at + 1) & mask_)
+    if (slots_[at].key == key) return slots_[at].block;
+  return -1;
+}
+
+float DistanceSampler::voxel(const glm::ivec3& at) const {
+  const int block = index_.find(at);
+  return block < 0 ? -distance_.band_m : distance_.blocks[block].values[valueIndex(at)];
+}
+
+float DistanceSampler::at(const glm::dvec3& point_in_world) const {
+  const glm::dvec3 in_grid = (point_in_world - distance_.origin_in_world) * per_voxel_;
+  const glm::ivec3 low(glm::floor(in_grid));
+  const glm::vec3 f(in_grid - glm::dvec3(low));
+  float v[8];
+  if ((low.x & kMask) < kMask && (low.y & kMask) < kMask && (low.z & kMask) < kMask) {
+    const int block = index_.find(low);
+    if (block < 0) return -distance_.band_m;
+    const float* from = &distance_.blocks[block].values[valueIndex(low)];
+    for (int k = 0; k < 8; ++k) v[k] = from[(k >> 2) * 64 + (k >> 1 & 1) * 8 + (k & 1)];
+  } else {
+    for (int k = 0; k < 8; ++k) v[k] = voxel(low + glm::ivec3(k >> 2, k >> 1 & 1, k & 1));
+  }
+  for (int k = 0; k < 4; ++k) v[k] += f.x * (v[k + 4] - v[k]);
+  for (int k = 0; k < 2; ++k) v[k] += f.y * (v[k + 2] - v[k]);
+  return v[0] + f.z * (v[1] - v[0]);
 }
 
 }  // namespace fourdvt::reconstruct

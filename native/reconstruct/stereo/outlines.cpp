@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "base/parallel.h"
-#include "reconstruct/stereo/distance_sampler.h"
+#include "reconstruct/stereo/depth_fusion.h"
 
 namespace fourdvt::reconstruct {
 namespace {

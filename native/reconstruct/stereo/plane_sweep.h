@@ -3,14 +3,45 @@
 // Order of calls: setFrame → costs….
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <vector>
 
+#include "base/camera.h"
 #include "base/image.h"
 #include "base/mesh.h"
 #include "gpu/device.h"
-#include "reconstruct/stereo/depth_map.h"
 
 namespace fourdvt::reconstruct {
+// What one camera, with its neighbours' help, says about the surface: costs of depths, and a depth, per pixel. Does NOT
+// compute them.
+
+constexpr int kMaxLabels = 128;  // planes per pixel
+
+struct StereoReference {
+  PinholeCamera camera;         // of the size of the reduced pictures
+  std::vector<size_t> sources;  // whose patches are compared: the first with each of the others
+};
+
+// Costs of a band of depths at each pixel of a part of a reference's picture. Depths are planes, the same for all
+// pixels: number k lies at k times `step_m` along the optical axis.
+struct CostVolume {
+  static constexpr uint8_t kOutside = 255;  // not inside the hull
+  int x = 0, y = 0, width = 0, height = 0;  // pixels of the reference
+  int labels = 0;                           // a multiple of 4
+  float step_m = 0;
+  std::vector<int> first_plane;  // height × width; the label l means plane first_plane + l; kNone: no hull
+  std::vector<uint8_t> costs;    // height × width × labels
+  static constexpr int kNone = -1;
+};
+
+struct DepthMap {
+  PinholeCamera camera;
+  int x = 0, y = 0, width = 0, height = 0;  // the part of the camera's picture that is kept
+  std::vector<float> depth_m;               // height × width along the optical axis; 0: unknown
+  std::vector<float> weight;                // 0 … 1: how much it is trusted
+  std::vector<float> front_m;               // of the hull; 0: none
+};
 
 struct PlaneSweepOptions {
   int radius = 1;                  // of a patch: 2 radius + 1 samples along each side
@@ -46,5 +77,31 @@ class PlaneSweep {
   int corner_count_ = 0, corner_rows_ = 0, position_rows_ = 0;
   int front_width_ = 0, front_height_ = 0, costs_width_ = 0, costs_height_ = 0;
 };
+
+// From costs to depths: semi-global matching (H08 in algorithms/stereo.md) along eight directions, with depths between
+// the planes.
+
+struct SemiGlobalOptions {
+  int step_penalty = 12;  // where a neighbour lies one plane away; costs are 0 … 254
+  int jump_penalty = 60;  // where it lies further away
+  int front_bias = 12;    // per plane, of the sum over eight directions: where nothing is textured, the hull stays
+};
+
+// A pixel without any candidate has depth 0. The weight says how much better the best depth is than any other, and how
+// well the pictures agree there. An empty volume gives an empty map.
+DepthMap semiGlobalDepth(const StereoReference& reference, const CostVolume& volume, const SemiGlobalOptions& options);
+
+// Depth maps against each other: what no other one confirms is not trusted.
+
+// Depth of the map at a pixel of its camera; 0 where unknown or outside.
+float depthAt(const DepthMap& map, double x, double y);
+
+// Multiplies the weights with the squared cosine between the surface and the ray: what a camera sees edge-on it
+// measures badly.
+void weighByAngle(DepthMap& map);
+
+// Sets depths to 0 that another map looks through, or that none confirms to `tolerance_m`. A whole map loses weight the
+// more of its depths others refute: from none where few are, to all where it is as many as by chance.
+void keepConsistent(std::span<DepthMap> maps, double tolerance_m);
 
 }  // namespace fourdvt::reconstruct

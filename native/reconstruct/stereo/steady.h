@@ -8,7 +8,7 @@
 
 #include "base/image.h"
 #include "reconstruct/level_set.h"
-#include "reconstruct/stereo/depth_map.h"
+#include "reconstruct/stereo/plane_sweep.h"
 
 namespace fourdvt::reconstruct {
 

@@ -16,13 +16,10 @@
 #include "gpu/device.h"
 #include "reconstruct/level_set.h"
 #include "reconstruct/stereo/depth_fusion.h"
-#include "reconstruct/stereo/membrane.h"
 #include "reconstruct/stereo/outlines.h"
 #include "reconstruct/stereo/plane_sweep.h"
-#include "reconstruct/stereo/semi_global.h"
 
 namespace fourdvt::reconstruct {
-
 struct StereoOptions {
   int reduction = 2;           // pictures are reduced by this factor along each side first
   size_t neighbours = 2;       // cameras that each camera is compared with, the nearest in angle
@@ -64,5 +61,15 @@ class StereoRefiner {
   // Last frame, per camera: the share of its picture of the hull in which its depths are believed.
   virtual const std::vector<double>& believed() const = 0;
 };
+
+// How much a picture shows that stereo can match. Does NOT look at other pictures.
+
+// Per pixel of an RGBA picture whose alpha is the matte, height × width: 0 where the surroundings show nothing but
+// noise and slow shading, towards 1 where they are full of contrast. Pixels beside the outline do not count: the
+// backdrop's colour and the codec reach into them.
+std::vector<float> textureOf(const Image& rgba);
+
+// Multiplies the weights of a map with what its camera's picture shows there, and forgets depths where that is nothing.
+void weighByTexture(const Image& rgba, DepthMap& map);
 
 }  // namespace fourdvt::reconstruct

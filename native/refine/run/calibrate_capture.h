@@ -11,7 +11,6 @@
 #include "refine/silhouettes/calibration.h"
 
 namespace fourdvt::refine {
-
 inline constexpr const char* kCalibrationJson = "calibrate.json";
 inline constexpr const char* kCalibrationHtml = "calibrate.html";
 
@@ -26,5 +25,14 @@ struct CalibrateOptions {
 // Errors: those of openCapture, calibrate and linkCapture; WriteFailed.
 Result<Calibration> calibrateCapture(const CalibrateOptions& options, const OpenVideo& open_video,
                                      const std::function<bool(const std::string& what, double share)>& on_progress);
+
+// A calibration for people and for programs: text, calibrate.html, calibrate.json. Does NOT measure.
+
+// One line a camera that is off, "cam03 is off by −2.08 ± 0.01 frames in "walk"", or one line that none is, or that
+// nothing was changed; the warnings are not among them.
+std::vector<std::string> calibrationLines(const Calibration& calibration);
+
+// Errors: WriteFailed. `name`: of the capture, for the title.
+Status writeCalibrationReport(const std::string& folder, const std::string& name, const Calibration& calibration);
 
 }  // namespace fourdvt::refine

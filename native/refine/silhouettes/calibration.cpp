@@ -6,10 +6,9 @@
 
 #include "base/robust.h"
 #include "base/text.h"
-#include "base/warning_lines.h"
 #include "capture/matted_pictures.h"
 #include "mattes/frame_reader.h"
-#include "refine/outline_picture.h"
+#include "refine/outline.h"
 
 namespace fourdvt::refine {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "refine/camera_refit.h"
+#include "refine/camera_fit.h"
 #include "refine/silhouettes/others_hull.h"
 
 namespace fourdvt::refine {

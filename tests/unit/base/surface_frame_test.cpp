@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tangents and texture coordinates a metre, against a plane and a cylinder worked out by hand.
-#include "base/surface_frame.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "base/mesh.h"
 
 namespace fourdvt {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "base/warning_lines.h"
-
 #include <gtest/gtest.h>
+
+#include "base/text.h"
 
 namespace fourdvt {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "echo_server.h"
-#include "live/net/http_text.h"
+#include "live/net/http.h"
 
 namespace fourdvt::live {
 namespace {

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "capture_fixture.h"
-#include "live/rig/common_view.h"
 #include "look_at.h"
 
 namespace fourdvt::live {

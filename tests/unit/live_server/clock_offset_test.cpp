@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "live/server/clock_offset.h"
-
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+
+#include "live/server/instants.h"
 
 namespace fourdvt::live {
 namespace {

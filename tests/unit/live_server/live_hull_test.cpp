@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "live/server/ring_coverage.h"
 #include "live_fixture.h"
 #include "reconstruct/mesh_checks.h"
 

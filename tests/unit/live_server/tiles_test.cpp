@@ -6,7 +6,7 @@
 #include <random>
 
 #include "encode/camera_layout.h"
-#include "live/server/camera_regions.h"
+#include "live/server/tile_painter.h"
 #include "live_fixture.h"
 
 namespace fourdvt::live {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "live/server/tolerance_control.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "live/server/instants.h"
 
 namespace fourdvt::live {
 namespace {

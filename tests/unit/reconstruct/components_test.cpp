@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruct/components.h"
-
 #include <gtest/gtest.h>
 
+#include "reconstruct/surface_cleaning.h"
 #include "silhouette_fixture.h"
 
 namespace fourdvt::reconstruct {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruct/fairing.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "reconstruct/volumetric_hull.h"
+#include "reconstruct/carve.h"
+#include "reconstruct/surface_cleaning.h"
 #include "silhouette_fixture.h"
 
 namespace fourdvt::reconstruct {

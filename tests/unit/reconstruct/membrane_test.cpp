@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The membrane over what stereo leaves open: pits are filled, what is measured or thin stays, nothing leaves the hull.
-#include "reconstruct/stereo/membrane.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
+
+#include "reconstruct/stereo/depth_fusion.h"
 
 namespace fourdvt::reconstruct {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruct/plane_predicates.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
+
+#include "reconstruct/hull_planes.h"
 
 namespace fourdvt::reconstruct {
 namespace {

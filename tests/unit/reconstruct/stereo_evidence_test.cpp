@@ -7,8 +7,8 @@
 #include <random>
 
 #include "look_at.h"
-#include "reconstruct/stereo/consistency.h"
-#include "reconstruct/stereo/texture.h"
+#include "reconstruct/stereo/plane_sweep.h"
+#include "reconstruct/stereo/stereo_refiner.h"
 
 namespace fourdvt::reconstruct {
 namespace {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruct/volumetric_hull.h"
-
 #include <gtest/gtest.h>
 
+#include "reconstruct/carve.h"
 #include "reconstruct/mesh_checks.h"
 #include "silhouette_fixture.h"
 

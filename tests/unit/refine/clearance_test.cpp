@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "refine/clearance.h"
-
 #include <gtest/gtest.h>
 
 #include "refine/surface_fit.h"

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "refine/matte_bias.h"
-
 #include <gtest/gtest.h>
 
 #include "base/robust.h"
+#include "refine/outline.h"
 #include "sphere_fixture.h"
 
 namespace fourdvt::refine {

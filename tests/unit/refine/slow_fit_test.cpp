@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "refine/slow_fit.h"
-
 #include <gtest/gtest.h>
 
+#include "refine/camera_fit.h"
 #include "sphere_fixture.h"
 
 namespace fourdvt::refine {

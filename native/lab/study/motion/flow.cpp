@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "base/surface_frame.h"
+#include "base/mesh.h"
 #include "lab/study/motion/motion.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/rows.h"

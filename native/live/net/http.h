@@ -1,16 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text of HTTP and WebSocket: request targets, byte ranges, addresses of servers. Does NOT touch sockets or files.
+// An answer of HTTP as bytes: its head, and a body or an open file. Does NOT send.
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "base/result.h"
+#include "live/net/websocket.h"
 
 namespace fourdvt::live {
+struct FileCloser {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using FileHandle = std::unique_ptr<std::FILE, FileCloser>;
+
+struct FileConditions {
+  std::string range, none_match;  // the headers "Range" and "If-None-Match"
+};
+
+struct OpenedAnswer {
+  std::string head, body;  // the head ends with an empty line
+  FileHandle file;         // instead of `body`, at the first byte to send
+  uint64_t file_bytes = 0;
+};
+
+// A file that cannot be opened becomes 404. is_last: the connection is closed after it.
+OpenedAnswer openAnswer(const HttpAnswer& answer, const FileConditions& conditions, bool is_last);
+std::string statusText(int status);
+std::string bearerToken(const std::string& authorization);  // empty: none
+
+// Text of HTTP and WebSocket: request targets, byte ranges, addresses of servers. Does NOT touch sockets or files.
 
 struct Target {
   std::string path;  // percent-decoded, begins with "/"
