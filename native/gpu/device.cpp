@@ -167,7 +167,9 @@ void Device::updateTexture(TextureId id, const Region& region, const void* pixel
   if (stride_bytes != 0 && stride_bytes < row_bytes) return misuse("updateTexture: stride shorter than a row");
   counters_.texture_updates += 1;
   counters_.uploaded_bytes += static_cast<uint64_t>(row_bytes) * region.height;
+  if (observer_) observer_->begins("upload");
   onUpdateTexture(*record, region, pixels, stride_bytes ? stride_bytes : row_bytes, layer);
+  if (observer_) observer_->ends();
 }
 
 void Device::generateMipmaps(TextureId id) {
@@ -314,6 +316,7 @@ void Device::beginPass(const Pass& pass) {
     for (TextureId id : record->desc.colors)
       if (!texture(id)) return misuse("beginPass: a destroyed texture is attached to " + record->label);
   }
+  if (observer_) observer_->begins(pass.label);
   in_pass_ = true;
   pass_target_ = pass.target;
   counters_.passes += 1;
@@ -351,6 +354,7 @@ void Device::draw(const Draw& draw) {
 void Device::endPass() {
   if (!in_pass_) return misuse("endPass without beginPass");
   in_pass_ = false;
+  if (observer_) observer_->ends();
 }
 
 std::string Device::whyNotBlit(TargetId from, TargetId to, const Region& region) const {

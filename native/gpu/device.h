@@ -41,6 +41,14 @@ struct TargetRecord {
   uint32_t framebuffer = 0, color_buffer = 0, depth_buffer = 0;  // set by the hooks
 };
 
+// Receives the beginning and the end of every pass and upload, for measurements.
+class DeviceObserver {
+ public:
+  virtual ~DeviceObserver() = default;
+  virtual void begins(const char* label) = 0;  // the pass's label, or "upload"
+  virtual void ends() = 0;
+};
+
 // Checks and counts calls; draws nothing by itself. What draws derives from it (gles_device.cpp).
 class Device {
  public:
@@ -82,6 +90,7 @@ class Device {
   uint32_t nativeTexture(TextureId texture) const;
   // Drops cached GL state after foreign code touched the context.
   virtual void invalidateState() {}
+  void observe(DeviceObserver* observer) { observer_ = observer; }  // borrowed; null: none
   const Counters& counters() const { return counters_; }
   void resetCounters();  // live_… keep their values
   // Misuse seen since the last call, one line per case; empty: none. A misused call is dropped. Slow on GLES
@@ -139,6 +148,7 @@ class Device {
   uint32_t next_id_ = 1;
   bool in_pass_ = false;
   TargetId pass_target_ = kDefaultTarget;
+  DeviceObserver* observer_ = nullptr;
   Counters counters_;
   std::string errors_;
 };

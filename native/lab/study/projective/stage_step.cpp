@@ -17,8 +17,8 @@ constexpr const char* kTimed[] = {rows::kFvvr, rows::kMethodHoloportation, rows:
 
 Result<Rows> timeStages(const StudyContext& context, const std::string& name) {
   PassClock clock(*context.device);
-  FOURDVT_TRY(clock.prepare());
-  FOURDVT_ASSIGN(auto setup, ProjectiveSetup::create(context, clock));
+  FOURDVT_TRY(clock.start());
+  FOURDVT_ASSIGN(auto setup, ProjectiveSetup::create(context, *context.device));
   const capture::CaptureSequence& sequence = *projectiveSequences(context).front();
   FrameWindow frames(*context.capture, sequence, context.open_video);
   const Condition base;
