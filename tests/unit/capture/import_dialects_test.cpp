@@ -93,7 +93,7 @@ struct Imported : TempFolder {
   ImportOptions options;
 };
 
-bool says(const std::vector<std::string>& lines, const std::string& words) {
+bool anyContains(const std::vector<std::string>& lines, const std::string& words) {
   return std::any_of(lines.begin(), lines.end(), [&](const auto& line) { return line.find(words) != line.npos; });
 }
 
@@ -112,7 +112,7 @@ TEST(DialectNerfstudio, MattesAreWhereMaskPathNamesThem) {
   }
   auto summary = files.run();
   ASSERT_TRUE(summary.ok()) << summary.error().message;
-  EXPECT_TRUE(says(summary.value().done, "2 frames, 2 cameras with mattes"));
+  EXPECT_TRUE(anyContains(summary.value().done, "2 frames, 2 cameras with mattes"));
   EXPECT_TRUE(files.has("take/mask01/000001.png"));
   auto capture = mattes::openCapture(files.options.folder, platform::openVideoFile, {}, MeshNeed::Nothing);
   ASSERT_TRUE(capture.ok()) << capture.error().message;
@@ -130,8 +130,8 @@ TEST(DialectNerfstudio, MattesOfAllCamerasMayLieInOneFolder) {
   }
   auto summary = files.run();
   ASSERT_TRUE(summary.ok()) << summary.error().message;
-  EXPECT_TRUE(says(summary.value().done, "1 frames, 2 cameras with mattes"));
-  EXPECT_FALSE(says(summary.value().warnings, "alpha")) << "they are used";
+  EXPECT_TRUE(anyContains(summary.value().done, "1 frames, 2 cameras with mattes"));
+  EXPECT_FALSE(anyContains(summary.value().warnings, "alpha")) << "they are used";
 }
 
 TEST(DialectColmap, RigFoldersMasksAndBlanks) {
@@ -151,8 +151,8 @@ TEST(DialectColmap, RigFoldersMasksAndBlanks) {
   }
   auto summary = files.run();
   ASSERT_TRUE(summary.ok()) << summary.error().message;
-  EXPECT_TRUE(says(summary.value().done, "2 frames, 2 cameras with mattes"));
-  EXPECT_TRUE(says(summary.value().done, "\"cam 00\" is cam_00"));
+  EXPECT_TRUE(anyContains(summary.value().done, "2 frames, 2 cameras with mattes"));
+  EXPECT_TRUE(anyContains(summary.value().done, "\"cam 00\" is cam_00"));
   EXPECT_TRUE(files.has("take/cam_01/000001.jpg"));
   EXPECT_TRUE(files.has("take/" + matteStem("cam_01") + "/000001.png"));
 }
@@ -167,7 +167,7 @@ TEST(DialectColmap, MasksOfStills) {
   }
   auto summary = files.run();
   ASSERT_TRUE(summary.ok()) << summary.error().message;
-  EXPECT_TRUE(says(summary.value().done, "1 frames, 2 cameras with mattes"));
+  EXPECT_TRUE(anyContains(summary.value().done, "1 frames, 2 cameras with mattes"));
 }
 
 std::string table(const std::string& head, const std::string& more = "") {
@@ -185,8 +185,8 @@ TEST(DialectToml, CaliscopesOwnTablesAndItsClips) {
   files.write("in/cam_1.png", plain(50));
   auto summary = files.run();
   ASSERT_TRUE(summary.ok()) << summary.error().message;
-  EXPECT_TRUE(says(summary.value().warnings, "are left out: cameras.2, cameras.3"));
-  EXPECT_TRUE(says(summary.value().details, "error, rotation_count"));
+  EXPECT_TRUE(anyContains(summary.value().warnings, "are left out: cameras.2, cameras.3"));
+  EXPECT_TRUE(anyContains(summary.value().details, "error, rotation_count"));
   EXPECT_TRUE(files.has("take/port_0/000000.png") && files.has("take/cam_1/000000.png"));
 }
 
@@ -250,7 +250,7 @@ TEST(DialectMetashape, FramesAndFisheyes) {
   ASSERT_TRUE(read.ok()) << read.error().message;
   ASSERT_EQ(read.value().cameras.size(), 1u);
   EXPECT_EQ(read.value().cameras[0].camera.pinhole.name, "cam00");
-  EXPECT_TRUE(says(read.value().warnings, "left out: cam01.jpg"));
+  EXPECT_TRUE(anyContains(read.value().warnings, "left out: cam01.jpg"));
   EXPECT_FALSE(read.value().up.has_value());
   // Its P1 is OpenCV's p2.
   expectImages(read.value().cameras[0], {510, 500, 323, 238, 1, {-0.1, 0.02, -0.002, 0.004, 0.003}}, 0, seenByDialect);
@@ -284,7 +284,7 @@ TEST(DialectMetashape, TheChunkIsScaledAndTurned) {
   auto earth =
       parseMetashape(metashape("frame", "<f>500</f>", world + "<reference>GEOGCS[\"WGS 84\"]</reference>"), "c.xml");
   ASSERT_TRUE(earth.ok()) << earth.error().message;
-  EXPECT_TRUE(says(earth.value().warnings, "only the scale"));
+  EXPECT_TRUE(anyContains(earth.value().warnings, "only the scale"));
   EXPECT_FALSE(earth.value().up.has_value());
 }
 
@@ -405,7 +405,7 @@ TEST(DialectFiles, EveryKindIsFoundInItsFolder) {
     auto read = readCalibration(files / folder);
     ASSERT_TRUE(read.ok()) << folder << read.error().message;
     EXPECT_EQ(read.value().kind, kind);
-    EXPECT_EQ(says(read.value().warnings, "transforms_test.json"), std::string(folder) == "a");
+    EXPECT_EQ(anyContains(read.value().warnings, "transforms_test.json"), std::string(folder) == "a");
   }
 }
 
