@@ -6,7 +6,7 @@
 // exactly, so the surface is closed, consistently oriented and does not cross itself beyond the rounding of positions
 // to float. Does NOT carve behind a camera or outside its picture, and does NOT smooth or merge faces.
 //
-// Stages: hull_planes.h, hull_edges.h, hull_faces.h.
+// Stages: hull_planes.h, hull_edges.h, hull_edges.h.
 #pragma once
 
 #include <span>

@@ -2,7 +2,7 @@
 // Makes a capture's mesh and cameras agree with its pictures: the mesh moves along its normals until its outlines lie
 // on the mattes' (surface_fit.h), and a camera turns, moves and zooms where that explains more than chance could
 // (camera_fit.h). What is trusted: the pictures. Mattes are corrected by the edges that the pictures themselves show
-// (matte_bias.h); against the mesh, all mattes too small look like a mesh too large. The mesh's place in the world is
+// (outline.h); against the mesh, all mattes too small look like a mesh too large. The mesh's place in the world is
 // trusted too: if all cameras and the mesh err alike, nothing changes. algorithms/refinement.md has the formulas.
 //
 // Does NOT use held-out pictures, does NOT write files.

@@ -16,7 +16,7 @@
 namespace fourdvt::bake {
 
 // Finds pops: how far the mesh moves from tick to tick while one motion cross-fades into another as the player does it
-// (player/parts/transitions.cpp), against how far the motions move by themselves. Where the fade moves the mesh
+// (player/parts/motion.cpp), against how far the motions move by themselves. Where the fade moves the mesh
 // further, the visitor sees a pop. Exact for the vertices given; whole frames are shown, so that fast motions now and
 // then advance by one frame more between two ticks. Does NOT look at pictures, which change with the mean of the
 // vertices' steps.

@@ -136,7 +136,7 @@ struct Fetch {
 };
 
 // Byte ranges on their way, and how far loading towards the first picture has come. Each range is asked for once: the
-// edge waits out faults that pass (web/src/transport.ts), so that a refusal is final. Does NOT look into the bytes and
+// edge waits out faults that pass (web/src/net/transport.ts), so that a refusal is final. Does NOT look into the bytes and
 // does NOT decide what to fetch (loading.h).
 class Fetches {
  public:

@@ -37,7 +37,7 @@ struct ReconstructOptions {
   double adaptivity = 0.1;          // 0 … 1, see VolumetricOptions
   bool stereo = true;               // inside the volumetric hull only
   int planes = 64;                  // of stereo: depths tried in its band, a multiple of 4, 16 to 128
-  int fairing = 0;                  // rounds, see fairing.h
+  int fairing = 0;                  // rounds, see surface_cleaning.h
   int jobs = 0;                     // threads; 0: one per core
   bool resume = false;
   // Empty, or what is wrong with the options, in one line.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stereo refinement of the visual hull: the hull says where the surface may be, the pictures' agreement says where it
 // is. Does NOT move anything out of the hull, needs no mesh of the performer and corrects no calibration.
-// Stages in order of execution: plane_sweep.h, semi_global.h, consistency.h, depth_fusion.h,
-// membrane.h, steady.h, outlines.h.
+// Stages in order of execution: plane_sweep.h, plane_sweep.h, plane_sweep.h, depth_fusion.h,
+// depth_fusion.h, steady.h, outlines.h.
 #pragma once
 
 #include <memory>

@@ -148,7 +148,7 @@ export class WasmPlayer {
     sequence: (name) => this.#check(this.#m._fdvt_select(this.#h, ...this.#text(name))),
     frame: (frame) => this.#m._fdvt_seek_frame(this.#h, frame),
     time: (timeS) => this.#m._fdvt_seek(this.#h, timeS),
-    playing: (on) => this.#m[on ? '_fdvt_play' : '_fdvt_pause'](this.#h),
+    playing: (on) => (on ? this.#m._fdvt_play(this.#h) : this.#m._fdvt_pause(this.#h)),
   };
 
   /**
