@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The recipe: validate → refine → warp → survey → every missing GOP, frame by frame → align → graph → room →
-// assemble. From cameras: validate → refine → regions → colours → method → every missing GOP →
-// room → assemble.
+// Top level of a bake: validate → refine → warp → survey → every missing GOP, frame by frame → align → graph → room →
+// assemble. From cameras: validate → refine → regions → colours → method → every missing GOP → room → assemble.
 #include "bake/bake.h"
 
 #include <algorithm>
@@ -28,7 +27,7 @@ namespace {
 
 constexpr const char* kJobFile = "/job.bin";
 
-// Tells the progress how much work every stage has to do, before the first of them begins.
+// Registers the amount of work of every stage with the progress, before the first stage begins.
 void expectWork(BakeRun& run) {
   const Job& job = run.job;
   uint32_t phases = 0, member_phases = 0;
@@ -96,7 +95,8 @@ Status bakeCameras(BakeRun& run, ReportInput& report) {
   return assemble(run, parts, report);
 }
 
-// Completes the key of the job folder, and with it those of its survey files: both name the build, or neither does.
+// Completes the key of the job folder together with those of its survey files, so that both carry the build or
+// neither does.
 void settleJobKeys(Job& job, bool in_pieces) {
   settleKeys(job);
   const std::string settings = job.settings_key;
@@ -105,7 +105,7 @@ void settleJobKeys(Job& job, bool in_pieces) {
   for (auto& [sequence, key] : job.capture_keys) key += job.settings_key.substr(settings.size());
 }
 
-// Has work of another build's plan begin again, whose results do not fit together with this one's.
+// Restarts work that another build planned: its results do not fit together with this build's.
 void dropOtherBuilds(BakeOptions& options, const BakeEnvironment& environment) {
   const std::string folder = options.character_folder + ".work";
   if (!options.resume || !jobs::holdsPlanOfAnotherBuild(folder)) return;
@@ -113,7 +113,7 @@ void dropOtherBuilds(BakeOptions& options, const BakeEnvironment& environment) {
   if (environment.note) environment.note(folder + ": holds work of another build of fourdvt; all begins again");
 }
 
-// Completes the job: what every piece depends on is known afterwards, and kept.
+// Completes the job with the stages that every piece depends on, and stores their results.
 Status planJob(BakeRun& run, bool in_pieces) {
   Job& job = run.job;
   FOURDVT_TRY(refineJob(run));
@@ -152,17 +152,17 @@ Result<BakeReport> runStages(BakeRun& run) {
   return report;
 }
 
-// Tidies up after an unfinished bake: finished GOPs and what the survey measured stay, half a result never does.
+// Cleans up after an unfinished bake: finished GOPs and the survey's measurements stay, partial results are removed.
 Error cleanedUp(Error error, const Job& job) {
   const std::string work = job.workFolder();
   platform::removeFolder(job.resultFolder());
   platform::removeFolder(job.reportFolder());
   platform::removeIfEmpty(work);
-  if (error.id == ErrorId::Interrupted) return error;                       // its message says what stays
-  if (platform::fileBytes(work + "/" + jobs::kPlanFile) > 0) return error;  // pieces of a plan go on
+  if (error.id == ErrorId::Interrupted) return error;                       // the message names the files that stay
+  if (platform::fileBytes(work + "/" + jobs::kPlanFile) > 0) return error;  // pieces of a plan can be resumed
   if (WorkFolder::holdsGops(work))
     error.message += "; finished GOPs are kept in " + work + " for --resume";
-  else if (error.id != ErrorId::WriteFailed)  // after a failed write, what the survey measured stays for the next run
+  else if (error.id != ErrorId::WriteFailed)  // after a failed write the survey's measurements stay for the next run
     store::removeFolder(work);
   return error;
 }
@@ -173,7 +173,7 @@ BakeOptions withoutTrailingSlash(BakeOptions options) {
   return options;
 }
 
-// The run that goes on by a plan, and its pieces in the plan's order.
+// A resumed run with its plan, and its pieces in the plan's order.
 struct OpenJob {
   std::vector<BakePiece> pieces;
   std::unique_ptr<BakeRun> run;
@@ -183,7 +183,7 @@ Error planAgain(const std::string& path, const char* what) {
   return {ErrorId::InvalidArgument, path + ": " + what + "; run `fourdvt plan` again"};
 }
 
-// Refuses a job that is not the plan's, and a folder that has been moved.
+// Rejects a job that differs from the plan's, and a folder that has been moved.
 Status checkJob(const std::string& job_folder, const Job& job, const std::vector<BakePiece>& pieces,
                 const jobs::Plan& plan) {
   std::error_code ignored;

@@ -15,14 +15,14 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr size_t kEvenWindows = 8;  // of labels, in one piece: a minute of work, where a window takes seconds
+constexpr size_t kEvenWindows = 8;  // windows of labels in one piece: about a minute of work, at seconds per window
 
 // [PieceKind]
 constexpr const char* kPieceKinds[] = {"survey", "colours", "labels", "label",  "gop",        "align",
                                        "chunks", "graph",   "room",   "method", jobs::kFinish};
 
-// Estimates, from pieces that were measured on the sample and on 31 cameras of 4K (site/measured/cluster.md); only
-// schedulers read the seconds.
+// Cost estimates, from pieces that were measured on the sample and on 31 cameras of 4K (site/measured/cluster.md);
+// the seconds are for schedulers only.
 class Costs {
  public:
   explicit Costs(const Job& job) : job_(job) {
@@ -39,8 +39,8 @@ class Costs {
   }
   double align_s() const { return infoOf(Stage::Align).work_s; }
 
-  // Megabytes. The pictures of two frames and their parts on the GPU, decoders' reference pictures, and what the rest
-  // of the process takes.
+  // Megabytes: the pictures of two frames and their parts on the GPU, decoders' reference pictures, and the rest of
+  // the process.
   double frames_mb() const { return kProcess_mb + 16 * megapixels_ + 25 * double(job_.cameras.size()) + decoders_mb(); }
   double gop_mb(const StreamPlan& plan) const {
     const encode::EncodeSettings& highest = plan.encode();
@@ -70,7 +70,7 @@ class Costs {
   static constexpr double kProcess_mb = 350;
   double decoders_mb() const { return 12 * megapixels_; }
   const Job& job_;
-  double megapixels_ = 0, megafaces_ = 0;  // of all cameras; of the mesh
+  double megapixels_ = 0, megafaces_ = 0;  // all cameras together; the mesh
 };
 
 size_t numberOf(const Job& job, const capture::CaptureSequence* sequence) {
@@ -120,7 +120,7 @@ class Cutter {
     for (uint32_t i = 0; i < triedFrames(job_); ++i) {
       BakePiece& piece = add(PieceKind::Method, std::to_string(i), colours());
       piece.index = i;
-      readsFrames(piece, {{0, 0}, triedFrame(job_, i)});  // counts the first one's faces
+      readsFrames(piece, {{0, 0}, triedFrame(job_, i)});  // the first frame gives the number of faces
       cost(piece, 60, costs_.room_mb());
     }
     for (size_t s = 0; s < job_.streams.size(); ++s) cutGops(s);
@@ -144,7 +144,7 @@ class Cutter {
     }
   }
 
-  // Even windows first, then those between them, which wait for both neighbours.
+  // Even windows first, then the odd ones between them, each of which depends on both neighbours.
   void cutLabels(const capture::CaptureSequence& sequence) {
     const auto windows = planLabelWindows(job_, sequence);
     std::vector<std::string> all;
@@ -188,7 +188,7 @@ class Cutter {
     }
   }
 
-  // A class shows frames that its members' own streams have drawn.
+  // A class shows frames that its members' own streams have rendered.
   void cutGops(size_t stream) {
     const StreamPlan& plan = job_.streams[stream];
     for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
@@ -209,7 +209,7 @@ class Cutter {
     }
   }
 
-  // The piece of the sequence's own stream that draws a frame: streams begin with the sequences.
+  // Piece of the sequence's own stream that renders a frame: streams begin with the sequences.
   std::string gopOf(size_t sequence, uint32_t frame) const {
     const StreamPlan& plan = job_.streams[sequence];
     const auto after = std::upper_bound(plan.gop_first_frames.begin(), plan.gop_first_frames.end(), frame);
@@ -369,7 +369,7 @@ Result<std::vector<bool>> lostPieces(BakeRun& run, const std::vector<BakePiece>&
       case PieceKind::Room:
         lost[p] = !run.work.has(piece.piece.kind + ".result");
         break;
-      default:  // those that compute what is missing when it is needed
+      default:  // the remaining kinds compute missing inputs on demand
         break;
     }
   }

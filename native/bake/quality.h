@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Named settings: what `fourdvt bake --quality` sets together. quality.cpp states the measurements that each entry
-// rests on; `fourdvt-lab study` repeats them.
+// Named quality settings of `fourdvt bake --quality`. quality.cpp lists the measurements behind each entry;
+// `fourdvt-lab study` repeats them.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace fourdvt::bake {
 
 struct Quality {
   const char* name;     // "draft", "web", "high"
-  const char* meaning;  // one line for the help
+  const char* meaning;  // one line of the help
   int texture, layers;
   // Per codec, in the order of the enum: CRF on the codec's own scale, and the encoder's preset.
   int crf[encode::kCodecs];
@@ -22,7 +22,7 @@ struct Quality {
 constexpr const char* kDefaultQuality = "web";
 
 const std::vector<Quality>& qualities();  // lowest bitrate first
-// nullptr: there is no such name.
+// nullptr for an unknown name.
 const Quality* findQuality(const std::string& name);
 // Sets texture, layers, codec, crf and preset; the rest of `options` stays.
 void applyQuality(const Quality& quality, encode::Codec codec, BakeOptions& options);

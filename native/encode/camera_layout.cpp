@@ -19,14 +19,14 @@ constexpr int kWidestTried = 4 * package::kMaxPictureSide;
 
 int wholeCells(int texels) { return (texels + kCellTexels - 1) / kCellTexels * kCellTexels; }
 
-// One side of a source: as many whole cells as the picture has room for, round the region.
+// Widens one side of a source round the region to as many whole cells as the picture has room for.
 void widenToCells(int picture_side, int& begin, int& length) {
   const int wanted = std::min(wholeCells(length), picture_side);
   begin = std::clamp(begin - (wanted - length) / 2, 0, picture_side - wanted);
   length = wanted;
 }
 
-// Not placed yet.
+// Tile without a place.
 CameraTile tileOf(const PinholeCamera& camera, const Rect& region, double scale) {
   CameraTile out;
   if (region.width == 0) return out;
@@ -52,7 +52,7 @@ bool better(const CameraLayout& a, const CameraLayout& b) {
 
 using Sizes = std::vector<std::vector<glm::ivec2>>;  // [GOP][camera], whole cells
 
-// The layout's sizes at this width, without tiles.
+// Sizes of the layout at this width, without tiles.
 CameraLayout sizesAt(const Sizes& sizes, int width) {
   CameraLayout out;
   for (const auto& gop : sizes) out.height = std::max(out.height, packInto(gop, width).height);
@@ -132,7 +132,7 @@ CameraPicture scaledPicture(const CameraLayout& layout, int eighths) {
 std::string checkCameraLayout(const CameraLayout& layout, double tile_scale, double max_texels) {
   const double allowed = std::min(max_texels, double(package::kMaxPictureSide) * package::kMaxPictureSide);
   if (accepted(layout) && layout.pictureTexels() <= allowed) return {};
-  // Sides shrink with the scale, but not those that are rounded up to cells: a little less than it takes.
+  // Sides shrink with the scale, except for rounding up to cells: starts a little below the estimate.
   const double fits = std::sqrt(std::min(1.0, allowed / layout.pictureTexels()));
   const double scale = std::max(0.01, std::floor(tile_scale * std::min(fits * 0.97, 0.99) * 100) / 100);
   return printed(
@@ -144,7 +144,7 @@ std::string checkCameraLayout(const CameraLayout& layout, double tile_scale, dou
 
 namespace {
 
-struct Step {  // of the skyline: from x to the next step's x everything above y is taken
+struct Step {  // of the skyline: occupied above y, from x to the next step's x
   int x, y;
 };
 
@@ -167,14 +167,14 @@ class Skyline {
  private:
   int endOf(size_t s) const { return s + 1 < steps_.size() ? steps_[s + 1].x : width_; }
 
-  // How far down a rectangle lies that begins with this step.
+  // Lowest free y for a rectangle that begins with this step.
   int heightFor(size_t s, int width) const {
     int y = 0;
     for (const int end = steps_[s].x + width; s < steps_.size() && steps_[s].x < end; ++s) y = std::max(y, steps_[s].y);
     return y;
   }
 
-  // From the beginning of a step to x = end, the skyline is at y.
+  // Sets the skyline to y from the beginning of a step to x = end.
   void raise(size_t first, int end, int y) {
     size_t last = first;
     while (last + 1 < steps_.size() && steps_[last + 1].x < end) ++last;
@@ -209,7 +209,7 @@ Packing packInto(std::span<const glm::ivec2> sizes, int width) {
 
 namespace {
 
-constexpr int kLevels = 5;  // the last one's texels are 32 texels wide
+constexpr int kLevels = 5;  // texels of the last one are 32 texels wide
 const glm::vec4 kFar(128, 128, 128, 1);
 
 // xyz = colour × weight, w = weight: 0 unknown … 1 known.
@@ -226,7 +226,7 @@ glm::vec4 weighted(const uint8_t* rgba) {
   return {alpha * rgba[0], alpha * rgba[1], alpha * rgba[2], alpha};
 }
 
-// The shares in which the pixels of one line lie under its texels.
+// Coverage of the pixels of one line by its texels.
 struct Shares {
   struct Share {
     int pixel;
@@ -293,8 +293,7 @@ void fillFrom(const Field& coarse, Field& fine) {
   }
 }
 
-// Colours reach as far as a texel of the last level is wide; beyond them all is mid-grey, always, so that it costs
-// nothing.
+// Colours extend by the width of a texel of the last level; beyond, all is constant mid-grey, which costs no bits.
 void pushPull(Field& field, int levels) {
   if (levels == 0) {
     for (glm::vec4& t : field.texels) t += (1 - t.w) * kFar;

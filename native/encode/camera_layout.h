@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lays out the part of every camera's picture that a sequence keeps: tiles per GOP, in a layout of one size for the
-// whole sequence, the barcode below. A surface is textured inside its own outline only, so that the part a camera keeps
-// is the surface's bounding box in its picture; mattes that reach further are not needed. Then draws the tiles.
+// whole sequence, the barcode below. A surface is textured inside its own outline only, so that each camera's part is
+// the surface's bounding box in its picture; mattes that reach further are not needed. Then draws the tiles.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -20,7 +20,7 @@ constexpr int kCellTexels = 16;  // tiles begin at its multiples, so that no blo
 
 // Pixels of the camera's picture round a surface, with regionOf's margin; no width if the camera does not see it.
 package::Rect regionOfInterest(const PinholeCamera& camera, const Positions& surface);
-// The smallest rectangle that holds both; one without width holds nothing.
+// Bounding rectangle of both; one without width is empty.
 package::Rect united(const package::Rect& a, const package::Rect& b);
 
 struct CameraLayout {
@@ -32,11 +32,11 @@ struct CameraLayout {
   double pictureTexels() const { return double(picture_width) * picture_height; }
 };
 
-// The texels that are drawn for a tile: the tile, with its sides rounded up to whole cells.
+// Texels drawn for a tile: its sides rounded up to whole cells.
 package::Rect cellsOf(const package::Rect& tile);
 
-// regions: [GOP][camera]. tile_scale: texels per pixel of the cameras' pictures, at most 1; at 1 sources are rounded up
-// to whole cells. Of all widths it takes the one with the fewest texels that readers accept, if there is one.
+// regions: [GOP][camera]. tile_scale: texels per pixel of the cameras' pictures, at most 1; at 1 sources are rounded
+// up to whole cells. Selects the width with the fewest texels that readers accept, if there is one.
 CameraLayout planCameraLayout(const std::vector<PinholeCamera>& cameras,
                               const std::vector<std::vector<package::Rect>>& regions, double tile_scale);
 
@@ -44,30 +44,30 @@ CameraLayout planCameraLayout(const std::vector<PinholeCamera>& cameras,
 // and no chroma sample shows two cameras.
 struct CameraPicture {
   int width = 0, height = 0;  // with the barcode below
-  package::Rect tiles;        // where the layout lies
+  package::Rect tiles;        // position of the layout
   package::BarcodeStrip barcode;
 };
 CameraPicture scaledPicture(const CameraLayout& layout, int eighths);
 package::Rect scaledCells(const package::Rect& cells, int eighths);
 
-// Why such a picture cannot be, with the remedy; empty if it can. max_texels: what the user allows.
+// Reason why such a picture is impossible, with the remedy; empty if it is possible. max_texels: the user's limit.
 std::string checkCameraLayout(const CameraLayout& layout, double tile_scale, double max_texels);
 
 struct Packing {
   int height = 0;
-  std::vector<glm::ivec2> places;  // of the rectangles' top left corners, in the order of the sizes
+  std::vector<glm::ivec2> places;  // top left corners of the rectangles, in the order of the sizes
 };
 
-// Packs rectangles into a strip of this width, by a skyline: each, the tallest first, goes where it lies highest up. No
-// rectangle is wider than the strip; those without area lie at (0, 0) and take no space. The same input gives the same
-// places on every machine.
+// Packs rectangles into a strip of this width by a skyline: in order of descending height, each goes to the highest
+// free place. No rectangle is wider than the strip; those without area lie at (0, 0) and take no space. The same
+// input gives the same places on every machine.
 Packing packInto(std::span<const glm::ivec2> sizes, int width);
 
-// A tile holds the performer as the camera shows him, round him a smooth continuation of his colours, which lets
-// texture filters and surfaces reach over his outline, and then mid-grey, which costs a codec nothing. source: RGBA
-// with straight alpha (the matte), colours of the performer alone wherever alpha is above 0. It is drawn into `tile`
-// texels at the top left of a picture of `cells` texels, by the mean of the pixels that a texel covers; what alpha
-// leaves open, and what lies beyond the tile, is filled. RGB.
+// Draws a tile: the performer in the camera's picture, surrounded by a smooth continuation of his colours, so that
+// texture filters and surfaces may reach over his outline, and then mid-grey, which costs a codec no bits. source:
+// RGBA with straight alpha (the matte), colours of the performer alone wherever alpha is above 0. It is drawn into
+// `tile` texels at the top left of a picture of `cells` texels, each the mean of the pixels that it covers; areas
+// without alpha or beyond the tile are filled. RGB.
 Image drawTile(const Image& source, const glm::ivec2& tile, const glm::ivec2& cells);
 
 }  // namespace fourdvt::encode

@@ -81,8 +81,8 @@ void configureX264(const EncodeSettings& s, AVCodecContext& c) {
   c.max_b_frames = 3;
   av_opt_set(c.priv_data, "preset", presetOf(s).c_str(), 0);
   av_opt_set_double(c.priv_data, "crf", s.crf, 0);
-  // Measured on rendered views (mbtree, aq-mode, psy: an atlas has no background to save on and no viewer's eye on
-  // it; chroma as fine as RGB-PSNR wants it): a quarter fewer bits at the same SSIM than x264's own defaults.
+  // Measured on rendered views (mbtree, aq-mode and psy off, because an atlas has no background and is never viewed
+  // as it is; chroma as fine as RGB-PSNR requires): a quarter fewer bits at the same SSIM than x264's own defaults.
   std::string params =
       "scenecut=0:b-pyramid=none:rc-lookahead=8:threads=1:lookahead-threads=1:mbtree=0:aq-mode=0:psy=0:"
       "chroma-qp-offset=-2:deblock=-3,-3:qcomp=0.64";
@@ -110,7 +110,7 @@ void configureAom(const EncodeSettings& s, AVCodecContext& c) {
   av_opt_set(c.priv_data, "cpu-used", presetOf(s).c_str() + std::strlen(kAom), 0);
   av_opt_set_int(c.priv_data, "lag-in-frames", 25, 0);
   av_opt_set_int(c.priv_data, "row-mt", 0, 0);
-  av_opt_set_int(c.priv_data, "arnr-max-frames", 0, 0);  // no temporal filter, not even of key pictures
+  av_opt_set_int(c.priv_data, "arnr-max-frames", 0, 0);  // no temporal filter, for key pictures either
   av_opt_set(c.priv_data, "aom-params", "enable-keyframe-filtering=0", 0);
 }
 
@@ -118,7 +118,7 @@ void configureSvt(const EncodeSettings& s, AVCodecContext& c) {
   quietSvt();
   av_opt_set(c.priv_data, "preset", presetOf(s).c_str(), 0);
   av_opt_set_int(c.priv_data, "crf", s.crf, 0);
-  std::string params = "lp=1:scd=0:enable-tf=0";  // its temporal filter would denoise pictures that are shown
+  std::string params = "lp=1:scd=0:enable-tf=0";  // the temporal filter would denoise pictures that are shown
   if (!s.extra.empty()) params += ":" + s.extra;
   av_opt_set(c.priv_data, "svtav1-params", params.c_str(), 0);
 }
@@ -146,7 +146,8 @@ bool encodesInTwoPasses(const EncodeSettings& s) {
   return s.codec == Codec::Vp9 || (s.codec == Codec::Av1 && isAom(presetOf(s)));
 }
 
-// Does everything but call avcodec_open2 and hand over the first pass's statistics. Errors: InvalidArgument (`extra`).
+// Configures the context up to avcodec_open2 and the first pass's statistics, which the caller supplies. Errors:
+// InvalidArgument (`extra`).
 Status configureEncoder(const EncodeSettings& s, Pass pass, AVCodecContext& c) {
   setCommon(s, c);
   if (pass == Pass::First) c.flags |= AV_CODEC_FLAG_PASS1;
@@ -195,7 +196,7 @@ class AvEncoder final : public GopEncoder {
 
   const EncodeSettings settings_;
   const AVCodec* codec_ = nullptr;
-  std::string statistics_;  // what the first pass found; the context of the second pass borrows it
+  std::string statistics_;  // first pass's statistics; borrowed by the context of the second pass
   Context context_;
   std::unique_ptr<AVPacket, PacketDeleter> packet_{av_packet_alloc()};
   std::vector<Frame> pictures_;  // kept for the second pass
@@ -294,7 +295,7 @@ Result<EncodedGop> AvEncoder::finish() {
   return std::move(gop_);
 }
 
-// Checks what the sample table relies on: one packet per frame, one key frame, which comes first, and little
+// Checks the assumptions of the sample table: one packet per frame, one key frame, which comes first, and little
 // reordering.
 Status AvEncoder::checkGop() const {
   const std::string encoder = std::string(codec_->name) + " encoder: ";

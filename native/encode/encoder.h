@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encodes H.264, VP9 and AV1 through libavcodec, one closed GOP at a time: every GOP has a fresh encoder with the same
-// settings, so that GOPs do not depend on each other (resume, order of work) and share their parameter sets.
+// Encodes H.264, VP9 and AV1 through libavcodec, one closed GOP at a time: every GOP has a fresh encoder with the
+// same settings, so that GOPs are independent of each other (resume, order of work) and share their parameter sets.
 // Single-threaded inside: the bytes depend on the input only. Memory: VP9 is encoded in two passes and holds the
 // pictures of its GOP until finish(); the others hold their encoder's lookahead.
 #pragma once
@@ -18,25 +18,25 @@
 namespace fourdvt::encode {
 
 // A new codec needs an entry here and in kCodecInfos, and:
-//   encoder.cpp                    its encoder, its options, whether it takes two passes, its parameter sets
-//   mp4.cpp                        its codec string (describeCodec)
-//   bake/quality.cpp               CRF and preset of every --quality
-//   bake/run/renditions.cpp        how many steps of CRF halve its bitrate
-//   platform/ffmpeg_decoder.cpp    its decoder
-//   tools/bake_command.cpp         the help texts of --codec and --crf
-//   lab/study/steps/rate.cpp       its rate curve
-//   the lists of codecs in encode_test.cpp, quality_test.cpp and cli_bake_test.cpp
+// encoder.cpp                    its encoder, its options, one pass or two, its parameter sets
+// mp4.cpp                        its codec string (describeCodec)
+// bake/quality.cpp               CRF and preset of every --quality
+// bake/run/renditions.cpp        how many steps of CRF halve its bitrate
+// platform/ffmpeg_decoder.cpp    its decoder
+// tools/bake_command.cpp         the help texts of --codec and --crf
+// lab/study/steps/rate.cpp       its rate curve
+// the lists of codecs in encode_test.cpp, quality_test.cpp and cli_bake_test.cpp
 enum class Codec { H264, Vp9, Av1 };
 constexpr size_t kCodecs = 3;
 
 struct CodecInfo {
-  const char* name;            // as --codec takes it; also FFmpeg's name
-  const char* kind;            // what its RFC 6381 strings begin with
+  const char* name;            // value of --codec; also FFmpeg's name
+  const char* kind;            // prefix of its RFC 6381 strings
   int highest_crf;             // on the codec's own scale, which starts at 0
-  const char* default_preset;  // what an empty EncodeSettings::preset means
+  const char* default_preset;  // for an empty EncodeSettings::preset
   const char* presets;         // one line for help and messages
-  // By how many frames decoding order may run ahead of presentation order, the same in every GOP. VP9 and AV1 hide
-  // their reordering inside packets.
+  // Maximum number of frames by which decoding order runs ahead of presentation order, the same in every GOP. VP9 and
+  // AV1 hide their reordering inside packets.
   int reorder_frames;
 };
 
@@ -50,7 +50,7 @@ constexpr const CodecInfo& infoOf(Codec codec) { return kCodecInfos[static_cast<
 
 // "h264, vp9, av1"
 std::string codecNames();
-// False: there is no such name.
+// False for an unknown name.
 bool parseCodec(const std::string& name, Codec& codec);
 
 // H.264: x264's preset names. VP9: libvpx's cpu-used, 0..5. AV1: SVT-AV1's 0..7, or "aom-0".."aom-8" for libaom.

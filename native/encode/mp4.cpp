@@ -83,7 +83,7 @@ Status writeGop(AVFormatContext& muxer, const std::string& path, const EncodeSet
   for (size_t i = 0; i < gop.packets.size(); ++i) {
     EncodedPacket& in = gop.packets[i];
     AVPacket* packet = av_packet_alloc();
-    packet->data = in.bytes.data();  // borrowed: av_write_frame copies what it keeps
+    packet->data = in.bytes.data();  // borrowed: av_write_frame copies the data that it needs
     packet->size = static_cast<int>(in.bytes.size());
     packet->pts = int64_t(first_frame) + in.frame;
     packet->dts = int64_t(first_frame) + int64_t(i) - infoOf(settings.codec).reorder_frames;
@@ -120,7 +120,7 @@ struct Vp9Level {
   int side;
 };
 
-// Annex A of the VP9 bitstream specification.
+// Levels of Annex A of the VP9 bitstream specification.
 constexpr Vp9Level kVp9Levels[] = {{10, 829440, 36864, 0.2e6, 512},          {11, 2764800, 73728, 0.8e6, 768},
                                    {20, 4608000, 122880, 1.8e6, 960},        {21, 9216000, 245760, 3.6e6, 1344},
                                    {30, 20736000, 552960, 7.2e6, 2048},      {31, 36864000, 983040, 12e6, 2752},
@@ -129,7 +129,7 @@ constexpr Vp9Level kVp9Levels[] = {{10, 829440, 36864, 0.2e6, 512},          {11
                                    {52, 1176502272, 8912896, 180e6, 8384},   {60, 1176502272, 35651584, 180e6, 16832},
                                    {61, 2353004544, 35651584, 240e6, 16832}, {62, 4706009088, 35651584, 480e6, 16832}};
 
-// Profile 0, 8 bits, 4:2:0, BT.709, limited range: the only VP9 that the encoder makes.
+// Profile 0, 8 bits, 4:2:0, BT.709, limited range: the encoder's only VP9 output.
 std::string vp9Codec(const AVCodecParameters& p, double fps, double bits_per_s) {
   const double picture = double(p.width) * p.height;
   int level = kVp9Levels[std::size(kVp9Levels) - 1].level;
@@ -142,7 +142,7 @@ std::string vp9Codec(const AVCodecParameters& p, double fps, double bits_per_s) 
   return printed("vp09.00.%02d.08.01.01.01.01.00", level);
 }
 
-// Reads profile, level, tier and chroma from the av1C box; BT.709 and limited range are ours.
+// Reads profile, level, tier and chroma from the av1C box; BT.709 and limited range are fixed by the encoder.
 std::string av1Codec(const AVCodecParameters& p) {
   const uint8_t *box = p.extradata, chroma = box[2];
   return printed("av01.%d.%02d%c.08.0.%d%d%d.01.01.01.0", box[1] >> 5, box[1] & 31, chroma & 0x80 ? 'H' : 'M',
@@ -190,7 +190,7 @@ Status readSamples(AVFormatContext& demuxer, const std::string& path, double fps
   return {};
 }
 
-// GOPs are closed: chunk g's samples are the next `frames of g` in the file.
+// GOPs are closed: the samples of chunk g are the next `frames of g` in the file.
 Status groupByChunk(const std::string& path, const std::vector<uint32_t>& first_frames, uint32_t frame_count,
                     package::SampleTable& table) {
   if (table.samples.size() != frame_count) return broken(path, "the number of samples is not the number of frames");

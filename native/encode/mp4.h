@@ -17,7 +17,7 @@ using LoadGop = std::function<Result<EncodedGop>(uint32_t gop)>;
 Status writeMp4(const std::string& path, const EncodeSettings& settings, uint32_t gop_count, const LoadGop& load);
 
 struct Mp4Samples {
-  package::SampleTable table;  // decoder_description: avcC for H.264, empty for VP9 and AV1 (WebCodecs needs none)
+  package::SampleTable table;  // decoder_description: avcC for H.264, empty for VP9 and AV1 (not needed by WebCodecs)
   std::string codec;           // RFC 6381, BT.709 limited range
   uint64_t file_bytes = 0;
 };

@@ -20,7 +20,7 @@ struct PlaceHash {
   size_t operator()(const glm::vec3& p) const { return fnv1a({reinterpret_cast<const uint8_t*>(&p), sizeof p}); }
 };
 
-// [vertex]: the first vertex at its place. -0 and 0 count as two places: that costs a vertex, no more.
+// [vertex]: the first vertex at its place. -0 and 0 count as two places, which costs one vertex.
 std::vector<uint32_t> firstAtPlace(const Positions& positions) {
   std::vector<uint32_t> first;
   std::unordered_map<glm::vec3, uint32_t, PlaceHash> known;
@@ -37,9 +37,9 @@ void weld(const Positions& positions, std::vector<glm::uvec3>& faces) {
 
 TriangleMesh simplified(TriangleMesh surface, size_t most_faces) {
   if (most_faces == 0 || surface.faces.size() <= most_faces) return surface;
-  constexpr float kAnyError = 1;  // of the mesh's extent: the number of faces decides
+  constexpr float kAnyError = 1;  // relative to the mesh's extent: only the number of faces limits
   weld(surface.positions, surface.faces);
-  dropUnusedVertices(surface);  // the library takes vertices at one place for seams, which it leaves alone
+  dropUnusedVertices(surface);  // meshoptimizer treats vertices at one place as seams and keeps them
   std::vector<glm::uvec3> kept(surface.faces.size());
   const size_t indices =
       meshopt_simplify(&kept[0].x, &surface.faces[0].x, 3 * surface.faces.size(), &surface.positions[0].x,
@@ -61,8 +61,8 @@ package::QuantisedSurface quantisedSurface(const PositionGrid& grid, const Posit
 namespace {
 
 constexpr int kMostDepthSamples = 1024;     // along the longer side of a depth map
-constexpr double kLeastCosine = 0.2;        // between normal and ray; pictures at a glance are smeared
-constexpr double kFootprintEdges = 1 / 3.;  // half the side of the square that a vertex averages, mean edges
+constexpr double kLeastCosine = 0.2;        // between normal and ray; pictures at grazing angles are smeared
+constexpr double kFootprintEdges = 1 / 3.;  // half the side of a vertex's averaging square, in mean edges
 constexpr double kMostFootprintPixels = 12;
 constexpr double kSlackEdges = 0.5;  // of the depth test
 constexpr double kMidGrey = 0.2140;  // linear, of sRGB 0.5
@@ -131,7 +131,7 @@ void addCamera(const TriangleMesh& surface, const std::vector<glm::vec3>& normal
   }
 }
 
-// Gives vertices without a colour the mean of their neighbours that have one, a ring at a time.
+// Fills vertices without a colour with the mean of their coloured neighbours, ring by ring.
 void fillFromNeighbours(const std::vector<glm::uvec3>& faces, std::vector<Mean>& colours) {
   for (bool filled = true; filled;) {
     filled = false;

@@ -40,7 +40,7 @@ TileLayout gridLayout(int layer_count, int texture, int columns) {
   const int rows = (layer_count + columns - 1) / columns;
   for (int l = 0; l < layer_count; ++l)
     layout.layers.push_back({(l % columns) * texture, (l / columns) * texture, texture, texture});
-  const int last_x = (layer_count - (rows - 1) * columns) * texture;  // where the last row ends
+  const int last_x = (layer_count - (rows - 1) * columns) * texture;  // end of the last row
   const bool free_cell = columns * texture - last_x >= kBarcodeWidth;
   const int barcode_y = free_cell ? (rows - 1) * texture : rows * texture;
   layout.barcode.rect = {free_cell ? last_x : 0, barcode_y, kBarcodeWidth, layout.barcode.cell_size};
@@ -49,7 +49,7 @@ TileLayout gridLayout(int layer_count, int texture, int columns) {
   return layout;
 }
 
-// Whether `a` is better: prefers layouts that fit, then the one with the fewest texels; if neither fits, the smaller
+// True if `a` is better: prefers layouts that fit, then the one with the fewest texels; if neither fits, the smaller
 // one.
 bool better(const TileLayout& a, const TileLayout& b) {
   if (fits(a) != fits(b)) return fits(a);
@@ -174,8 +174,8 @@ Image rgbFromTile(const I420View& p, const package::Rect& rect) {
 
 namespace {
 
-// How much of a source texel lies under a texel of the result, in units of 1 / target of a source texel: whole numbers,
-// which add up to `source` for every texel of the result.
+// Part of a source texel under a texel of the result, in units of 1 / target of a source texel: whole numbers, which
+// add up to `source` for every texel of the result.
 struct Share {
   int texel = 0;
   uint32_t units = 0;
@@ -214,7 +214,7 @@ Image shrunk(const Image& source, int width, int height) {
   Image out(width, height, 3);
   std::vector<uint32_t> row(size_t(3) * size_t(width));
   std::vector<uint64_t> sums(row.size());
-  int summed = -1;  // the source's row that `row` holds; neighbours in the result may share one
+  int summed = -1;  // row of the source in `row`; neighbours in the result may share one
   for (int y = 0; y < height; ++y) {
     std::fill(sums.begin(), sums.end(), whole / 2);
     for (const Share& share : rows[static_cast<size_t>(y)]) {

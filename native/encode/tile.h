@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws all layers and the barcode into one 4:2:0 picture, so that one decoder serves them; and smaller copies of
-// layers and tiles, for renditions with fewer texels.
+// Draws all layers and the barcode into one 4:2:0 picture for a single decoder; and smaller copies of layers and
+// tiles, for renditions with fewer texels.
 #pragma once
 
 #include <string>
@@ -25,7 +25,7 @@ struct TileLayout {
 // Several members: the layers of each as above, stacked in as few columns as fit; equal layers all in one grid.
 TileLayout makeTileLayout(int layer_count, int texture, bool equal_layers = false, int member_count = 1);
 
-// Why readers would not accept a picture of this layout, with the remedy; empty if they accept it.
+// Reason why readers would reject a picture of this layout, with the remedy; empty if they accept it.
 std::string checkTileLayout(int layer_count, int texture, bool equal_layers, int member_count = 1);
 
 struct I420Picture {
@@ -44,15 +44,15 @@ void drawLayer(const Image& layer, const package::Rect& rect, I420Picture& pictu
 void tileFrame(const TileLayout& layout, const std::vector<const Image*>& layers, uint32_t frame, I420Picture& picture);
 void tileFrame(const TileLayout& layout, const std::vector<Image>& layers, uint32_t frame, I420Picture& picture);
 
-// Draws every image shrunk to its rectangle on its own, and the barcode; rectangles as of drawLayer.
+// Draws every image, scaled down to its rectangle on its own, and the barcode; rectangles as in drawLayer.
 void tileShrunk(const std::vector<package::Rect>& rects, const std::vector<const Image*>& images,
                 const package::BarcodeStrip& barcode, uint32_t frame, I420Picture& picture);
 
 // Reads one rectangle back as RGB, with chroma replicated, e.g. for stills.
 Image rgbFromTile(const I420View& picture, const package::Rect& rect);
 
-// Every texel is the mean of the area that it covers, in encoded RGB. width, height: at most those of `source`. Reads
-// `source` alone, so that what lies beside it in a tiled picture does not bleed in. RGB.
+// Box-filters in encoded RGB: every texel is the mean of the area that it covers. width, height: at most those of
+// `source`. Reads `source` alone, so that its neighbours in a tiled picture do not bleed in. RGB.
 Image shrunk(const Image& source, int width, int height);
 
 }  // namespace fourdvt::encode

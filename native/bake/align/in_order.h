@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work on other threads while the calling thread draws; its results come back in the order in which it was given, so
-// that sums over them do not depend on the number of threads.
+// Runs tasks on other threads while the calling thread renders; results are returned in order of submission, so that
+// sums over them do not depend on the number of threads.
 #pragma once
 
 #include <algorithm>
@@ -13,9 +13,9 @@ namespace fourdvt::bake {
 template <class T>
 class InOrder {
  public:
-  // `at_once`: tasks at work at a time; 1: each runs on the calling thread.
+  // `at_once`: number of concurrent tasks; 1: each runs on the calling thread.
   explicit InOrder(int at_once) : at_once_(static_cast<size_t>(std::max(at_once, 1))) {}
-  // Waits while `at_once` tasks are at work. What the task refers to must outlive this object.
+  // Blocks while `at_once` tasks are running. Objects that the task refers to must outlive this one.
   template <class Task>
   void add(Task task) {
     if (tasks_.size() >= at_once_) tasks_[tasks_.size() - at_once_].wait();
@@ -30,7 +30,7 @@ class InOrder {
 
  private:
   const size_t at_once_;
-  std::vector<std::future<T>> tasks_;  // futures join on every way out
+  std::vector<std::future<T>> tasks_;  // futures join on every return
 };
 
 }  // namespace fourdvt::bake

@@ -14,7 +14,7 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr int kRounds[] = {2, 1};  // the picture height's divisor in each round, coarse to fine
+constexpr int kRounds[] = {2, 1};  // divisor of the picture height in each round, coarse to fine
 constexpr int kDetailViews = 4;
 constexpr float kInteriorReach_px = 8;    // at full height
 constexpr float kHalfConfidence = 0.25f;  // information (VertexEstimate) at which confidence is one half
@@ -36,8 +36,8 @@ float minInformation(const glm::mat2& m) {
   return std::max(mean - std::hypot(half, m[0][1]), 0.0f);
 }
 
-// Two texels per corner, as CharacterModel::corners has them; looks that move by their own texture coordinates need no
-// uv_from_tangents.
+// Two texels per corner, in the layout of CharacterModel::corners; uv_from_tangents is not needed, because the
+// texture coordinates themselves are displaced.
 std::vector<glm::vec4> cornersWith(const MeshTopology& topology, const std::vector<glm::vec2>& uvs) {
   std::vector<glm::vec4> table;
   render::resizeToRows(table, 6ull * topology.faceCount(), glm::vec4(0));
@@ -49,8 +49,8 @@ std::vector<glm::vec4> cornersWith(const MeshTopology& topology, const std::vect
   return table;
 }
 
-// Draws each member's look alone on the common mesh, with moved texture coordinates, as the recipe shows it. Looks of
-// one view share their depth, so that only visible surface is shaded. Topology is borrowed.
+// Renders each member's appearance alone on the common mesh, with displaced texture coordinates, as the player shades
+// it. Pictures of one view share their depth, so that only visible surface is shaded. Topology is borrowed.
 class LookDrawer {
  public:
   LookDrawer(gpu::Device& device, const MeshTopology& topology, render::CharacterModel model, gpu::Program depth)
@@ -58,7 +58,7 @@ class LookDrawer {
     options_.align = render::Align::None;
   }
 
-  // Sets the mesh to draw on and, per member, its texture coordinates (as many as the topology has).
+  // Sets the mesh and, per member, its texture coordinates (as many as the topology has).
   Status setFrame(const Positions& positions, const std::vector<std::vector<glm::vec2>>& member_uvs) {
     model_.setPositions(device_, positions);
     while (corners_.size() < member_uvs.size()) {
@@ -90,8 +90,8 @@ class LookDrawer {
   }
 
  private:
-  // Looks differ only in their texture coordinates. Their common depth is drawn first, so that hidden surface is never
-  // shaded; the colours of this pass do not matter, because every look draws over the same pixels.
+  // Renders the common depth first, so that hidden surface is never shaded: the members' pictures differ only in
+  // their texture coordinates. The colours of this pass are overwritten.
   void drawDepth(const render::View& view) {
     device_.beginPass({.target = target_.id(), .clear_color = true, .clear_depth = true, .label = "look depth"});
     device_.draw(
@@ -112,7 +112,7 @@ class LookDrawer {
     const render::Look look{&appearance, &picture, weights};
     FOURDVT_TRY(render::checkFigure({&model_, std::span(&look, 1)}, options_.recipe));
     const render::Part part{&look, {{static_cast<int>(member), 1.0f}}};
-    const render::CharacterView unmoved{view.clip_from_world, view.eye_in_world};  // the character stands in the origin
+    const render::CharacterView unmoved{view.clip_from_world, view.eye_in_world};  // the character stands at the origin
     FOURDVT_TRY(layered_.prepare(device_, model_, part, unmoved, options_));
     device_.beginPass({.target = target_.id(), .label = "look"});
     std::swap(model_.corners, corners_[member]);
@@ -171,19 +171,19 @@ class Aligner final : public SurfaceAligner {
 
  private:
   using Field = std::vector<glm::vec2>;                                // [vertex]
-  using ViewObservations = std::vector<std::vector<FlowObservation>>;  // [other]: what one view says
-  struct Shown {                                                       // what align was called with
+  using ViewObservations = std::vector<std::vector<FlowObservation>>;  // [other]: observations of one view
+  struct Shown {                                                       // arguments of align
     const Positions& middle;
     const render::Appearance& appearance;
     const render::PictureTextures& picture;
   };
-  struct Pose {  // what every view of one mesh needs
+  struct Pose {  // per-mesh data of every view
     const Positions& positions;
     std::vector<glm::vec3> normals;
     std::vector<glm::mat2x3> tangents;
   };
 
-  // Texture coordinates per member, moved to the place where all members meet at equal weights.
+  // Texture coordinates per member, displaced to the place where all members meet at equal weights.
   std::vector<Field> movedUvs(const Field& displacement) const {
     const size_t vertices = mesh_.topology.vertex_count, members = displacement.size() / vertices + 1;
     Field mean(vertices, glm::vec2(0));
@@ -200,7 +200,7 @@ class Aligner final : public SurfaceAligner {
     return uvs;
   }
 
-  // One round: draws with the displacement known so far, adds what the flow still finds, and smooths the sum.
+  // One round: renders with the displacement so far, adds the residual flow, and smooths the sum.
   Status refine(const Shown& shown, int divisor, AlignedFrame& result) {
     const size_t vertices = mesh_.topology.vertex_count, others = result.displacement_m.size() / vertices;
     FOURDVT_ASSIGN(auto seen, observe(shown, divisor, result.displacement_m));
@@ -221,7 +221,7 @@ class Aligner final : public SurfaceAligner {
     return {};
   }
 
-  // [view]; each view is measured while the next ones are drawn.
+  // [view]; each view is measured while the next ones are rendered.
   Result<std::vector<ViewObservations>> observe(const Shown& shown, int divisor, const Field& displacement) {
     FOURDVT_TRY(drawer_->setFrame(shown.middle, movedUvs(displacement)));
     const Pose pose = poseOf(shown.middle);
@@ -278,7 +278,7 @@ class Aligner final : public SurfaceAligner {
   const SurfaceFrames frames_;
   std::unique_ptr<TangentSmoother> smoother_;
   std::unique_ptr<LookDrawer> drawer_;
-  std::optional<ChartLimits> limits_;  // of the texture size seen last
+  std::optional<ChartLimits> limits_;  // for the latest texture size
 };
 
 }  // namespace
@@ -295,8 +295,8 @@ Result<std::unique_ptr<SurfaceAligner>> SurfaceAligner::create(gpu::Device& devi
 
 namespace {
 
-constexpr float kSteadiness = 0.25f;     // pull towards each neighbour in time, against confidence 0..1
-constexpr float kMinConfidence = 1e-3f;  // every vertex has this much, so that one that is never certain keeps its mean
+constexpr float kSteadiness = 0.25f;     // pull towards each neighbour in time, relative to confidence 0..1
+constexpr float kMinConfidence = 1e-3f;  // lower bound, so that a vertex that is never certain keeps its mean
 
 // One tridiagonal system: confidence_t (x_t − d_t) + kSteadiness Σ (x_t − x_neighbour) = 0.
 class TimeLine {

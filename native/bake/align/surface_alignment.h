@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Aligns the members' appearance on the surface at bake time (algorithms/alignment.md). Every member is drawn on the
-// same blended mesh from a ring of views. Optical flow in both directions in each view gives one tangent displacement
-// per vertex that fits all views, weighted by facing, forward-backward error and texture; it is smoothed, and 0 where
-// nothing is certain. The decoded pictures are aligned, because they are what the player shows. The displacement is
-// exact at equal weights, where both looks meet. Does NOT code or store. In order: views.h (draws, and
-// what each view sees), tangent_field.h (flow → vertices → smooth field, cut at gutters).
+// Aligns the members' appearance on the surface at bake time (algorithms/alignment.md). Every member is rendered on
+// the same blended mesh from a ring of views. Optical flow in both directions in each view gives one tangent
+// displacement per vertex that fits all views, weighted by facing, forward-backward error and texture; it is
+// smoothed, and 0 where nothing is certain. The decoded pictures are aligned, because the player shows them. The
+// displacement is exact at equal weights, where both appearances meet. Data flow: views.h (renders, and measures
+// visibility) → tangent_field.h (flow → vertices → smooth field, clipped at gutters).
 #pragma once
 
 #include <memory>
@@ -18,16 +18,16 @@ namespace fourdvt::bake {
 struct AlignmentOptions {
   int views = 12;            // on a ring round the character, every other one raised
   int picture_height = 640;  // pixels
-  double smoothness = 1;     // of the screened Laplacian
+  double smoothness = 1;     // weight of the screened Laplacian
   double max_displacement_m = 0.04;
-  int gutter_texels = 10;  // of layer 1; displacements that would leave a chart further than this are shortened
-  int jobs = 2;            // views measured at a time, on threads beside the drawing one; 1: on the drawing thread
+  int gutter_texels = 10;  // gutter of layer 1; displacements that leave a chart further than this are shortened
+  int jobs = 2;  // views measured concurrently, on threads beside the rendering one; 1: on the rendering thread
 };
 
 struct AlignedFrame {
   std::vector<glm::vec2> displacement_m;  // [member - 1][vertex], along the tangents of base/mesh.h
   std::vector<float> confidence;          // likewise, 0..1
-  float detail_correlation = 1;           // of the members' looks after this displacement; see views.h
+  float detail_correlation = 1;           // of the members' pictures after this displacement; see views.h
 };
 
 class SurfaceAligner {
@@ -36,14 +36,14 @@ class SurfaceAligner {
   static Result<std::unique_ptr<SurfaceAligner>> create(gpu::Device& device, const package::Character& character,
                                                         const package::BaseMesh& mesh, const AlignmentOptions& options);
   virtual ~SurfaceAligner() = default;
-  // Aligns one frame: the class's decoded picture and labels (`appearance`, set for this frame) on `middle`, the blend
-  // of all members at equal weights.
+  // Aligns one frame: the class's decoded picture and labels (`appearance`, set for this frame) on `middle`, the
+  // blend of all members at equal weights.
   virtual Result<AlignedFrame> align(const Positions& middle, const render::Appearance& appearance,
                                      const render::PictureTextures& picture) = 0;
 };
 
-// Steadies the displacements over time: confident frames pull their neighbours; loops wrap. `frames`: those of one
-// whole GOP window or sequence.
+// Smooths the displacements over time: confident frames pull their neighbours; loops wrap. `frames`: one whole GOP
+// window or sequence.
 void steadyAlignment(std::vector<AlignedFrame>& frames, bool loop);
 
 }  // namespace fourdvt::bake

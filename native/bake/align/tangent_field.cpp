@@ -18,9 +18,9 @@ constexpr float kDisagreement_px = 1.0f;    // forward-backward error at which c
 constexpr float kDisagreementShare = 0.1f;  // … plus this share of the flow's length
 constexpr float kTexture = 20;              // grey² a pixel²: gradient energy at which certainty is one quarter
 constexpr double kTextureSigma_px = 4;
-constexpr float kOutlier_px = 0.7f;  // Cauchy's scale
+constexpr float kOutlier_px = 0.7f;  // scale of the Cauchy weight
 constexpr int kRobustRounds = 3;
-constexpr float kPrior = 1e-3f;  // information of "no displacement", while views are weighed
+constexpr float kPrior = 1e-3f;  // information of a zero-displacement prior, while views are reweighted
 
 cv::Mat flowBetween(const cv::Mat& from, const cv::Mat& to) {
   cv::Mat flow;
@@ -29,7 +29,7 @@ cv::Mat flowBetween(const cv::Mat& from, const cv::Mat& to) {
   return flow;
 }
 
-// CV_32FC3: gradient energies xx, yy, xy, averaged round each pixel, of both pictures.
+// CV_32FC3: gradient energies xx, yy, xy of both pictures, averaged round each pixel.
 cv::Mat structureTensor(const cv::Mat& first, const cv::Mat& other) {
   cv::Mat sum(first.size(), CV_32FC3, cv::Scalar(0)), dx, dy;
   for (const cv::Mat* picture : {&first, &other}) {
@@ -61,7 +61,7 @@ glm::vec2 sampleFlow(const cv::Mat& flow, const glm::vec2& at) {
   return {value[0], value[1]};
 }
 
-// (S (S + k)⁻¹)²: certain only along directions that have texture, so that noise in plain places does not count.
+// (S (S + k)⁻¹)²: certain only along directions that have texture, so that noise in untextured places does not count.
 glm::mat2 textureCertainty(const cv::Vec3f& tensor) {
   const glm::mat2 energy(tensor[0], tensor[2], tensor[2], tensor[1]);
   const glm::mat2 share = energy * glm::inverse(energy + glm::mat2(kTexture));
@@ -77,7 +77,7 @@ std::vector<FlowObservation> observeFlow(const cv::Mat& first, const cv::Mat& ot
   std::vector<FlowObservation> observations;
   observations.reserve(seen.size());
   for (const SeenVertex& vertex : seen) {
-    // Where the first picture shows the surface point that both pictures show half the flow away from the vertex.
+    // Position in the first picture of the surface point that both pictures show half the flow away from the vertex.
     const glm::vec2 start = vertex.pixel - 0.5f * sampleFlow(forward, vertex.pixel);
     const glm::vec2 there = sampleFlow(forward, start);
     const glm::vec2 back = sampleFlow(backward, start + there);
@@ -120,10 +120,10 @@ namespace {
 using Matrix = Eigen::SparseMatrix<double>;
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-constexpr double kLength_m = 0.01;               // of smoothing at smoothness 1 and information 1
-constexpr double kPull = 1e-3;                   // information of "no displacement"
-constexpr double kMinArea = 1e-3;                // of a vertex, in mean areas
-constexpr double kMinEdge = 0.05, kMaxEdge = 5;  // cotangent weights of badly shaped faces
+constexpr double kLength_m = 0.01;               // smoothing length at smoothness 1 and information 1
+constexpr double kPull = 1e-3;                   // information of a zero-displacement prior
+constexpr double kMinArea = 1e-3;                // of a vertex, in mean vertex areas
+constexpr double kMinEdge = 0.05, kMaxEdge = 5;  // cotangent weights of badly shaped faces are clamped
 
 double cotangent(const glm::vec3& a, const glm::vec3& b) {
   const double area = glm::length(glm::cross(a, b));
@@ -148,7 +148,7 @@ void addBlock(uint32_t row, uint32_t column, const glm::dmat2& block, Entries& e
     for (int j = 0; j < 2; ++j) entries.emplace_back(2 * row + i, 2 * column + j, block[j][i]);
 }
 
-// Rotation that takes components along `from` to components along `to` with the least turn.
+// Minimal rotation that takes components along `from` to components along `to`.
 glm::dmat2 transport(const glm::mat2x3& from, const glm::mat2x3& to) {
   const glm::mat2 b = glm::transpose(to) * from;
   const glm::dvec2 turn(double(b[0][0]) + b[1][1], double(b[0][1]) - b[1][0]);
@@ -176,7 +176,8 @@ class Smoother final : public TangentSmoother {
         addBlock(b, a, -weight * b_from_a, entries);
         addBlock(a, b, -weight * glm::transpose(b_from_a), entries);
       }
-    for (uint32_t vertex = 0; vertex < topology.vertex_count; ++vertex)  // all four, so that the pattern never changes
+    for (uint32_t vertex = 0; vertex < topology.vertex_count;
+         ++vertex)  // all four entries, so that the sparsity pattern is constant
       addBlock(vertex, vertex, glm::dmat2(kPull * areas_[vertex], 0, 0, kPull * areas_[vertex]), entries);
     smooth_.resize(2 * topology.vertex_count, 2 * topology.vertex_count);
     smooth_.setFromTriplets(entries.begin(), entries.end());
@@ -274,11 +275,12 @@ ChartLimits::ChartLimits(const MeshTopology& topology, const SurfaceFrames& fram
 }
 
 float ChartLimits::allowedShare(const glm::vec2& uv, const glm::vec2& shift, int chart) const {
-  const int steps = int(std::ceil(glm::length(shift) * float(size_)));  // at most a texel each
+  const int steps = int(std::ceil(glm::length(shift) * float(size_)));  // at most one texel each
   for (int step = 1; step <= steps; ++step) {
     const glm::vec2 texel = glm::floor((uv + shift * (float(step) / float(steps))) * float(size_));
     const glm::ivec2 at(glm::clamp(texel, glm::vec2(0), glm::vec2(float(size_ - 1))));
-    // The thin end of a chart may cover no texel centre: texels of no chart count as its own within one texel.
+    // The thin end of a chart may cover no texel centre: texels outside all charts count as the chart's own within
+    // one texel.
     if (reach_[size_t(at.y) * size_ + at.x] != chart && step > 1) return float(step - 1) / float(steps);
   }
   return 1;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Second part of baked alignment: turns the optical flow of one view, computed in both directions, into observations of
-// the tangent displacement of the vertices seen there; then combines all views into one robust estimate per vertex, and
-// these into a smooth field. Does NOT look at other frames (steadyAlignment does).
+// Second part of baked alignment: turns the optical flow of one view, computed in both directions, into observations
+// of the tangent displacement of the visible vertices; combines all views into one robust estimate per vertex, and
+// these into a smooth field. Works frame by frame; steadyAlignment smooths over time.
 #pragma once
 
 #include <memory>
@@ -14,19 +14,19 @@
 
 namespace fourdvt::bake {
 
-// One view's observation of one vertex: the displacement d that is still missing satisfies
-// pixels_from_tangents · d = flow, weighted by `certainty` (symmetric, eigenvalues 0..1; from facing, forward-backward
-// agreement and texture in each direction).
+// One view's observation of one vertex: the residual displacement d satisfies
+// pixels_from_tangents · d = flow, weighted by `certainty` (symmetric, eigenvalues 0..1; from facing,
+// forward-backward agreement and texture in each direction).
 struct FlowObservation {
   uint32_t vertex = 0;
   float pixels_per_metre = 0;
   glm::mat2 pixels_from_tangents{0};
   glm::mat2 certainty{0};
-  glm::vec2 flow{0};  // pixels, from member 0's look to the other's, y down
+  glm::vec2 flow{0};  // pixels, from member 0's picture to the other's, y down
 };
 
-// first, other: CV_8U looks on the same mesh, view and background; `interior` as interiorOf gives. Flow is read half
-// way between both looks, so that it belongs to the place on the mesh where both will be shown.
+// first, other: CV_8U pictures on the same mesh, view and background; `interior` from interiorOf. Flow is sampled
+// half way between both pictures, so that it belongs to the place on the mesh where both will be shown.
 std::vector<FlowObservation> observeFlow(const cv::Mat& first, const cv::Mat& other, const cv::Mat& interior,
                                          const std::vector<SeenVertex>& seen);
 
@@ -37,8 +37,8 @@ struct VertexEstimate {
   glm::vec2 pull{0};
 };
 
-// Combines the views of each vertex by Cauchy reweighting. `current`: the displacement with which the looks were drawn,
-// base metres. The estimates are of the whole displacement, not of what is missing from `current`.
+// Combines the views of each vertex by iterated Cauchy reweighting. `current`: the displacement with which the
+// pictures were rendered, base metres. Estimates are of the whole displacement, including `current`.
 std::vector<VertexEstimate> liftFlow(const std::vector<std::vector<FlowObservation>>& views,
                                      const std::vector<glm::vec2>& current);
 
@@ -50,12 +50,12 @@ class TangentSmoother {
                                                  const SurfaceFrames& frames, double smoothness);
   virtual ~TangentSmoother() = default;
   // Displacement per vertex along its tangents, metres. Minimises Σ area · (d − estimate)ᵀ information (d − estimate)
-  // plus the field's unevenness under parallel transport. Vertices without information take the mean of their
+  // plus the field's roughness under parallel transport. Vertices without information take the mean of their
   // neighbours; far from any information the field goes to 0.
   virtual std::vector<glm::vec2> solve(const std::vector<VertexEstimate>& estimates) = 0;
 };
 
-// How far texture coordinates may move before they leave what the gutter of their chart holds.
+// Limits displacements of texture coordinates to the gutters of their charts.
 class ChartLimits {
  public:
   // `size`: side of layer 1 in texels. Topology and frames are borrowed.
@@ -66,7 +66,7 @@ class ChartLimits {
   int size() const { return size_; }
 
  private:
-  // Largest share of `shift` (texture coordinates) that stays in reach of the chart.
+  // Largest share of `shift` (texture coordinates) that stays within reach of the chart.
   float allowedShare(const glm::vec2& uv, const glm::vec2& shift, int chart) const;
 
   const MeshTopology* topology_;

@@ -14,7 +14,7 @@ constexpr double kDistance = 2.5;  // from the centre, in diagonals of the bound
 constexpr int kMargin = 12;        // pixels round the figure
 constexpr float kDepthTolerance_m = 0.01f;
 constexpr float kDepthStep_m = 0.03f;  // between neighbouring pixels, on top of the slope at kMinCosine
-constexpr float kMinCosine = 0.15f;    // below it a surface is too foreshortened to show movement along it
+constexpr float kMinCosine = 0.15f;    // below it a surface is too foreshortened to show tangential motion
 
 // Fits focal length, principal point and width to the points.
 PinholeCamera fitted(PinholeCamera camera, const Positions& positions, int height) {
@@ -50,7 +50,7 @@ void drawTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, cv
     for (int x = x0; x <= x1; ++x) {
       const glm::vec2 p(x + 0.5f, y + 0.5f);
       const float of_a = cross2(b2 - p, c2 - p), of_b = cross2(c2 - p, a2 - p);
-      if (of_a * sign < 0 || of_b * sign < 0) continue;  // no divisions for the pixels beside the triangle
+      if (of_a * sign < 0 || of_b * sign < 0) continue;  // avoids divisions for pixels outside the triangle
       const float u = of_a / area, v = of_b / area, w = 1 - u - v;
       if (w < 0) continue;
       float& nearest = depth.at<float>(y, x);
@@ -58,7 +58,7 @@ void drawTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, cv
     }
 }
 
-// Pixels per metre of movement of a point, 3 columns.
+// Pixels per metre of a point's movement, 3 columns.
 glm::mat3x2 projectionDerivative(const PinholeCamera& camera, const glm::vec3& point) {
   const glm::dvec3 p(camera.cam_from_world * glm::dvec4(point, 1));
   const glm::dmat3x2 from_cam(glm::dvec2(camera.fx / p.z, 0), glm::dvec2(0, camera.fy / p.z),
@@ -184,7 +184,7 @@ cv::Mat evenLuma(const cv::Mat& rgba) {
 
 namespace {
 
-constexpr int kEdge = 4;  // pixels along the outline that do not count
+constexpr int kEdge = 4;  // pixels along the outline that are ignored
 
 cv::Mat lumaOf(const cv::Mat& rgba) {
   cv::Mat luma;

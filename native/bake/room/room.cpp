@@ -12,11 +12,11 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr int kGutter = 8, kAlign = 16;  // texels; blocks of the coded picture then belong to one face
-constexpr int kSide = 3;                 // each texel is the mean of kSide² points of it
-constexpr int kBlock = 16;               // texels a side of what RoomFill is told, and of where it is asked
+constexpr int kGutter = 8, kAlign = 16;  // texels; aligned so that each block of the coded picture belongs to one face
+constexpr int kSide = 3;                 // each texel is the mean of kSide² samples
+constexpr int kBlock = 16;               // texels a side of the blocks by which RoomFill is sampled
 constexpr double kGrain_m = 0.05;
-// A camera that counts less than this for a point leaves a part of it to the fill, so that the seen area ends softly.
+// Weight below which a point is blended with the fill, so that the seen area ends softly.
 constexpr float kWholeWeight = 0.1f;
 
 glm::vec3 inwardOf(int face) {
@@ -32,7 +32,7 @@ package::Rect inColumn(int column_x, int y, double width_m, double height_m, dou
   return {column_x + kGutter, y + kGutter, texels(width_m), texels(height_m)};
 }
 
-// Floor and ceiling, then the walls along z, then those along x: two columns of three rows.
+// Lays out floor and ceiling, then the walls along z, then those along x: two columns of three rows.
 package::Room laidOut(const BoundingBox& box, double texels_per_m) {
   package::Room room;
   room.box = box;
@@ -51,7 +51,7 @@ package::Room laidOut(const BoundingBox& box, double texels_per_m) {
   return room;
 }
 
-// One face while it is made, in float.
+// One face in progress, in float.
 struct Face {
   int width = 0, height = 0;
   std::vector<glm::vec4> texels;  // colour, weight
@@ -85,7 +85,7 @@ glm::vec3 pointOf(const BoundingBox& box, int number, const Face& face, float x,
   return package::roomPoint(box, number, x / float(face.width), y / float(face.height));
 }
 
-// Tells the fill the mean of every block of texels that cameras see.
+// Adds the mean of every block of visible texels to the fill.
 void tellSeen(const BoundingBox& box, int number, Face& face, RoomFill& fill) {
   for (int y = 0; y < face.height; y += kBlock)
     for (int x = 0; x < face.width; x += kBlock) {
@@ -106,7 +106,8 @@ void tellSeen(const BoundingBox& box, int number, Face& face, RoomFill& fill) {
 
 bool isWhole(const glm::vec4& texel) { return texel.w >= kWholeWeight; }
 
-// Replaces what no camera sees, and mixes into what is hardly seen. The fill is asked at the corners of the blocks.
+// Replaces invisible texels, and blends texels of low weight with the fill, which is sampled at the corners of the
+// blocks.
 void fillUnseen(const BoundingBox& box, int number, Face& face, const RoomFill& fill) {
   if (std::all_of(face.texels.begin(), face.texels.end(), isWhole)) return;
   const int columns = face.width / kBlock + 2, rows = face.height / kBlock + 2;
@@ -142,13 +143,13 @@ void write(Face& face, const package::Rect& rect, Image& picture) {
 struct RoomLookup::Plate {
   const RoomPlate* given;
   glm::dvec3 centre;
-  cv::Mat weights;  // CV_32F: of every pixel's centre; negative: the camera sees nothing there
+  cv::Mat weights;  // CV_32F, at pixel centres; negative where the camera sees nothing
 };
 
 namespace {
 
-// Distance of every pixel's centre from where the camera sees nothing, over the feather's width, at most 1. It is 0 for
-// the outermost pixels.
+// Distance of every pixel's centre from the area where the camera sees nothing, over the feather's width, at most 1;
+// 0 for the outermost pixels.
 cv::Mat featherWeights(const Image& picture, const RoomOptions& options) {
   cv::Mat sees(picture.height + 2, picture.width + 2, CV_8U, cv::Scalar(0)), distance;
   for (int y = 0; y < picture.height; ++y)
@@ -176,7 +177,7 @@ RoomLookup::~RoomLookup() = default;
 
 RoomLookup::Seen RoomLookup::at(const glm::dvec3& point, const glm::dvec3& inward) const {
   Seen out;
-  float share = 1;  // Recurrence: of the next camera
+  float share = 1;  // Recurrence: share of the next camera
   for (const Plate& plate : plates_) {
     if (!(glm::dot(plate.centre - point, inward) > 0)) continue;
     const glm::dvec3 at = plate.given->camera.project(point);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture of a room, which is a box, from the plates of the cameras in it (algorithms/texels.md). A point of a face
-// gets the weighted mean of the cameras that see it, in float; what none sees is filled from the face's neighbourhood.
-// Does NOT know what stands between a camera and the box, and does NOT read or write files.
+// Texture of a box-shaped room from the plates of the cameras in it (algorithms/texels.md). A point of a face gets
+// the weighted mean of the cameras that see it, in float; unseen points are filled from the face's neighbourhood.
+// Objects between a camera and the box are ignored: their pixels are projected onto the box. Reads and writes no
+// files.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -16,16 +17,16 @@
 namespace fourdvt::bake {
 
 enum class RoomBlend {
-  Mean,        // every camera that sees the point counts the same
-  Feathered,   // a camera counts less towards the border of its picture, and nothing at it
-  Recurrence,  // for comparison only: one camera after the other is mixed in with a share A of 1, 0.56, 0.34, …, which
-               // A ← 0.06 + A / 2 makes in place of 1, 1/2, 1/3, …
+  Mean,       // all cameras that see the point have equal weight
+  Feathered,  // a camera's weight falls to 0 towards the border of its picture
+  Recurrence,  // for comparison only: cameras are blended one after the other with a share A of 1, 0.56, 0.34, … (A ←
+               // 0.06 + A / 2) in place of 1, 1/2, 1/3, …
 };
 
 struct RoomPlate {
   PinholeCamera camera;
-  Image picture;  // RGBA of the camera's size; where alpha is not 255 the camera sees nothing
-  // Colours, 0…1, are used as colour_matrix * colour + colour_offset.
+  Image picture;  // RGBA of the camera's size; pixels with alpha below 255 are unseen
+  // Corrects colours, 0…1, by colour_matrix * colour + colour_offset.
   glm::mat3 colour_matrix{1};
   glm::vec3 colour_offset{0};
 };
@@ -33,10 +34,10 @@ struct RoomPlate {
 struct RoomOptions {
   RoomBlend blend = RoomBlend::Feathered;
   double feather = 0.1;      // width of the feathered border, as a share of the picture's shorter side, above 0
-  double texels_per_m = 96;  // of the faces
+  double texels_per_m = 96;  // texels of the faces
 };
 
-// Looks points of the room up in the plates. Borrows them.
+// Samples the plates at points of the room. Plates are borrowed.
 class RoomLookup {
  public:
   RoomLookup(std::span<const RoomPlate> plates, const RoomOptions& options);
@@ -44,7 +45,7 @@ class RoomLookup {
   struct Seen {
     glm::vec3 colour{0};  // 0…1, sRGB-encoded
     float weight = 0;     // sum of the cameras' weights
-    int cameras = 0;      // that see the point
+    int cameras = 0;      // number of cameras that see the point
   };
   // `inward`: unit normal of the face. A camera sees a point that is in front of it and within its picture, on a face
   // whose inner side is turned to it.
@@ -57,25 +58,23 @@ class RoomLookup {
 };
 
 struct RoomPicture {
-  package::Room room;  // without file: box, size of the picture, faces
+  package::Room room;  // box, size of the picture, faces; no file
   Image picture;       // RGB
 };
 
-// Faces of the box in one picture, each with a gutter that continues it. `texels_per_m` is lowered where the picture
-// would be larger than package::kMaxPictureSide.
+// Lays out the box's faces in one picture, each with a gutter that continues it. `texels_per_m` is lowered where the
+// picture would be larger than package::kMaxPictureSide.
 package::Room layOutRoom(const BoundingBox& box, double texels_per_m);
 RoomPicture makeRoomPicture(const BoundingBox& box, std::span<const RoomPlate> plates, const RoomOptions& options);
 
-// Colours for the parts of a room that no camera sees.
-
-// Continues known colours over a surface: at a point the mean of all that is known, by inverse distance to the power of
-// four, so that what is near decides. Smooth in space, hence also across the edges of a box.
+// Extrapolates known colours over a surface, for parts of a room that no camera sees: the mean of all known colours,
+// weighted by inverse distance to the power of four. Smooth in space, hence also across the edges of a box.
 class RoomFill {
  public:
-  explicit RoomFill(double grain_m) : grain_m_(grain_m) {}  // distances below this count as this
-  // `weight`: how many texels the colour is the mean of.
+  explicit RoomFill(double grain_m) : grain_m_(grain_m) {}  // smaller distances are clamped to this
+  // `weight`: number of texels that the colour averages.
   void add(const glm::vec3& point, const glm::vec3& colour, float weight) { known_.push_back({point, colour, weight}); }
-  glm::vec3 at(const glm::vec3& point) const;  // mid-grey if nothing is known
+  glm::vec3 at(const glm::vec3& point) const;  // mid-grey without known colours
 
  private:
   struct Known {

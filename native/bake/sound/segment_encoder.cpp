@@ -13,7 +13,7 @@ struct Recipe {
   SoundCodecInfo info;
   const char *encoder, *muxer;
   AVSampleFormat format;
-  int block;            // samples of a packet
+  int block;            // samples per packet
   int64_t bit_rate[2];  // mono, stereo
 };
 
@@ -66,8 +66,8 @@ class SegmentEncoder {
     return code < 0 ? failed("header", code) : Status();
   }
 
-  // Rounds a number of samples up so that they fill whole packets together with the encoder's delay: no padding at the
-  // end.
+  // Rounds a number of samples up so that together with the encoder's delay they fill whole packets: no padding at
+  // the end.
   size_t roundedUp(size_t samples) const {
     const size_t block = size_t(recipe_.block), lead = delayInBlock();
     return (samples + lead + block - 1) / block * block - lead;

@@ -25,16 +25,15 @@ const SoundCodecInfo& infoOf(SoundCodec codec);
 
 struct EncodedSound {
   std::vector<uint8_t> bytes;
-  uint32_t samples = 0;  // that a decoder gives which honours the file's priming
-  uint32_t priming = 0;  // samples that another one gives before them
+  uint32_t samples = 0;  // as decoded with the file's priming honoured
+  uint32_t priming = 0;  // extra samples before them from decoders that ignore it
 };
 
-// `samples`: interleaved, 1 or 2 channels at kSoundRate. As many are encoded as fill the codec's blocks, so that the
-// file has no padding at its end: the next whole number of blocks, silent where `samples` end. Errors: Unsupported (an
-// FFmpeg without the encoder), Internal.
+// `samples`: interleaved, 1 or 2 channels at kSoundRate. Extends them with silence to the next whole number of codec
+// blocks, so that the file has no padding at its end. Errors: Unsupported (an FFmpeg without the encoder), Internal.
 Result<EncodedSound> encodeSegment(SoundCodec codec, std::span<const float> samples, int channels);
 
-// Most samples by which the encoded ones may exceed the given ones.
+// Maximum number of samples by which the encoded ones may exceed the given ones.
 inline constexpr size_t kMostPadding = 1024;
 
 }  // namespace fourdvt::bake

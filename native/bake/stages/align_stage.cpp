@@ -21,13 +21,13 @@ double alignWork(const StreamPlan& plan) {
   return infoOf(Stage::Align).work_s * plan.frameCount() * double(plan.motion.members.size() - 1);
 }
 
-// One class: phase after phase through the aligner.
+// Aligns one class, phase by phase.
 class ClassAligner {
  public:
   ClassAligner(BakeRun& run, const StreamPlan& plan, StageProgress& progress)
       : run_(run), job_(run.job), plan_(plan), progress_(progress) {}
 
-  // [phase], steadied over the whole motion.
+  // [phase], smoothed over the whole motion.
   Result<std::vector<AlignedFrame>> run();
   // The records of one GOP, complete.
   Result<store::RecordFile> finished(uint32_t gop);
@@ -35,7 +35,7 @@ class ClassAligner {
  private:
   Status open();
   uint32_t framesOf(uint32_t gop) const { return plan_.gopEnd(gop) - plan_.gop_first_frames[gop]; }
-  // Its phases' records. Those of a GOP depend on no other one.
+  // Records of the GOP's phases, which depend on no other GOP.
   Result<store::RecordFile> recordsOf(uint32_t gop) const;
   Status alignGop(uint32_t gop, store::RecordFile& file);
   Status alignPicture(const package::ChunkFrames& frames, uint32_t gop, uint32_t row, const I420View& picture,

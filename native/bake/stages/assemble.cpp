@@ -10,9 +10,9 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr const char* kGraph = "motion.bin";  // before its hash
+constexpr const char* kGraph = "motion.bin";  // without its hash
 constexpr const char* kStartFile = "character.start.bin";
-// The first picture waits for every byte of the start file; what comes after it is a round trip sooner with them.
+// Maximum bytes of headers in the start file: they delay the first picture, and save the data after it a round trip.
 constexpr size_t kMostHeaderBytes = 4096;
 
 // Makes empty folders for the character and its report.
@@ -24,7 +24,7 @@ Status makeResultFolders(const Job& job) {
   return {};
 }
 
-// No graph: nothing.
+// Without a graph nothing is written.
 Status writeGraph(const Job& job, const std::vector<uint8_t>& graph, package::Character& character,
                   ReportInput& report) {
   if (graph.empty()) return {};
@@ -35,7 +35,7 @@ Status writeGraph(const Job& job, const std::vector<uint8_t>& graph, package::Ch
   return {};
 }
 
-// Writes the room's picture and names it in the manifest. No room: nothing.
+// Writes the room's picture and names it in the manifest. Without a room nothing is written.
 Status writeRoom(const Job& job, const std::optional<BakedRoom>& room, package::Character& character,
                  ReportInput& report) {
   if (!room) return {};
@@ -48,8 +48,8 @@ Status writeRoom(const Job& job, const std::optional<BakedRoom>& room, package::
   return {};
 }
 
-// Writes the start file (package/start_file.h), cut out of the first sequence's finished files: nothing is encoded anew
-// but one frame's geometry. Names it in the manifest.
+// Writes the start file (package/start_file.h), cut out of the first sequence's finished files: only one frame's
+// geometry is encoded anew. Names it in the manifest.
 Status writeStart(const BakeRun& run, package::Character& character, ReportInput& report) {
   const Job& job = run.job;
   const std::string folder = job.resultFolder() + "/";
@@ -92,7 +92,7 @@ void describeParts(const Job& job, const package::Character& character, ReportIn
   }
 }
 
-// Writes what the refinement found: views whose outlines were far off, and the cameras if one of them changed.
+// Reports the refinement: views whose outlines were far off, and the cameras if one of them changed.
 Status describeRefinement(const Job& job, ReportInput& report) {
   if (!job.refinement) return {};
   const std::string folder = job.reportFolder() + "/";
@@ -188,7 +188,7 @@ Status assemble(BakeRun& run, const Assembly& parts, ReportInput& report) {
 }
 
 Status writeReportFiles(const Job& job, const ReportInput& report) {
-  // Pictures that players have, too.
+  // Pictures that are part of the character as well.
   for (const ReportPicture& picture : report.pictures) {
     const std::string of_character = job.resultFolder() + "/" + picture.file;
     if (!platform::fileBytes(of_character)) continue;

@@ -16,7 +16,7 @@ struct CameraChunkBytes {
   uint64_t hash = 0;
 };
 
-// What the tables at a chunk's beginning say (native/package/FORMAT.md).
+// Sizes of a chunk's parts, from the tables at its beginning (native/package/FORMAT.md).
 CameraChunkBytes measure(const std::vector<uint8_t>& chunk) {
   ByteReader in(chunk);
   CameraChunkBytes out;
@@ -50,7 +50,7 @@ ReportTiles describeTiles(const Job& job, const StreamPlan& plan) {
   return out;
 }
 
-// The first frame, its pictures in the colours that the cameras share.
+// The first frame, its pictures after colour calibration.
 Result<mattes::CaptureFrame> readFirstFrame(const BakeRun& run, const std::vector<ColourMap>& maps) {
   const Job& job = run.job;
   FOURDVT_ASSIGN(const auto reader,
@@ -60,7 +60,7 @@ Result<mattes::CaptureFrame> readFirstFrame(const BakeRun& run, const std::vecto
   return frame;
 }
 
-// It from the view that the page starts with, textured by FVVR, which reads the cameras' whole pictures.
+// Renders the first frame from the page's initial view, textured by FVVR, which reads the cameras' whole pictures.
 Result<Image> drawPoster(const BakeRun& run, const mattes::CaptureFrame& frame) {
   const Job& job = run.job;
   MeshTopology topology;

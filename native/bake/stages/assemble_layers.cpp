@@ -10,7 +10,7 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr const char* kTexture = "texture.jpg";  // before its hash
+constexpr const char* kTexture = "texture.jpg";  // without its hash
 constexpr const char* kTiles = "report_tiles.jpg";
 
 struct LayeredChunkBytes {
@@ -36,7 +36,7 @@ LayeredChunkBytes measure(const StreamPlan& plan, const std::vector<uint8_t>& ch
 
 bool isAligned(const Job& job, const StreamPlan& plan) { return plan.isClass() && job.options.classes.align; }
 
-// How many of the lowest renditions have fewer texels than the highest.
+// Number of the lowest renditions that have fewer texels than the highest.
 uint32_t smallerRenditions(const package::Sequence& s) {
   const auto width = [](const package::Rendition& r) { return r.layers[0].width; };
   uint32_t count = 0;
@@ -79,8 +79,8 @@ Result<std::vector<LayeredChunkBytes>> measureChunks(const BakeRun& run, const S
   return bytes;
 }
 
-// Renders the still from the view that the page starts with, as RGBA with straight alpha. layout: of the still's
-// picture. `positions` are in the decoded mesh's order.
+// Renders the still from the page's initial view, as RGBA with straight alpha. layout: of the still's picture.
+// `positions` are in the decoded mesh's order.
 Result<Image> renderPoster(gpu::Device& device, const package::Character& character, const package::BaseMesh& mesh,
                            const package::Rendition& layout, const StillArtefact& still, const Positions& positions) {
   FOURDVT_ASSIGN(auto figure, render::PlainFigure::create(device, character, mesh));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What assemble does for one appearance alone, and what both share. Internal to bake/stages/.
+// Parts of assemble: those of one appearance, and those that both share. Internal to bake/stages/.
 #pragma once
 
 #include "bake/run/character_files.h"
@@ -8,10 +8,10 @@
 namespace fourdvt::bake {
 
 constexpr int kPosterWidth = 720, kPosterHeight = 960;
-// Writes the picture that the page shows before the character.
+// Writes the picture that the page shows before the character has loaded.
 Status writePoster(const Job& job, const Image& poster);
 
-// A stream's header but for what its chunks tell.
+// A stream's header without the fields that follow from its chunks.
 package::StreamIndex streamIndex(const Job& job, const StreamPlan& plan, std::vector<package::SampleTable> tables);
 // Appends a GOP's chunk.
 void addChunk(const StreamPlan& plan, uint32_t gop, uint32_t bytes, uint64_t hash, package::StreamIndex& index);
@@ -25,12 +25,12 @@ Status reportPicture(const Job& job, const StreamPlan& plan, const std::vector<u
 Status packLayers(const BakeRun& run, const StreamPlan& plan, package::Character& character, ReportInput& report);
 Status packSurfaces(const BakeRun& run, const StreamPlan& plan, package::Character& character, ReportInput& report);
 
-// Writes the poster and the texture that viewers without this extension show. Returns the texture's name.
+// Writes the poster and the fallback texture for viewers without this extension. Returns the texture's name.
 Result<std::string> drawLayeredStills(const BakeRun& run, const package::Character& character);
 // Sets the report's pictures, and summarises the classes.
 Status describeLayers(const BakeRun& run, const package::Character& character, ReportInput& report);
-// Writes the poster, and colours the job's mesh for viewers that read glTF alone. Holds one picture of every camera
-// meanwhile.
+// Writes the poster, and colours the job's mesh for viewers that read glTF alone. Memory: one picture of every
+// camera.
 Status drawCameraStills(BakeRun& run, const std::vector<ColourMap>& maps, ReportInput& report);
 
 }  // namespace fourdvt::bake

@@ -15,7 +15,7 @@ namespace {
 MeshTopology topologyOf(const Job& job, const mattes::CaptureFrame& frame) {
   MeshTopology t;
   t.vertex_count = static_cast<uint32_t>(frame.positions.size());
-  t.uvs = {{0, 0}};  // visibility asks for none
+  t.uvs = {{0, 0}};  // visibility needs none
   t.face_vertices = frame.faces.empty() ? job.capture.topology.face_vertices : frame.faces;
   t.face_uvs.assign(t.face_vertices.size(), glm::uvec3(0));
   return t;

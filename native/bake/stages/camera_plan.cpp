@@ -16,8 +16,8 @@ using package::Rect;
 struct Surfaces {
   BoundingBox bounds;
   bool any = false;
-  size_t vertices = 0, faces = 0;  // the most of any frame
-  std::vector<double> sides_m;     // the longest of each frame
+  size_t vertices = 0, faces = 0;  // maximum over all frames
+  std::vector<double> sides_m;     // longest side of each frame
 };
 
 void add(Surfaces& all, const TriangleMesh& surface) {
@@ -32,10 +32,10 @@ void add(Surfaces& all, const TriangleMesh& surface) {
   }
 }
 
-// The most faces of a streamed surface; 0: all.
+// Maximum number of faces of a streamed surface; 0: unlimited.
 uint64_t mostFaces(const Job& job) { return job.oneTopology() ? 0 : uint64_t(job.options.cameras.faces); }
 
-// A surface that is simplified has as many vertices as faces at most, unless its faces share none.
+// A simplified surface has at most as many vertices as faces, unless its faces share none.
 Status checkLimit(const Job& job, const std::string& file, const TriangleMesh& surface) {
   uint64_t vertices = surface.positions.size(), faces = surface.faces.size();
   if (const uint64_t most = mostFaces(job); most > 0 && most < faces) vertices = std::min(vertices, faces = most);
@@ -48,7 +48,7 @@ std::vector<Rect> regionsOf(const Job& job, const Positions& surface) {
   return out;
 }
 
-// Refuses sequences whose first frames alone need a tiled picture that is too large, before all surfaces are read.
+// Rejects sequences whose first frames alone need a tiled picture that is too large, before all surfaces are read.
 Status checkFirstFrames(const Job& job) {
   const CameraOptions& o = job.options.cameras;
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
@@ -61,15 +61,14 @@ Status checkFirstFrames(const Job& job) {
   return {};
 }
 
-// A GOP that would take more memory than players allow gets fewer frames.
+// Shortens GOPs that would take more memory than players allow.
 void shortenGops(Job& job, const Surfaces& all) {
   uint64_t vertices = all.vertices, faces = all.faces;
   if (const uint64_t most = mostFaces(job); most > 0) {
     faces = std::min(faces, most);
     vertices = std::min(vertices, faces);  // a closed surface has half as many
   }
-  const uint64_t frames =
-      package::kMaxDecodedChunkBytes / ((vertices + faces) * 14);  // 12 bytes each, and some to spare
+  const uint64_t frames = package::kMaxDecodedChunkBytes / ((vertices + faces) * 14);  // 12 bytes each, and a margin
   job.options.gop = static_cast<int>(std::clamp<uint64_t>(frames, 1, uint64_t(job.options.gop)));
 }
 
@@ -106,7 +105,7 @@ StreamPlan planStream(const Job& job, size_t number) {
   return stream;
 }
 
-// The sequences' streams, and the bytes of their pictures.
+// Plans the sequences' streams; returns the bytes of their pictures.
 Result<double> planStreamsOf(Job& job, const std::function<void(size_t sequence)>& begins) {
   job.streams.clear();
   double bytes = 0;
@@ -157,7 +156,7 @@ Status planCameraSurfaces(Job& job, const BakeEnvironment& environment) {
                                               "cameras"};
   shortenGops(job, all);
   FOURDVT_TRY(settleLengths(job, std::move(all.sides_m)));
-  // The refinement, which hardly moves the surface, is long work.
+  // Refinement is long work and hardly moves the surface.
   if (!job.options.refine.any() || job.refinement) return {};
   FOURDVT_ASSIGN([[maybe_unused]] const double bytes, planStreamsOf(job, [](size_t) {}));
   return {};

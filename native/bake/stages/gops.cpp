@@ -15,10 +15,10 @@
 namespace fourdvt::bake {
 namespace {
 
-// A GOP of either appearance while it is baked.
+// A GOP of either appearance in progress.
 struct OpenGop {
   uint32_t number = 0;
-  std::unique_ptr<LadderEncoder> encoder;  // made with the first frame
+  std::unique_ptr<LadderEncoder> encoder;  // created with the first frame
   GopArtefact artefact;
 };
 
@@ -27,7 +27,7 @@ Result<std::vector<uint8_t>> tiledJpeg(const encode::I420Picture& picture) {
   return platform::encodeImage(encode::rgbFromTile(picture.view(), {0, 0, picture.width, picture.height}), ".jpg", 80);
 }
 
-// Which GOPs are finished, the progress over their frames, and their encoding, whatever the appearance.
+// Finished GOPs, the progress over their frames, and their encoding, for either appearance.
 class GopWork {
  public:
   explicit GopWork(BakeRun& run) : run_(run), job_(run.job) {}
@@ -75,7 +75,7 @@ class GopWork {
 
   BakeRun& run_;
   const Job& job_;
-  uint32_t baked_ = 0;  // frames, by this run
+  uint32_t baked_ = 0;  // frames baked by this run
   double started_s_ = 0;
 };
 
@@ -94,7 +94,7 @@ Image atlasOf(const Image& layer) {
   return out;
 }
 
-// [frame] of a captured sequence's stream: whether a class shows it.
+// [frame] of a captured sequence's stream: true if a class shows it.
 std::vector<bool> shownByClasses(const Job& job, const StreamPlan& plan) {
   std::vector<bool> shown(plan.frameCount(), false);
   if (plan.isClass()) return shown;
@@ -112,8 +112,8 @@ struct LayerGop : OpenGop {
 
 // GOPs of a character from layers. Three lanes overlap: reading the next frame, the GPU's stages of this one (on the
 // calling thread, which owns the context), filling and encoding the one before. A class shows its members' frames as
-// their own streams have drawn and filled them: these are kept in the work folder meanwhile, and drawn again where an
-// interrupted bake left none.
+// their own streams have rendered and filled them: these are stored in the work folder meanwhile, and rendered again
+// where an interrupted bake left none.
 class LayerGops : GopWork {
  public:
   LayerGops(BakeRun& run, const Survey& survey) : GopWork(run), survey_(survey) {}
@@ -129,7 +129,7 @@ class LayerGops : GopWork {
     Image atlas;
   };
   struct DrawnFrame {
-    std::vector<std::optional<MemberLook>> members;  // none: as before
+    std::vector<std::optional<MemberLook>> members;  // none: unchanged
     FrameGeometry geometry;
   };
 
@@ -150,14 +150,14 @@ class LayerGops : GopWork {
   const Survey& survey_;
   package::ChunkMesh chunk_mesh_;
   std::unique_ptr<FrameBaker> frames_;
-  std::vector<MemberLook> looks_;  // of the stream's frame finished last
+  std::vector<MemberLook> looks_;  // of the stream's latest finished frame
   encode::I420Picture picture_;
   std::vector<bool> kept_;      // [frame] of the stream: a class shows it later
-  std::future<Status> saving_;  // of the GOP before; ends before the next encoder is made: only one is in memory
+  std::future<Status> saving_;  // of the GOP before; finishes before the next encoder is created: only one is in memory
 };
 
 Status LayerGops::start() {
-  StageClock::Span span(run_.clock, Stage::Fill);  // the gutter maps are most of it
+  StageClock::Span span(run_.clock, Stage::Fill);  // mostly the gutter maps
   FrameBakerOptions options;
   for (const package::Rect& rect : job_.layout.layers) options.layer_sizes.push_back(rect.width);
   options.gutter_texels = static_cast<float>(job_.options.gutter_texels);
@@ -207,7 +207,7 @@ Status LayerGops::bakeStream(const StreamPlan& plan) {
       FOURDVT_ASSIGN(reader, openStream(plan));
     }
     FOURDVT_TRY(bakeGop(plan, g, *reader));
-    if (run_.stopped()) FOURDVT_TRY(waitForSave());  // on every lane: a finished GOP is kept
+    if (run_.stopped()) FOURDVT_TRY(waitForSave());  // on every lane: a finished GOP is saved
     FOURDVT_TRY(run_.checkStop());
   }
   return {};
@@ -218,7 +218,7 @@ Status LayerGops::bakeGop(const StreamPlan& plan, uint32_t gop, StreamReader& re
   open->number = gop;
   const uint32_t first = plan.gop_first_frames[gop], end = plan.gopEnd(gop);
   const auto read = [&](uint32_t frame) { return reader.read(frame); };
-  std::future<Result<PreparedFrame>> next = std::async(run_.lane(), read, first);  // futures join on every way out
+  std::future<Result<PreparedFrame>> next = std::async(run_.lane(), read, first);  // futures join on every return
   std::future<Status> finished;
   for (uint32_t f = first; f < end; ++f) {
     FOURDVT_ASSIGN(auto prepared, next.get());
@@ -276,7 +276,7 @@ Result<LayerGops::MemberLook> LayerGops::keptMember(const capture::CaptureSequen
   return out;
 }
 
-// A disk that is full of them must not end the bake: without them the class draws its frames itself.
+// Ignores a full disk: without these files the class renders its frames itself.
 void LayerGops::keepForClasses(const StreamPlan& plan, uint32_t frame) {
   if (!kept_[frame] || run_.work.save(layersFile(plan.name, frame), looks_[0].layers, store::Written::ToCache).ok())
     return;
@@ -332,7 +332,7 @@ Status LayerGops::saveGop(LayerGop& open, const StreamPlan& plan, uint32_t gop) 
 
 struct CameraGop : OpenGop {
   std::vector<package::QuantisedSurface> surfaces;
-  std::future<Status> encoding;  // of the frame before; the last field: it ends before the others are destroyed
+  std::future<Status> encoding;  // of the frame before; the last field: finishes before the others are destroyed
 };
 
 // GOPs of a character from cameras. Reading the next frame, drawing this one's tiles and encoding the one before
@@ -361,9 +361,8 @@ Result<uint32_t> CameraGops::run() {
 
 Status CameraGops::runOne(const StreamPlan& plan, uint32_t gop) {
   if (isFinished(plan, gop)) return {};
-  FOURDVT_ASSIGN(const auto reader,
-                 mattes::FrameReader::open(job_.capture, *plan.motion.members[0].source, run_.environment.open_video,
-                                            plan.gop_first_frames[gop]));
+  FOURDVT_ASSIGN(const auto reader, mattes::FrameReader::open(job_.capture, *plan.motion.members[0].source,
+                                                              run_.environment.open_video, plan.gop_first_frames[gop]));
   FOURDVT_ASSIGN(const auto open, drawGop(plan, gop, *reader));
   return saveGop(*open, plan, gop);
 }
@@ -378,7 +377,7 @@ Status CameraGops::bakeStream(const StreamPlan& plan) {
     }
     if (!reader) {
       FOURDVT_ASSIGN(reader, mattes::FrameReader::open(job_.capture, *plan.motion.members[0].source,
-                                                        run_.environment.open_video, first));
+                                                       run_.environment.open_video, first));
     } else {
       reader->skipTo(first);
     }
@@ -398,7 +397,7 @@ Result<std::unique_ptr<CameraGop>> CameraGops::drawGop(const StreamPlan& plan, u
     return reader.next();
   };
   const uint32_t first = plan.gop_first_frames[gop], end = plan.gopEnd(gop);
-  std::future<Result<mattes::CaptureFrame>> next = std::async(run_.lane(), read);  // futures join on every way out
+  std::future<Result<mattes::CaptureFrame>> next = std::async(run_.lane(), read);  // futures join on every return
   for (uint32_t f = first; f < end; ++f) {
     FOURDVT_ASSIGN(const auto frame, next.get());
     if (f + 1 < end) next = std::async(run_.lane(), read);

@@ -13,7 +13,7 @@
 
 namespace fourdvt::store {
 
-// Without the cost, which nothing measures.
+// All fields but the cost, which is not measured.
 void fields(Archive& a, bake::MethodScore& s) {
   a(s.method, s.psnr_db, s.ssim, s.own_psnr_db, s.psnr_fg_db, s.ssim_fg);
 }
@@ -24,14 +24,14 @@ void fields(Archive& a, bake::TrialSums& s) { a(s.views, s.shift_px, s.gap_deg, 
 namespace fourdvt::bake {
 namespace {
 
-constexpr const char* kVersion = "methods 3";  // change it whenever kept sums of older builds must not be reused
+constexpr const char* kVersion = "methods 3";  // change it whenever stored sums of older builds must not be reused
 
 struct Place {
   const capture::CaptureSequence* sequence;
   uint32_t frame;
 };
 
-// Spread over all frames of all sequences.
+// Trial frames, spread over all frames of all sequences.
 std::vector<Place> placesOf(const Job& job) {
   const uint32_t count = std::min(kTrialFrames, job.total_frames);
   std::vector<Place> out;
@@ -48,7 +48,7 @@ std::vector<Place> placesOf(const Job& job) {
   return out;
 }
 
-// Those within the cost on any surface that may come, that the device can run.
+// Methods that the device can run and whose cost is within the limit on any surface to come.
 Result<std::vector<std::string>> methodsOf(gpu::Device& device, const CameraOptions& options, size_t faces) {
   std::vector<std::string> out;
   for (const std::string& name : methodCandidates()) {
@@ -86,7 +86,7 @@ Result<TrialSums> measure(BakeRun& run, const std::vector<ColourMap>& maps, cons
   return tryMethods(run.device(), *drawing, frame, trialCameras(frame), methods);
 }
 
-// Sums of one frame, measured unless the survey folder has them.
+// Sums of one frame, from the survey folder or measured now.
 Result<TrialSums> keptTrial(BakeRun& run, const std::vector<ColourMap>& maps, const Place& place,
                             const std::vector<std::string>& methods) {
   const std::string folder = run.job.surveyFolder(),
@@ -98,7 +98,7 @@ Result<TrialSums> keptTrial(BakeRun& run, const std::vector<ColourMap>& maps, co
   return sums;
 }
 
-// Note that nothing was measured, and why.
+// Note with the reason why nothing was measured.
 std::string notMeasured(const Job& job) {
   const size_t cameras = job.cameras.size();
   const std::string why = cameras < 3 ? "leaving one of " + std::to_string(cameras) +

@@ -10,7 +10,7 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr const char* kRefineVersion = "refine 3";  // change it whenever what older builds kept must not be reused
+constexpr const char* kRefineVersion = "refine 3";  // change it whenever results of older builds must not be reused
 
 }  // namespace
 

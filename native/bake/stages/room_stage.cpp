@@ -21,7 +21,8 @@ constexpr const char* kFile = "room.jpg";
 constexpr int kQuality = 85;
 constexpr size_t kLargestBytes = 300'000;  // a larger file is made again with fewer texels
 constexpr int kTries = 4;
-constexpr float kSunk_m = 0.05f;  // feet of tracked meshes sink into the floor; a floor this near to the ground is it
+constexpr float kSunk_m =
+    0.05f;  // feet of tracked meshes sink into the floor; a floor this near to the ground counts as the ground
 
 Result<std::vector<RoomPlate>> readPlates(const Job& job, const std::vector<ColourMap>& colour_maps) {
   std::vector<RoomPlate> plates;
@@ -38,7 +39,7 @@ Result<std::vector<RoomPlate>> readPlates(const Job& job, const std::vector<Colo
   return plates;
 }
 
-// Shadows fall on the ground, and must not lie under the floor.
+// Moves the floor to a ground near to it: shadows fall on the ground, and must not lie under the floor.
 BoundingBox roomOf(const Job& job) {
   BoundingBox box = *job.capture.room;
   const auto ground = static_cast<float>(job.capture.ground_y_m);

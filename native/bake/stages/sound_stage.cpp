@@ -14,12 +14,12 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr double kSegment_s = 5;     // most of a segment: what a page decodes at once
-constexpr double kOverlap_s = 0.02;  // that a segment goes on behind its end, for a page to fade into the next one
+constexpr double kSegment_s = 5;     // maximum length of a segment, which a page decodes at once
+constexpr double kOverlap_s = 0.02;  // overlap of a segment with the next one, for cross-fading
 constexpr double kShortestStep_s = 0.01, kLongestStep_s = 2;
 constexpr double kShortfall_s = 0.1;  // silence at the end that is worth a note
 
-// Reads samples of a file by their numbers, forwards. What lies before its beginning or after its end is silence.
+// Reads samples of a file by their numbers, in ascending order. Samples outside the file are silent.
 class SampleWindow {
  public:
   static Result<SampleWindow> open(const std::string& path) {
@@ -27,10 +27,10 @@ class SampleWindow {
     return SampleWindow(std::move(reader));
   }
   int channels() const { return reader_->channels(); }
-  // Number of samples that the file has, once its end was read.
+  // Number of samples of the file, once its end was read.
   std::optional<int64_t> length() const { return length_; }
 
-  // Reads samples, and forgets those before `first`.
+  // Reads samples, and releases those before `first`.
   Result<std::vector<float>> samples(int64_t first, int64_t count) {
     const size_t c = size_t(channels());
     FOURDVT_TRY(skipTo(first));
@@ -73,7 +73,7 @@ class SampleWindow {
 
   std::unique_ptr<platform::AudioReader> reader_;
   std::vector<float> held_;
-  int64_t held_first_ = 0;  // number of the first sample that is held
+  int64_t held_first_ = 0;  // number of the first buffered sample
   std::optional<int64_t> length_;
 };
 
@@ -85,9 +85,9 @@ int64_t firstSample(const capture::CaptureSequence& sequence, double fps) {
 }
 
 struct SoundPiece {
-  int64_t first = 0;  // sample that is heard at time 0
+  int64_t first = 0;  // number of the sample at time 0
   double duration_s = 0;
-  bool loop = false;  // what lies behind the end is the beginning again
+  bool loop = false;  // the beginning follows the end
 };
 
 // Encodes all segments in every codec, and writes a file for each codec.
@@ -133,7 +133,7 @@ Result<package::Sound> encodeAll(const BakeRun& run, const std::string& name, co
   return sound;
 }
 
-// Phases at which a foot of the member comes down.
+// Phases at which a foot of the member touches down.
 Result<std::vector<double>> memberSteps(const Job& job, const StreamPlan& plan, const ClassMember& member,
                                         const ReadPositions& read) {
   const capture::CaptureSequence& source = *member.source;
@@ -142,10 +142,10 @@ Result<std::vector<double>> memberSteps(const Job& job, const StreamPlan& plan, 
   return stepPhases(frames, member.source_frame, source.loop ? source.frame_count : 0, plan.frameCount());
 }
 
-// Seconds of a footstep's file that are heard: all that it has, up to a limit.
+// Audible seconds of a footstep's file: its whole length, up to a limit.
 Result<double> stepLength(const capture::CaptureSound& step, bool* cut = nullptr) {
   FOURDVT_ASSIGN(auto window, SampleWindow::open(step.path));
-  FOURDVT_TRY(window.samples(0, samplesOf(kLongestStep_s) + 1));  // finds the end
+  FOURDVT_TRY(window.samples(0, samplesOf(kLongestStep_s) + 1));  // reads up to the end
   const double whole_s = double(window.length().value_or(samplesOf(kLongestStep_s))) / kSoundRate;
   if (cut) *cut = !window.length();
   return std::min(whole_s + step.offset_s, kLongestStep_s);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The stages of a bake in order of execution; bake/run/stage_table.h has their names and their shares of the work,
-// bake.cpp calls them. Most take the run, add what they find to its job, and keep finished work in the survey folder or
-// the work folder, so that an interrupted bake goes on after it. The first pass over a capture from layers, Survey, has
-// a header of its own.
+// bake.cpp calls them. Most take the run, add their results to its job, and store finished work in the survey folder
+// or the work folder, so that an interrupted bake resumes after it. The first pass over a capture from layers,
+// Survey, has a header of its own.
 #pragma once
 
 #include <functional>
@@ -21,14 +21,13 @@ namespace fourdvt::bake {
 
 class Survey;
 
-// Validate: checks everything that can fail early: options, capture, output folder, disk space.
-
+// Validate: checks options, capture, output folder and disk space, before any long work.
 // Opens the capture, encodes the base mesh and finds the bounds of all frames. Reads every mesh once, one at a time.
 // `options.character_folder` has no trailing slash. Errors: InvalidArgument, WriteFailed, those of capture,
 // Interrupted.
 Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environment);
-// Encodes the base mesh and finds the bounds of all frames, from the meshes as the job's capture reads them now; from
-// cameras, planCameraSurfaces.
+// Encodes the base mesh and finds the bounds of all frames, from the meshes as the job's capture currently gives
+// them; from cameras, planCameraSurfaces.
 // Errors: those of capture, Interrupted, InvalidArgument.
 Status planSurface(Job& job, const BakeEnvironment& environment);
 constexpr double kVideoBytesPerTexel = 0.05;  // generous: crf 23 needs a fifth of it
@@ -42,37 +41,38 @@ Status settleLengths(Job& job, std::vector<double> longest_sides_m);
 constexpr uint64_t kPlayersTextureSide = 4096;
 // `file` names the mesh in messages. Errors: InvalidArgument.
 Status checkLayeredMesh(const std::string& file, uint64_t vertices, uint64_t faces);
-// A surface as it will be streamed: simplified already, where the bake does that.
+// Checks a surface as it will be streamed, after any simplification.
 Status checkSurface(const std::string& file, uint64_t vertices, uint64_t faces);
 // Path of the frame's mesh, for messages.
 std::string meshFile(const capture::CaptureSequence& sequence, uint32_t frame);
 
-// Refine: before anything looks at meshes and cameras, makes both agree with the pictures (refine/refine.h). A
-// refinement is kept in the survey folder under a key of the capture and of the options.
+// Refine: aligns meshes and cameras with the pictures before any other stage reads them (refine/refine.h). A
+// refinement is stored in the survey folder under a key of the capture and of the options.
 
 // FOLDER/refinement_<hash>.bin
 std::string refinementPath(const std::string& folder, const capture::Capture& capture,
                            const refine::RefineOptions& options);
-// What is kept at `path`, else a new refinement. `on_progress`: as of refineCapture. Errors: those of refineCapture.
+// Loads the refinement at `path`, or computes a new one. `on_progress`: see refineCapture. Errors: those of
+// refineCapture.
 Result<refine::Refinement> loadOrRefine(const std::string& path, const capture::Capture& capture,
                                         const refine::RefineOptions& options, const OpenVideo& open_video,
                                         const std::function<bool(const std::string& what, double share)>& on_progress);
 // Errors: WriteFailed.
 Status keepRefinement(const std::string& path, const refine::Refinement& refinement);
-// Refines the run's capture, if its options ask for it, and plans again what depends on meshes and cameras.
+// Refines the run's capture, if its options select it, and plans again everything that depends on meshes and cameras.
 Status refineJob(BakeRun& run);
-// Keeps the run's refinement, if there is one, where refineJob of the next run finds it.
+// Stores the run's refinement, if there is one, for refineJob of the next run.
 Status keepRefinement(const BakeRun& run);
-// Adds the pictures of the job's refinement to it, from where it was kept. False if they are not there.
+// Adds the stored pictures of the job's refinement to it. False if they are missing.
 bool loadRefinementPictures(Job& job);
 
-// Regions, from cameras: what every camera shows of the surfaces, and the sequences' tiles.
+// Regions, from cameras: the part of every camera's picture that shows the surfaces, and the sequences' tiles.
 
-// Reads every surface once, one at a time, and the sequences' first ones before that: a tiled picture that is too large
-// is an error as early as can be. Sets job.regions, job.bounds and job.mesh, the first surface. Errors: those
-// of capture, NothingVisible, InvalidArgument, Interrupted.
+// Reads every surface once, one at a time, after the sequences' first ones: a tiled picture that is too large is
+// reported as early as possible. Sets job.regions, job.bounds and job.mesh, the first surface. Errors: those of
+// capture, NothingVisible, InvalidArgument, Interrupted.
 Status planCameraSurfaces(Job& job, const BakeEnvironment& environment);
-// The surface of a frame as it is streamed, but for the grid of its positions.
+// The surface of a frame as it is streamed, before quantisation of its positions.
 TriangleMesh streamedSurface(const Job& job, const mattes::CaptureFrame& frame);
 // Completes job.streams: one per captured sequence. Errors: InvalidArgument (the tiled picture is too large).
 Status planCameraStreams(BakeRun& run);
@@ -84,32 +84,33 @@ Status planCameraStreams(BakeRun& run);
 Status planStreams(BakeRun& run);
 // The classes that are baked; none if options.classes.bake is off.
 std::vector<const capture::CaptureClass*> bakedClasses(const Job& job);
-// The number of phases that a class will have: the frames of its longest member.
+// Number of phases of a class: the frames of its longest member.
 uint32_t expectedPhases(const Job& job, const capture::CaptureClass& motion_class);
 
-// Colours, from cameras: makes the cameras' colours agree, as the survey does for layers, on surfaces whose topology
-// may change. One map per camera; empty if colours are not to be calibrated. Kept in the survey folder. Errors: those
-// of capture and GPU, WriteFailed, Interrupted.
+// Colours, from cameras: calibrates the cameras' colours, as the survey does for layers, on surfaces whose topology
+// may change. One map per camera; empty without calibration. Stored in the survey folder. Errors: those of capture
+// and GPU, WriteFailed, Interrupted.
 Result<std::vector<ColourMap>> calibrateColours(BakeRun& run);
 
-// Method: chooses the method that a character from cameras is drawn by: a few frames of the capture, every camera (of
-// many a few, far from each other) left out in turn and drawn from the others (bake/method/method_trial.h). What a
-// frame gave is kept in the survey folder. Memory: one frame. maps: one per camera, or none.
+// Method: chooses the rendering method of a character from cameras by leave-one-out trials: in a few frames of the
+// capture every camera (of many cameras a few, far from each other) is left out in turn and rendered from the others
+// (bake/method/method_trial.h). Results per frame are stored in the survey folder. Memory: one frame. maps: one per
+// camera, or none.
 
 constexpr uint32_t kTrialFrames = 3;  // of the whole capture, spread over its sequences
-// The method of the options where they name one. Errors: those of capture, tryMethods, WriteFailed, Interrupted.
+// Returns the options' method where they name one. Errors: those of capture, tryMethods, WriteFailed, Interrupted.
 Result<ChosenMethod> chooseBakedMethod(BakeRun& run, const std::vector<ColourMap>& maps);
-// Number of frames that chooseBakedMethod tries; 0: it measures nothing.
+// Number of frames that chooseBakedMethod tries; 0 without a measurement.
 uint32_t triedFrames(const Job& job);
-// One of them: its sequence's number, and the frame.
+// One of these frames: its sequence's number, and the frame.
 std::pair<size_t, uint32_t> triedFrame(const Job& job, uint32_t number);
-// Tries the methods on one of these frames, and keeps what they gave.
+// Tries the methods on one of these frames, and stores the results.
 Status tryMethodsOn(BakeRun& run, const std::vector<ColourMap>& maps, uint32_t number);
 
-// Resample, Fill, Tile, Encode, Geometry: every GOP that the work folder has not yet. From layers: resample → fill →
-// tile → encode, and plain sequences' chunks. From cameras: crops, colours (maps: one per camera, or none), fill → tile
-// → encode, and the surfaces as a chunk. Memory: two frames of pictures, one GOP of meshes and packets. Errors: those
-// of capture, GPU and encoder, WriteFailed, Interrupted.
+// Resample, Fill, Tile, Encode, Geometry: every GOP that is missing in the work folder. From layers: resample → fill
+// → tile → encode, and plain sequences' chunks. From cameras: crops, colours (maps: one per camera, or none), fill →
+// tile → encode, and the surfaces as a chunk. Memory: two frames of pictures, one GOP of meshes and packets. Errors:
+// those of capture, GPU and encoder, WriteFailed, Interrupted.
 
 // Returns the number of frames that this run has baked.
 Result<uint32_t> bakeGops(BakeRun& run, const Survey& survey);
@@ -118,11 +119,11 @@ Result<uint32_t> bakeGops(BakeRun& run, const std::vector<ColourMap>& maps);
 Status bakeGop(BakeRun& run, const Survey& survey, const StreamPlan& plan, uint32_t gop);
 Status bakeGop(BakeRun& run, const std::vector<ColourMap>& maps, const StreamPlan& plan, uint32_t gop);
 
-// Align: what classes still lack after their GOPs are encoded: alignment of what the decoded pictures show, and the
-// chunks. Measured phases are kept in the work folder. Completes the classes' plans by how much of their detail
-// correlates. Errors: GpuFailure, VideoInvalid, WriteFailed, Interrupted.
+// Align: completes classes whose GOPs are encoded: alignment of the decoded pictures, and the chunks. Measured phases
+// are stored in the work folder. Sets the detail correlation in the classes' plans. Errors: GpuFailure, VideoInvalid,
+// WriteFailed, Interrupted.
 Status alignClasses(BakeRun& run);
-// One class of them.
+// Aligns one class.
 Status alignClass(BakeRun& run, StreamPlan& plan);
 // Measures the phases of one GOP of a class, whose GOP is finished.
 Status alignGop(BakeRun& run, const StreamPlan& plan, uint32_t gop);
@@ -132,42 +133,42 @@ Status alignGop(BakeRun& run, const StreamPlan& plan, uint32_t gop);
 // The weights at which transitions of a class are measured: every member alone, and three mixtures of every pair of
 // neighbours (with one parameter, neighbours by its value; with two, all pairs). For a plain sequence: {{1}}.
 std::vector<std::vector<float>> graphWeights(const ClassPlan& plan);
-// Returns the bytes of the graph's file, empty for a character of one stream. Kept in the work folder. Needs all GOPs
-// to be finished. Errors: those of capture, Interrupted.
+// Returns the bytes of the graph's file, empty for a character of one stream. Stored in the work folder. Requires all
+// GOPs to be finished. Errors: those of capture, Interrupted.
 Result<std::vector<uint8_t>> makeGraph(BakeRun& run);
 
-// Room: the picture of the room that capture.json gives, from the cameras' plates.
+// Room: the texture of the room in capture.json, from the cameras' plates.
 
 struct BakedRoom {
   package::Room room;            // complete; the picture's name without its hash
-  std::vector<uint8_t> picture;  // the bytes of the file that it names
+  std::vector<uint8_t> picture;  // bytes of the file that it names
 };
-// Refuses a room that does not hold the performer in all frames, and one without plates. Errors: CaptureJson, those of
-// mattes::readRoomPlate.
+// Rejects a room that does not hold the performer in all frames, and one without plates. Errors: CaptureJson, those
+// of mattes::readRoomPlate.
 Status checkRoom(const Job& job);
-// None if the capture has no room. `colour_maps`: one per camera, or none. Errors: those of mattes::readRoomPlate,
+// Empty if the capture has no room. `colour_maps`: one per camera, or none. Errors: those of mattes::readRoomPlate,
 // Internal.
 Result<std::optional<BakedRoom>> makeRoom(BakeRun& run, const std::vector<ColourMap>& colour_maps);
 
-// Sound, a part of Assemble: reads the sound of a sequence, and of the steps of a class, with the pictures' time, cuts
-// it into segments, encodes them. Holds one segment of samples at a time, and the encoded file.
+// Sound, a part of Assemble: reads the sound of a sequence, and of the steps of a class, with the pictures' time,
+// cuts it into segments and encodes them. Memory: one segment of samples, and the encoded file.
 
-// Opens every sound that the job has, and finds out whether anything of it is heard; what is not goes into job.notes.
-// Errors: those of AudioReader, CaptureJson (a sound that lies outside its sequence).
+// Opens every sound of the job; sounds that are never audible are listed in job.notes. Errors: those of AudioReader,
+// CaptureJson (a sound that lies outside its sequence).
 Status checkSounds(Job& job, const BakeEnvironment& environment);
 // Writes the files of all streams that have sound into the result folder, and their bytes into the report. Errors:
 // those of AudioReader and encodeSegment, WriteFailed, Interrupted; those of reading meshes.
 Result<package::Sounds> writeSounds(BakeRun& run, ReportInput& report);
 
-// Assemble: makes the character folder from finished GOPs: complete in a sibling folder first, which bake.cpp
+// Assemble: makes the character folder from finished GOPs, completely in a sibling folder, which bake.cpp then
 // publishes.
 
 struct Assembly {
-  std::vector<uint8_t> graph;   // bytes of the motion graph's file; empty if there is none
-  std::vector<ColourMap> maps;  // from cameras: as of bakeGops; the poster's pictures get them, too
+  std::vector<uint8_t> graph;   // bytes of the motion graph's file; empty without a graph
+  std::vector<ColourMap> maps;  // from cameras: see bakeGops; applied to the poster's pictures, too
   std::optional<BakedRoom> room;
 };
-// Writes every file but the report's into job.resultFolder(), and pictures that the report alone shows into
+// Writes every file but the report's into job.resultFolder(), and pictures of the report alone into
 // job.reportFolder(); completes `report` (sequences, codec, pictures, bytes by part). Errors: WriteFailed, Internal,
 // GpuFailure.
 Status assemble(BakeRun& run, const Assembly& parts, ReportInput& report);

@@ -48,7 +48,7 @@ void addStream(Job& job, const std::string& name, ClassPlan motion) {
   job.streams.push_back(std::move(stream));
 }
 
-// Interpolation may overshoot the captured frames.
+// Grows the bounds by interpolated meshes, which may overshoot the captured frames.
 Status growBounds(Job& job, const ClassPlan& plan, const ReadPositions& read) {
   for (const ClassMember& member : plan.members) {
     for (uint32_t f = 0; f < plan.frame_count; ++f) {

@@ -27,7 +27,7 @@ namespace {
 
 constexpr const char* kWindow = ".window-";
 constexpr const char* kKept = "visibility and labels measured so far";
-constexpr double kMeasuringShare = 0.8;  // share of the survey's time; labelling takes the rest
+constexpr double kMeasuringShare = 0.8;  // of the survey's time; labelling takes the rest
 
 bool showsColours(uint32_t frame) { return frame < kColourFrames && frame % kColourEvery == 0; }
 
@@ -217,7 +217,7 @@ Status Survey::measureWindow(BakeRun& run, const capture::CaptureSequence& seque
     FOURDVT_ASSIGN(measuring.reader,
                    mattes::FrameReader::open(job_->capture, sequence, run.environment.open_video, first));
   }
-  const auto needed = [&, calibrator](uint32_t f) {  // the first frame from f on that is looked at
+  const auto needed = [&, calibrator](uint32_t f) {  // the first frame from f on that is measured
     while (f < std::min(known, window.end) && !(calibrator && bake::showsColours(f))) ++f;
     return f;
   };

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The first pass over a capture: visibility of every face in every camera and frame, the cameras' colours against each
-// other, and then labels for whole sequences. Everything is kept in files (BakeOptions::survey_folder) under a key of
-// the capture and of the settings it depends on, so that bakes of the same capture share it and an interrupted one goes
-// on. Visibility is measured in windows of frames; each has a file of its own and reads no other frames.
+// The first pass over a capture: visibility of every face in every camera and frame, colour calibration between the
+// cameras, and then labels for whole sequences. All results are stored in files (BakeOptions::survey_folder) under a
+// key of the capture and of the settings that they depend on, so that bakes of the same capture share them and an
+// interrupted one resumes. Visibility is measured in windows of frames; each has a file of its own and reads no other
+// frames.
 // Memory: one frame of pictures and labelling's window, whatever the length.
 #pragma once
 
@@ -17,39 +18,39 @@
 
 namespace fourdvt::bake {
 
-// The windows in which the labels of a sequence are solved.
+// Windows in which the labels of a sequence are solved.
 std::vector<LabelWindow> planLabelWindows(const Job& job, const capture::CaptureSequence& sequence);
-// Frames before and after a window from which its face costs are measured.
+// Frames before and after a window that contribute to its face costs.
 constexpr uint32_t kHysteresisFrames = 2;
 // Compares colours in every kColourEvery-th of the first kColourFrames frames of a sequence.
 constexpr uint32_t kColourEvery = 4, kColourFrames = 32;
 
-// Stores the solved windows of a sequence's labels until the labels are complete, in files beside theirs. A damaged one
-// counts as absent.
+// Stores the solved windows of a sequence's labels until the labels are complete, in files beside theirs. A damaged
+// one counts as absent.
 LabelKeeper windowKeeper(const std::string& labels_path);
-// Removes the windows of this sequence's labels, and no others.
+// Removes the windows of this sequence's labels only.
 void removeWindows(const std::string& labels_path);
 
 class Survey {
  public:
   // The survey borrows the run's job. Errors: those of capture and GPU, NothingVisible, WriteFailed, Interrupted.
   static Result<Survey> make(BakeRun& run);
-  // Takes up what is measured already; the functions below add to it. Errors: WriteFailed.
+  // Opens the stored measurements; the functions below add to them. Errors: WriteFailed.
   static Result<Survey> open(BakeRun& run);
   // Measures the visibility of the window that begins at this frame.
   Status measureFrom(BakeRun& run, const capture::CaptureSequence& sequence, uint32_t first);
-  // Matches the cameras' colours, on frames whose visibility is measured.
+  // Calibrates the cameras' colours, on frames whose visibility is measured.
   Status matchColours(BakeRun& run);
-  // Solves labels in some of the sequence's windows (planLabelWindows), and keeps them for labelSequence.
+  // Solves labels in some of the sequence's windows (planLabelWindows), and stores them for labelSequence.
   Status labelWindows(BakeRun& run, const capture::CaptureSequence& sequence, const std::vector<size_t>& windows);
-  // Labels of a whole sequence, from windows that are kept or solved now.
+  // Labels a whole sequence, from windows that are stored or solved now.
   Status labelSequence(BakeRun& run, const capture::CaptureSequence& sequence);
   bool isMeasuredFrom(const capture::CaptureSequence& sequence, uint32_t first) const {
     return isMeasured(sequence, windowOf(sequence, first));
   }
   bool isLabelled(const capture::CaptureSequence& sequence) { return loadStatistics(sequence); }
 
-  const std::vector<ColourMap>& colourMaps() const { return colour_maps_; }  // empty if colours are not calibrated
+  const std::vector<ColourMap>& colourMaps() const { return colour_maps_; }  // empty without colour calibration
   // [layer][face]. Errors: FileUnreadable.
   Result<std::vector<uint8_t>> labels(const capture::CaptureSequence& sequence, uint32_t frame) const;
   // [rank][face]: all cameras that qualify, in order of their penalties; for BakeOptions::texel_rule.
@@ -57,7 +58,7 @@ class Survey {
   const std::map<std::string, LabelStatistics>& statistics() const { return statistics_; }  // by sequence
 
  private:
-  struct Window {  // of frames whose visibility is in one file
+  struct Window {  // frames whose visibility is in one file
     uint32_t first, end;
     uint32_t count() const { return end - first; }
   };
@@ -67,7 +68,7 @@ class Survey {
                            const LabelSink& sink, const LabelSolve& solve);
   struct Measuring {
     std::unique_ptr<FrameBaker> baker;
-    ColourCalibrator* calibrator = nullptr;       // null: the colour maps are known already
+    ColourCalibrator* calibrator = nullptr;       // null: the colour maps exist already
     std::unique_ptr<mattes::FrameReader> reader;  // stays open over neighbouring windows
     OnFrame on_frame;
   };
@@ -86,18 +87,18 @@ class Survey {
   bool loadStatistics(const capture::CaptureSequence& sequence);
   Result<FaceCosts> faceCosts(const capture::CaptureSequence& sequence, uint32_t frame) const;
   Result<std::vector<float>> fractions(const capture::CaptureSequence& sequence, uint32_t frame) const;
-  size_t fractionBytes() const { return job_->cameras.size() * job_->mesh.decoded.topology.faceCount(); }  // a frame
-  size_t labelBytes() const { return job_->options.layers * job_->mesh.decoded.topology.faceCount(); }     // a frame
+  size_t fractionBytes() const { return job_->cameras.size() * job_->mesh.decoded.topology.faceCount(); }  // per frame
+  size_t labelBytes() const { return job_->options.layers * job_->mesh.decoded.topology.faceCount(); }     // per frame
   const std::string& labelsPath(const capture::CaptureSequence& sequence) const {
     return paths_.at(sequence.name).labels;
   }
 
   struct Paths {
-    std::string fractions, labels;  // of fractions, before the window's frames
+    std::string fractions, labels;  // fractions before the window's frames
   };
   const Job* job_;
   std::string folder_, colours_path_;
-  std::map<std::string, Paths> paths_;  // by sequence; kept so that the capture's files are examined only once
+  std::map<std::string, Paths> paths_;  // by sequence; cached so that the capture's files are examined only once
   std::vector<ColourMap> colour_maps_;
   std::map<std::string, LabelStatistics> statistics_;
 };

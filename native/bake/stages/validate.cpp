@@ -39,7 +39,7 @@ Status checkOutput(const BakeOptions& options) {
              ": exists and is not a character folder (no character.gltf inside); choose another output folder");
 }
 
-// The work folder will be deleted at the end, so it must be one of ours.
+// Rejects a path that is no work folder of a bake: the folder is deleted at the end.
 Status checkWorkFolder(const std::string& path) {
   std::error_code error;
   if (!fs::exists(path, error) || fs::exists(fs::path(path) / "settings.txt", error)) return {};
@@ -47,7 +47,7 @@ Status checkWorkFolder(const std::string& path) {
   return bad(path + ": exists and is not a bake's work folder; move it away or choose another output folder");
 }
 
-// Refuses a folder that holds anything but an earlier report: the whole folder is replaced.
+// Rejects a folder with any content but an earlier report: the whole folder is replaced.
 Status checkReportFolder(const std::string& path) {
   std::error_code error;
   if (!fs::exists(fs::symlink_status(path, error))) return {};
@@ -70,7 +70,7 @@ double layeredBytes(const Job& job) {
   return frame * frames;
 }
 
-// Names of sequences and classes become names of files in one folder.
+// Checks that names are unique and valid as file names: those of sequences and classes share one folder.
 Status checkNames(const Job& job) {
   std::vector<std::string> names;
   for (const capture::CaptureSequence& s : job.capture.sequences) names.push_back(s.name);
@@ -90,7 +90,7 @@ Status checkNames(const Job& job) {
   return {};
 }
 
-// The file of a lower rendition carries its sequence's or class's name and more.
+// Files of lower renditions append a suffix to the sequence's or class's name.
 Status checkRenditionNames(const Job& job) {
   std::vector<std::string> names;
   for (const capture::CaptureSequence& s : job.capture.sequences) names.push_back(s.name);
@@ -106,7 +106,7 @@ Status checkRenditionNames(const Job& job) {
   return {};
 }
 
-// Chooses the standard ladder if that was asked for, now that there is an appearance.
+// Resolves the standard ladder if it is selected, once the appearance is chosen.
 Status resolveRenditions(BakeOptions& o) {
   if (o.standard_renditions) o.lower_renditions = standardRenditions(o);
   if (const std::string wrong = checkRenditions(o); !wrong.empty()) return bad(wrong);
@@ -170,13 +170,13 @@ const char* nameOf(package::AppearanceKind kind) {
   return kind == package::AppearanceKind::Layers ? "layers" : "cameras";
 }
 
-// Opens the capture as the appearance needs it, and chooses the appearance if none was asked for.
+// Opens the capture in the selected appearance, and selects one if the options leave it open.
 Status openCapture(Job& job, const BakeEnvironment& environment) {
   BakeOptions& o = job.options;
   const bool any = o.appearance != package::AppearanceKind::Layers;
   FOURDVT_ASSIGN(job.capture,
                  mattes::openCapture(o.capture_folder, environment.open_video, o.sequences,
-                                      any ? capture::MeshNeed::AnySurface : capture::MeshNeed::ConstantTopology));
+                                     any ? capture::MeshNeed::AnySurface : capture::MeshNeed::ConstantTopology));
   const bool constant = job.oneTopology();
   const bool chosen = !o.appearance;
   if (chosen) o.appearance = constant ? package::AppearanceKind::Layers : package::AppearanceKind::Cameras;
