@@ -12,7 +12,7 @@ namespace fourdvt::bake {
 namespace {
 
 constexpr double kKappaUnits = 65536;
-constexpr int kRings = 2;  // how many rings of neighbours round a change are tried again
+constexpr int kRings = 2;  // rings of neighbours round a change that are tried again
 
 constexpr uint8_t cameraAt(uint64_t ranks, int rank) { return static_cast<uint8_t>(ranks >> (8 * rank)); }
 
@@ -22,8 +22,8 @@ constexpr uint64_t withCamera(uint64_t ranks, int rank, uint8_t camera) {
 
 constexpr uint32_t bitOf(uint8_t camera) { return camera == package::kNoCamera ? 0 : 1u << camera; }
 
-// Energy units in 1, chosen so that the largest sum of terms at one node stays below 2^29. `theta_sum` and `omega_sum`:
-// of the weights over the ranks.
+// Energy units in 1, such that the largest sum of terms at one node stays below 2^29. `theta_sum` and `omega_sum`:
+// sums of the weights over the ranks.
 double distanceUnits(const LabelOptions& options, double theta_sum, double omega_sum, const FaceLinks& links) {
   const double eta = options.eta, tau = options.tau;
   double kappa = 0;
@@ -165,7 +165,7 @@ inline void ExpansionBlock::forNeighbours(uint32_t node, Visit&& visit) const {
   if (frame + 1 < frames_.size()) visit(node + faces_, weights_.tau);
 }
 
-// Gathers the nodes within kRings of those that the log names since `log_start`.
+// Gathers the nodes within kRings of those in the log from `log_start` on.
 void ExpansionBlock::gather(size_t log_start) {
   near_.clear();
   const auto take = [&](uint32_t node) {
@@ -183,7 +183,8 @@ void ExpansionBlock::gather(size_t log_start) {
   for (uint32_t node : near_) is_near_[node] = 0;
 }
 
-// Adds the unary and pairwise terms of staying (x = 0) and moving (x = 1); pairs are added with later candidates only.
+// Adds the unary and pairwise terms of staying (x = 0) and moving (x = 1); pairs are added with later candidates
+// only.
 void ExpansionBlock::addNode(int index) {
   const Candidate& c = candidates_[index];
   const Tuple &stay = labels_[c.node], &move = c.moved;
@@ -196,7 +197,7 @@ void ExpansionBlock::addNode(int index) {
     if (other < index) return;
     const Tuple& other_move = candidates_[other].moved;
     const int32_t stay_move = distance(stay, other_move), move_move = distance(move, other_move);
-    // What remains beyond both unary terms: -gap x y = -g x - h y + g x (1-y) + h (1-x) y, g + h = gap.
+    // Remainder beyond both unary terms: -gap x y = -g x - h y + g x (1-y) + h (1-x) y, g + h = gap.
     const int32_t gap = weight * (stay_move + move_stay - stay_stay - move_move), half = gap / 2;
     u -= half;
     flow_.addUnary(other, half - gap);
@@ -278,7 +279,7 @@ std::vector<uint32_t> usableCameras(const LabelOptions& options, const FaceCosts
   return out;
 }
 
-// Takes the neighbouring frame's cameras where they are still feasible, and fills the remaining ranks with the
+// Copies the neighbouring frame's cameras where they are still feasible, and fills the remaining ranks with the
 // cheapest.
 void labelByNeighbour(const FaceCosts& costs, const std::vector<uint32_t>& allowed, int layers,
                       const std::vector<LabelTuple>& neighbour, std::vector<LabelTuple>& labels) {
@@ -299,7 +300,7 @@ void labelByNeighbour(const FaceCosts& costs, const std::vector<uint32_t>& allow
   }
 }
 
-// Makes a first guess for every frame without labels: from the frame before, or by solving one frame by itself.
+// Initialises every frame without labels: from the previous frame, or by solving one frame by itself.
 void startJoint(const LabelOptions& options, const LabelWeights& weights, const FaceLinks& links,
                 const std::vector<std::vector<uint32_t>>& allowed, std::vector<WindowFrame>& frames) {
   for (size_t k = 0; k < frames.size(); ++k) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Alpha-expansion over some frames at once (algorithms/labels.md). Lowers
-//   E = Σ_t [ Σ_f Σ_l θ_l p(z_f^l, f) + Σ_fg κ_fg d(z_f, z_g) ] + τ Σ_t,f d(z_f(t), z_f(t-1)),
-//   d(a,b) = Σ_l ω_l [a_l ≠ b_l] + (η/2) |S_a Δ S_b|,   κ_fg = 1/|N_f| + 1/|N_g|,
-// by moves "rank l ← α, with swap". With one rank, ω = 1 and η = 0 it is 4DVT Eq. 2-5.
+// Alpha-expansion over several frames at once (algorithms/labels.md). Lowers
+// E = Σ_t [ Σ_f Σ_l θ_l p(z_f^l, f) + Σ_fg κ_fg d(z_f, z_g) ] + τ Σ_t,f d(z_f(t), z_f(t-1)),
+// d(a,b) = Σ_l ω_l [a_l ≠ b_l] + (η/2) |S_a Δ S_b|,   κ_fg = 1/|N_f| + 1/|N_g|,
+// by moves "rank l ← α, with swap". With one rank, ω = 1 and η = 0 it is Eq. 2-5 of Casas et al. 2014 (labelling.h).
 // Rank 0 of a face that has an allowed camera is never empty. Energies are integers: a move never raises them.
 #pragma once
 
@@ -24,8 +24,8 @@ struct LabelTuple {
   bool operator==(const LabelTuple& o) const { return ranks == o.ranks; }
 };
 
-// The `count` cheapest cameras of `allowed`, the cheapest first; equal penalties are ordered by camera index. The tuple
-// that the lab's "naive" rule and every start of a solve use.
+// The `count` cheapest cameras of `allowed` in ascending order of penalty; ties are ordered by camera index. Used by
+// the lab's "naive" rule and as the initial labels of every solve.
 inline LabelTuple cheapestCameras(const FaceCosts& costs, size_t face, uint32_t allowed, int count) {
   LabelTuple out;
   const float* penalties = costs.penalty.data() + face * costs.camera_count;
@@ -51,7 +51,7 @@ struct FaceLinks {
 };
 FaceLinks makeFaceLinks(const FaceGraph& graph);
 
-// The weights of the energy, scaled to integers such that no node's sum overflows 32 bits.
+// Weights of the energy, scaled to integers such that no node's sum overflows 32 bits.
 struct LabelWeights {
   int ranks = 1;
   std::array<float, package::kMaxLayers> theta{};    // energy units per penalty
@@ -64,9 +64,9 @@ struct LabelWeights {
 
 struct BlockFrame {
   const FaceCosts* costs = nullptr;                // borrowed, as are the two below; not read if frozen
-  const std::vector<uint32_t>* allowed = nullptr;  // cameras that each face may take, as bits
+  const std::vector<uint32_t>* allowed = nullptr;  // cameras allowed for each face, as bits
   std::vector<LabelTuple>* labels = nullptr;       // in: distinct cameras, all allowed; out: the result
-  bool frozen = false;                             // its labels do not change
+  bool frozen = false;                             // its labels are fixed
   bool settled = false;                            // its labels are a minimum already, unless neighbours change
 };
 
@@ -74,10 +74,10 @@ class ExpansionBlock {
  public:
   // Neighbouring entries of `frames` are neighbours in time.
   ExpansionBlock(const LabelWeights& weights, const FaceLinks& links, std::vector<BlockFrame> frames);
-  // Sweeps over all ranks and cameras until nothing changes; then the labels are written back.
+  // Sweeps over all ranks and cameras until nothing changes, then writes the labels back.
   void solve(int sweeps);
-  // Tries one move; package::kNoCamera empties the rank. False: nothing was to be gained near what has changed since
-  // the same move was last tried.
+  // Tries one move; package::kNoCamera empties the rank. False: no gain near the changes since the last try of the
+  // same move.
   bool expand(int rank, uint8_t camera);
   int64_t energy() const;
   LabelTuple label(size_t frame, uint32_t face) const;
@@ -111,24 +111,24 @@ class ExpansionBlock {
   std::vector<Tuple> labels_;      // frame × face
   std::vector<uint32_t> allowed_;  // 0 where frozen
   std::vector<uint8_t> frozen_;    // [frame]
-  std::vector<uint32_t> log_;      // nodes that changed, in the order of time; starts with the unsettled ones
+  std::vector<uint32_t> log_;      // changed nodes in order of time; starts with the unsettled ones
   std::vector<std::array<size_t, package::kMaxCameras + 1>> tried_;  // [rank][camera]: log size at the last try
-  std::vector<uint32_t> near_;                                       // nodes worth a try
+  std::vector<uint32_t> near_;                                       // nodes to be tried
   std::vector<uint8_t> is_near_;
   std::vector<Candidate> candidates_;
-  std::vector<int32_t> candidate_of_;  // [node] its candidate; -1: it stays
+  std::vector<int32_t> candidate_of_;  // [node] its candidate; -1: fixed
   LabelFlow flow_;
 };
 
-// Frame of those whose labels a rule (Labelling::solve) solves together.
+// One of the frames whose labels a rule (Labelling::solve) solves together.
 struct WindowFrame {
   const FaceCosts* costs = nullptr;           // borrowed
   std::vector<LabelTuple>* labels = nullptr;  // borrowed; out
-  bool frozen = false;                        // its labels do not change
+  bool frozen = false;                        // its labels are fixed
   bool solved = false;                        // its labels come from another window and are to be improved
 };
 
-// Labels every face with its cheapest cameras that see it.
+// Labels every face with the cheapest cameras that see it.
 void labelByPenalty(const FaceCosts& costs, int layers, std::vector<LabelTuple>& labels);
 
 }  // namespace fourdvt::bake

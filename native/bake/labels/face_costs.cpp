@@ -23,7 +23,7 @@ double rayPenalty(const CameraAxis& camera, const FacePlane& face) {
   return length > 0 ? penalty(face.normal, ray / length) : 1;
 }
 
-// Pixels per square metre at the face's centre if the face looked straight at the camera: fx fy d / z³.
+// Pixels per square metre at the face's centre if the face were frontal to the camera: fx fy d / z³.
 double frontalDensity(const CameraAxis& camera, const FacePlane& face) {
   const glm::dvec3 ray = face.centre - camera.centre;
   const double z = glm::dot(ray, camera.forward);
@@ -47,14 +47,14 @@ bool planeOf(const glm::uvec3& v, const Positions& positions, FacePlane& out) {
   return true;
 }
 
-// What every camera sees of one face.
+// Visible fractions of one face in every camera.
 struct FaceFractions {
   std::span<const float> all;  // [camera][face]
   size_t face_count, face;
   float of(size_t camera) const { return all[camera * face_count + face]; }
 };
 
-// Bit c: camera c has the face turned towards it and sees at least `min_fraction` of it.
+// Bit c: the face is turned towards camera c, which sees at least `min_fraction` of it.
 uint32_t feasibleCameras(std::span<const CameraAxis> cameras, const FacePlane& face, const FaceFractions& fractions,
                          float min_fraction) {
   uint32_t mask = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What labelling knows about one frame: which cameras qualify for each face, and what each would cost.
+// Per-frame label costs: the cameras that qualify for each face, and the penalty of each.
 #pragma once
 
 #include <cstdint>
@@ -13,9 +13,10 @@ namespace fourdvt::bake {
 
 // All penalties lie in 0…1; lower is better.
 enum class Penalty {
-  Axis,  // 4DVT Eq. 1: 1 - (n·ô)², ô the unit optical axis, or the ray through the picture's middle if it is another
+  Axis,  // Casas et al. 2014 (labelling.h), Eq. 1: 1 - (n·ô)², ô the unit optical axis, or the ray through the
+         // picture's centre if that differs
   Ray,   // the same with the unit ray from the camera's centre to the face's centre
-  Resolution,  // 1 - pixels of the face in this camera / pixels if the rig's best camera saw it face-on
+  Resolution,  // 1 - pixels of the face in this camera / pixels if the rig's best camera saw it frontally
 };
 
 struct FaceCostOptions {
@@ -24,37 +25,39 @@ struct FaceCostOptions {
   float fallback_fraction = 0.30f;  // the same where no camera qualifies
 };
 
-// Hardly better than an empty rank, so that smoothness decides.
+// Slightly better than an empty rank, so that smoothness decides.
 constexpr float kUnseenPenalty = 1.9f;
 
 struct FaceCosts {
   int camera_count = 0;
   std::vector<uint32_t> feasible;  // per face: bit c = camera c sees it and it faces camera c
-  // Per face: cameras that face it and see at least `fallback_fraction` of it, but are not feasible. Empty: none. Only
-  // the joint labelling uses them, where that saves a seam or a flip.
+  // Per face: cameras that face it and see at least `fallback_fraction` of it, but are not feasible. Empty: none.
+  // Used by the joint labelling only, where that saves a seam or a flip.
   std::vector<uint32_t> partial;
-  // Per face, 1: no camera is feasible or partial. Joint may then take any camera at kUnseenPenalty, so that
-  // the neighbours' label continues across it (its texels are filled in); the paper modes leave it empty. Empty: all 0.
+  // Per face, 1: no camera is feasible or partial. Joint may then assign any camera at kUnseenPenalty, so that the
+  // neighbours' label continues across the face (its texels are filled in); the paper modes leave it empty. Empty:
+  // all 0.
   std::vector<uint8_t> unseen;
   // [face * camera_count + camera]; partial: p + (1 - p) · (hidden share)²; 1 where neither, kUnseenPenalty
   // where unseen.
   std::vector<float> penalty;
 };
 
-// 4DVT Eq. 1: 1 - (n·ô)², n the unit face normal and ô the unit optical axis. Blind to the sign: see facesCamera.
+// Casas et al. 2014, Eq. 1: 1 - (n·ô)², n the unit face normal and ô the unit optical axis. Ignores the sign: see
+// facesCamera.
 double penalty(const glm::dvec3& normal, const glm::dvec3& optical_axis);
 
-// The facing test that 4DVT Eq. 1 needs: the camera centre lies in front of the face.
+// Facing test that complements this penalty: the camera centre lies in front of the face.
 bool facesCamera(const glm::dvec3& normal, const glm::dvec3& face_centre, const glm::dvec3& camera_centre);
 
 // `fractions`: [camera][face], 0..1, of Visibility::measure.
 FaceCosts measureFaceCosts(const FaceCostOptions& options, std::span<const PinholeCamera> cameras,
                            const MeshTopology& topology, const Positions& positions, std::span<const float> fractions);
 
-// Visibility hysteresis: `after[f]` of frame f is what at least half of the frames f-radius..f+radius say, per face and
-// camera, so that a camera does not come and go for a frame or two. A camera that a face does not see at all in
-// frame f (fraction below `fallback_fraction`) is never added. Works on fractions of a window of frames:
-// fractions[k] is frame first+k; returns those of the middle frame `middle`.
+// Visibility hysteresis: `after[f]` of frame f is the majority value of the frames f-radius..f+radius (at least half
+// of them), per face and camera, which removes changes of a frame or two. A camera that does not see a face at all in
+// frame f (fraction below `fallback_fraction`) is never added. Works on fractions of a window of frames: fractions[k]
+// is frame first+k; returns those of the middle frame `middle`.
 std::vector<float> steadyFractions(std::span<const std::vector<float>> fractions, size_t middle,
                                    const FaceCostOptions& options);
 

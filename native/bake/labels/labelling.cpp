@@ -35,8 +35,8 @@ std::vector<uint8_t> tupleBytes(std::span<const WindowFrame> frames) {
   return out;
 }
 
-// Reads them back into the frames. False if the number of bytes fits another number of frames or faces; nothing changes
-// then.
+// Reads them back into the frames. False if the number of bytes fits another number of frames or faces; the frames
+// are then unchanged.
 bool takeTuples(const std::vector<uint8_t>& bytes, std::span<const WindowFrame> frames) {
   constexpr size_t kTuple = package::kMaxLayers;
   const size_t faces = frames[0].costs->feasible.size();
@@ -52,7 +52,7 @@ bool takeTuples(const std::vector<uint8_t>& bytes, std::span<const WindowFrame> 
   return true;
 }
 
-// The frames between their first load and their finish.
+// Frames between their first load and their finish.
 class Solver {
  public:
   Solver(const LabelOptions& options, const FaceGraph& graph, const LabelExchange& exchange)
@@ -110,7 +110,7 @@ class Solver {
     return {};
   }
 
-  Status keeping() const { return keeping_; }  // an error of the keeper
+  Status keeping() const { return keeping_; }  // error of the keeper
 
   LabelStatistics statistics() const {
     LabelStatistics out = meter_.statistics();
@@ -128,7 +128,7 @@ class Solver {
   const FaceLinks links_;
   const LabelExchange& exchange_;
   LabelMeter meter_;
-  std::mutex mutex_;  // frames_ as a map; every frame belongs to one window at a time
+  std::mutex mutex_;  // guards frames_ as a map; every frame belongs to one window at a time
   std::map<uint32_t, Frame> frames_;
   Status keeping_;
   const Watch watch_;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Labels: which cameras a face takes its layers from, for a whole sequence (algorithms/labels.md; 4DVT 4.1, Eq. 1-5).
-// Does NOT measure visibility or penalties (face_costs.h). Memory: a window of frames, whatever the
-// sequence's length. Deterministic: the same input gives the same labels for every job count.
+// Labels: the cameras from which each face takes its layers, for a whole sequence (algorithms/labels.md; D. Casas, M.
+// Volino, J. Collomosse, A. Hilton: 4D Video Textures for Interactive Character Appearance, Computer Graphics Forum
+// 33(2) (Eurographics), 2014, section 4.1, Eq. 1-5). face_costs.h measures the penalties. Memory: a window of frames,
+// whatever the sequence's length. Deterministic: the same input gives the same labels for every job count.
 #pragma once
 
 #include <atomic>
@@ -18,9 +19,9 @@ struct FaceLinks;
 struct LabelOptions;
 struct WindowFrame;
 
-// Rule by which faces take their cameras, a constant that lives as long as the program.
+// Rule that assigns cameras to faces, a constant with static lifetime.
 struct Labelling {
-  const char* name;  // part of the key under which labels and GOPs are kept
+  const char* name;  // part of the key under which labels and GOPs are stored
   bool windowed;     // neighbouring frames are solved together; false: each by itself
   // Solves the frames of one window (expansion.h). Called from several threads.
   void (*solve)(const LabelOptions& options, const FaceLinks& links, std::vector<WindowFrame>& frames);
@@ -32,13 +33,13 @@ struct LabelOptions {
   const Labelling* rule = &kJoint;
   int layers = 3;
   // Joint: weights of algorithms/labels.md. θ: penalty by rank, ω: rank term by rank (the last entry repeats), η: set
-  // term, τ: time (label flips), empty: penalty of an empty rank. Tuned with bench_labels for few flips and seams at a
-  // layer-1 penalty within 10 % of the cheapest cameras'. Kept labels and GOPs of other weights are not reused
+  // term, τ: time (label flips), empty: penalty of an empty rank. Tuned with bench_labels for few flips and seams at
+  // a layer-1 penalty within 10 % of the cheapest cameras'. Stored labels and GOPs of other weights are not reused
   // (labelKey in stages/validate.cpp).
   std::vector<float> theta{1.4f, 0.2f, 0.1f}, omega{1.2f, 0.3f, 0.25f};
   float eta = 0.1f, tau = 0.75f, empty_penalty = 2.0f;
-  // Joint: may take a camera that sees a face in part (FaceCosts::partial); labels a face that no camera sees, so that
-  // its neighbours' label goes on across it. A bake has both; without them the study measures what each adds.
+  // Joint: allows cameras that see a face in part (FaceCosts::partial); labels unseen faces, so that the neighbours'
+  // label continues across them. Both are set in a bake; the study switches them off to measure the effect of each.
   bool use_partial = true, label_unseen = true;
   int window_frames = 12, hop_frames = 8, sweeps = 4;
   int jobs = 1;
@@ -57,10 +58,10 @@ FaceGraph makeFaceGraph(const MeshTopology& topology);
 struct LabelStatistics {
   uint32_t frames = 0;
   std::vector<double> seam_percent;  // per layer: share of edges whose faces differ in this rank
-  std::vector<double> flip_percent;  // per layer: share of faces that differ from the frame before
-  std::vector<double> camera_seam_percent, camera_flip_percent;  // of these, where neither of the two ranks is empty
-  // As seams and flips, over faces that a camera sees, so that labels that no camera can show do not count: edges
-  // between two such faces, and faces that are seen in both frames.
+  std::vector<double> flip_percent;  // per layer: share of faces that differ from the previous frame
+  std::vector<double> camera_seam_percent, camera_flip_percent;  // the part of these where neither rank is empty
+  // Seams and flips over faces that a camera sees, which excludes labels that no camera can show: edges between two
+  // such faces, and faces that are seen in both frames.
   std::vector<double> seen_seam_percent, seen_flip_percent;
   std::vector<double> mean_penalty;  // per layer, over filled ranks of faces that a camera sees
   double energy = 0;                 // of the joint formulation with the options' weights, whatever the rule
@@ -75,31 +76,31 @@ using LabelSink = std::function<Status(uint32_t frame, const std::vector<uint8_t
 // Stores the labels of solved windows, so that an interrupted solve skips them. Both functions are called from any
 // thread.
 struct LabelKeeper {
-  // The bytes that keep() was given for these frames; empty: none.
+  // Bytes passed to keep() for these frames; empty: none.
   std::function<std::vector<uint8_t>(uint32_t first, uint32_t end)> find;
   std::function<Status(uint32_t first, uint32_t end, const std::vector<uint8_t>& bytes)> keep;
 };
 
-// What solveLabels reads, and whom it tells.
+// Input and callbacks of solveLabels.
 struct LabelExchange {
   FaceCostSource costs;
   LabelSink sink;
-  std::function<void(uint32_t frames)> on_frame;  // told how many frames are finished; may be empty
+  std::function<void(uint32_t frames)> on_frame;  // receives the number of finished frames; may be empty
   const std::atomic<bool>* stop = nullptr;        // may be null
-  const LabelKeeper* keeper = nullptr;            // may be null; windows of one frame are not kept
+  const LabelKeeper* keeper = nullptr;            // may be null; windows of one frame are not stored
 };
 
 // Errors: those of costs, sink and keeper; Interrupted once *stop.
 Result<LabelStatistics> solveLabels(const LabelOptions& options, const FaceGraph& graph, uint32_t frame_count,
                                     const LabelExchange& exchange);
 
-// Solves some windows (numbers in planWindows' list) and gives their labels to the keeper, which must be there; those
-// of even windows that an odd one needs are solved too, unless the keeper has them. No labels reach the sink. Errors:
+// Solves some windows (numbers in planWindows' list) and passes their labels to the keeper, which is required; even
+// windows that an odd one depends on are solved too, unless the keeper has them. The sink is not called. Errors:
 // those of costs and keeper; Interrupted once *stop.
 Status solveLabelWindows(const LabelOptions& options, const FaceGraph& graph, uint32_t frame_count,
                          const std::vector<size_t>& windows, const LabelExchange& exchange);
 
-// Seams, flips, penalties and energy of finished labels, added up frame by frame.
+// Seams, flips, penalties and energy of finished labels, accumulated frame by frame.
 class LabelMeter {
  public:
   LabelMeter(const LabelOptions& options, const FaceGraph& graph);
@@ -110,18 +111,18 @@ class LabelMeter {
  private:
   // Faces, edges or steps of one layer.
   struct Counts {
-    uint64_t seams = 0, flips = 0;                // whose two labels differ
-    uint64_t camera_seams = 0, camera_flips = 0;  // and both are cameras
-    uint64_t seen_seams = 0, seen_flips = 0;      // and both faces are seen
+    uint64_t seams = 0, flips = 0;                // pairs whose two labels differ
+    uint64_t camera_seams = 0, camera_flips = 0;  // the part of these where both are cameras
+    uint64_t seen_seams = 0, seen_flips = 0;      // the part of these where both faces are seen
     uint64_t filled = 0, filled_seen = 0;
-    double penalty = 0;  // of filled_seen
+    double penalty = 0;  // sum over filled_seen
   };
   void addLayer(const FaceCosts& costs, const uint8_t* layer, int l, const std::vector<uint8_t>& seen);
   double distance(const std::vector<uint8_t>& a, size_t f, const std::vector<uint8_t>& b, size_t g) const;
 
   LabelOptions options_;
   const FaceGraph& graph_;
-  std::vector<uint8_t> previous_, previous_seen_;  // the frame before: labels, and 1 for a face that a camera sees
+  std::vector<uint8_t> previous_, previous_seen_;  // previous frame: labels, and 1 for a face that a camera sees
   std::vector<Counts> layers_;
   uint64_t seen_edges_ = 0, seen_steps_ = 0;
   uint32_t frames_ = 0;

@@ -46,8 +46,7 @@ void LabelFlow::solve() {
   }
 }
 
-// Takes every neighbour that can still send flow to v into the tree; flow from those that the source feeds is sent at
-// once.
+// Adds every neighbour with residual capacity towards v to the tree; flow from nodes with excess is pushed at once.
 void LabelFlow::grow(int v) {
   for (int32_t a = nodes_[v].first; a >= 0; a = arcs_[a].next) {
     const int32_t inward = a ^ 1;
@@ -149,7 +148,7 @@ bool LabelFlow::findParent(int v) {
   return true;
 }
 
-// Takes v out of the tree: its children become orphans, and neighbours that could take it in later become active.
+// Removes v from the tree: its children become orphans, and neighbours that could adopt it later become active.
 void LabelFlow::release(int v) {
   nodes_[v].parent = kFree;
   nodes_[v].stamp = 0;

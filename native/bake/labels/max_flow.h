@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Minimum of Σ u_i x_i + Σ c_ij (1-x_i) x_j over binary x, c ≥ 0: maximum flow after Boykov and Kolmogorov, "An
-// Experimental Comparison of Min-Cut/Max-Flow Algorithms" (2004), growing the sink's trees only, so that the work stays
-// near the nodes that would gain by x = 1.
+// Minimum of Σ u_i x_i + Σ c_ij (1-x_i) x_j over binary x, c ≥ 0, by maximum flow (Y. Boykov, V. Kolmogorov: An
+// Experimental Comparison of Min-Cut/Max-Flow Algorithms for Energy Minimization in Vision, IEEE Transactions on
+// Pattern Analysis and Machine Intelligence 26(9), 2004), growing the sink's trees only, so that the work stays near
+// the nodes that gain by x = 1.
 #pragma once
 
 #include <cstddef>
@@ -12,13 +13,13 @@ namespace fourdvt::bake {
 
 class LabelFlow {
  public:
-  // Forgets the graph, keeps the memory. All x are 0 until solve().
+  // Clears the graph, keeps the memory. All x are 0 until solve().
   void reset(size_t nodes);
   void addUnary(int i, int32_t u) { nodes_[i].excess += u; }
   // `c_ij` is paid where x_i = 0 and x_j = 1, `c_ji` where x_i = 1 and x_j = 0.
   void addPair(int i, int j, int32_t c_ij, int32_t c_ji);
   void solve();
-  // The minimum with the fewest ones.
+  // Value of x_i in the minimum with the fewest ones.
   bool one(int i) const { return nodes_[i].parent != kFree; }
 
  private:

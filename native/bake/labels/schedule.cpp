@@ -11,13 +11,13 @@ namespace {
 
 enum class State { Waiting, Running, Done };
 
-// The windows of one run: which may start next, and which frames no window will change any more.
+// State of the windows of one run: those that may start next, and the frames that are final.
 class Board {
  public:
   explicit Board(const std::vector<LabelWindow>& windows)
       : windows_(windows), states_(windows.size(), State::Waiting) {}
 
-  // The earliest window that may start, so that few frames are held at a time; -1: none may.
+  // The earliest window that may start, so that few frames are in memory at a time; -1: none.
   int next() const {
     for (size_t i = 0; i < windows_.size(); ++i)
       if (states_[i] == State::Waiting && ready(i)) return static_cast<int>(i);

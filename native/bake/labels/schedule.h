@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which windows of a sequence are solved, what each waits for, and how many at a time.
+// Schedule of the windows of a sequence: their frames, their dependencies, and the number solved concurrently.
 //
-// Every second window ("even") starts from nothing; the windows between two of them fill the gap and solve the ends of
-// both neighbours again, between frozen frames. So all even windows are independent of each other, and so are all odd
-// ones: the labels do not depend on the number of threads.
+// Every second window ("even") starts without labels; the windows between two of them fill the gap and solve the ends
+// of both neighbours again, between frozen frames. All even windows are therefore independent of each other, and so
+// are all odd ones: the labels do not depend on the number of threads.
 #pragma once
 
 #include <functional>
@@ -14,15 +14,15 @@
 namespace fourdvt::bake {
 
 struct LabelWindow {
-  uint32_t first = 0, end = 0;              // the frames whose labels it sets
-  uint32_t fresh_first = 0, fresh_end = 0;  // those of them that have no labels yet
+  uint32_t first = 0, end = 0;              // frames whose labels it sets
+  uint32_t fresh_first = 0, fresh_end = 0;  // the part of these that has no labels yet
   uint32_t frozen_first = 0,
-           frozen_end = 0;  // the frames it reads: first..end and one frozen frame at either end, if any
-  bool odd = false;         // waits for the windows before and after it in the list of planWindows
+           frozen_end = 0;  // frames that it reads: first..end and one frozen frame at either end, if any
+  bool odd = false;         // depends on the windows before and after it in the list of planWindows
 };
 
-// In the order of time, in which even and odd windows alternate. Modes without a temporal term have one window per
-// frame, and none is odd.
+// Windows in order of time, alternately even and odd. Modes without a temporal term have one window per frame, and
+// none is odd.
 std::vector<LabelWindow> planWindows(const LabelOptions& options, uint32_t frame_count);
 
 struct LabelSteps {

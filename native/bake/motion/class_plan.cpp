@@ -12,7 +12,7 @@ namespace fourdvt::bake {
 namespace {
 
 constexpr size_t kFeatures = 300;      // vertices that the time warp compares
-constexpr uint32_t kCheckPhases = 64;  // the largest number of phases at which the blend's bound is checked
+constexpr uint32_t kCheckPhases = 64;  // maximum number of phases at which the blend's bound is checked
 constexpr int kTriangleChecks = 12, kTriangleSegments = 4;
 
 struct Source {
@@ -22,12 +22,12 @@ struct Source {
   package::Member member;
 };
 
-// The class in messages.
+// Name of the class in messages.
 std::string placeOf(const capture::Capture& capture, const capture::CaptureClass& source) {
   return capture.folder + "/capture.json: class '" + source.name + "'";
 }
 
-// Given values must differ, and those of two parameters span triangles; what is measured is known later.
+// Checks that given values differ, and that those of two parameters span triangles; measured values follow later.
 Status checkGivenValues(const capture::Capture& capture, const capture::CaptureClass& source) {
   std::vector<package::Member> members;
   for (const auto& declared : source.members) {
@@ -116,8 +116,8 @@ std::vector<HybridSimplex> makeHybrid(const std::vector<BlendSimplex>& simplices
   return out;
 }
 
-// Chooses the references: measures the errors, then splits the worst simplex until all keep the bound or no reference
-// is left.
+// Selects the references: measures the errors, then splits the worst simplex until all are within the bound or no
+// reference is left.
 class ReferenceChooser {
  public:
   ReferenceChooser(std::vector<BlendSimplex> simplices, const ClassOptions& options, size_t member_count)
@@ -165,7 +165,7 @@ class ReferenceChooser {
     for (size_t s = 0; s < segments.size(); ++s) error = std::max(error, errorOf(s, segments[s]));
     return error;
   }
-  // Triangles share edges, so they are split all together.
+  // Triangles share edges and are therefore split all together.
   std::vector<int> refined(std::vector<int> segments) const {
     size_t worst = 0;
     for (size_t s = 1; s < segments.size(); ++s)
@@ -201,7 +201,7 @@ Result<std::vector<Source>> openSources(const capture::Capture& capture, const c
   return sources;
 }
 
-// Common time is that of the longest member.
+// Sets the common time to that of the longest member.
 void planTime(const std::vector<Source>& sources, ClassPlan& plan) {
   const auto shorter = [](const Source& a, const Source& b) {
     return a.sequence->frame_count < b.sequence->frame_count;

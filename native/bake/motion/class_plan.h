@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plans motion classes from meshes alone (algorithms/motion.md): brings the members to common time, chooses the
-// references of the hybrid blend within an error bound, and tabulates the parameter. Does NOT look at pictures.
+// Plans motion classes from meshes alone (algorithms/motion.md): time-aligns the members, selects the references of
+// the hybrid blend within an error bound, and tabulates the parameter.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace fourdvt::bake {
 
 struct ClassOptions {
   double blend_error_m = 0.001;  // largest vertex distance of the hybrid from the full non-linear blend
-  int max_references = 8;        // largest number of corrections per frame; the report says what error is left
+  int max_references = 8;        // maximum number of corrections per frame; the report gives the residual error
   int check_weights = 25;        // weights per interval at which the bound is checked
 };
 
@@ -31,7 +31,7 @@ struct CapturedMeshes {
 
 struct ClassMember {
   const capture::CaptureSequence* source = nullptr;
-  // [phase] the captured frame, fractional and never decreasing; a loop's may pass its end, then it counts modulo.
+  // [phase] captured frame, fractional and non-decreasing; a loop's may pass its end and counts modulo.
   std::vector<double> source_frame;
   std::vector<glm::vec3> root;  // [phase]: ChunkFrames::root
 };
@@ -46,21 +46,20 @@ struct ClassPlan {
   package::ParameterSpace space;
   std::vector<std::vector<float>> reference_weights;  // [reference][member]
   double linear_error_m = 0,
-         hybrid_error_m = 0;       // largest vertex distances from the non-linear blend where it was checked
-  std::vector<std::string> notes;  // what the report says, one sentence each
+         hybrid_error_m = 0;       // largest vertex distances from the non-linear blend at the checked weights
+  std::vector<std::string> notes;  // for the report, one sentence each
 };
 
-// Error CaptureJson of an impossible class, as far as it shows without meshes: a bake checks it before it reads
-// pictures.
+// Checks a class as far as possible without meshes, before a bake reads pictures. Error: CaptureJson.
 Status checkClass(const capture::Capture& capture, const capture::CaptureClass& source);
 
-// `progress` hears the share that is done, 0…1, and returns false to stop. Neighbouring phases read the same frames.
+// `progress` receives the finished share, 0…1, and returns false to stop. Neighbouring phases read the same frames.
 // Errors: those of checkClass, CaptureJson (two members have the same speed), those of meshes.read, Interrupted.
 Result<ClassPlan> planClass(const capture::Capture& capture, const capture::CaptureClass& source,
                             const CapturedMeshes& meshes, const ClassOptions& options,
                             const std::function<bool(double)>& progress);
 
-// Only the members of the plan; how they blend is not measured. Reads every frame several times.
+// The plan's members only, without measuring their blend. Reads every frame several times.
 Result<std::vector<ClassMember>> classMembers(const capture::Capture& capture, const capture::CaptureClass& source,
                                               const ReadPositions& read);
 
@@ -72,7 +71,7 @@ Result<Positions> memberPositions(const ClassMember& member, uint32_t phase, con
 std::vector<Positions> referenceOffsets(const NonlinearBlend& blend, const ClassPlan& plan,
                                         std::span<const Positions> members);
 
-// Common phases of a class at which a foot comes down. Pure functions.
+// Common phases of a class at which a foot touches down. Pure functions.
 
 // Phases in 0..1, ascending, of one member's footfalls. frames: captured ones; source_frame: ClassMember::source_frame;
 // loop_frames: frames of the member's loop, or 0; phases: their number in the class. Frames outside the pass are left
@@ -80,8 +79,8 @@ std::vector<Positions> referenceOffsets(const NonlinearBlend& blend, const Class
 std::vector<double> stepPhases(std::span<const uint32_t> frames, std::span<const double> source_frame,
                                uint32_t loop_frames, uint32_t phases);
 
-// The first member's footfalls, each at the mean of the phases that the members have nearest to it. The first member's
-// alone where the members' numbers differ.
+// The first member's footfalls, each averaged with the nearest phases of the other members. The first member's alone
+// where the members' numbers differ.
 std::vector<double> meanSteps(const std::vector<std::vector<double>>& members, bool loop);
 
 }  // namespace fourdvt::bake

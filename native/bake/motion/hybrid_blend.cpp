@@ -13,7 +13,8 @@ namespace {
 
 bool isCorner(const Shares& s) { return std::max({s.x, s.y, s.z}) > 1 - 1e-9; }
 
-// 1 at the node, falling linearly to 0 at its neighbours on the grid of `segments`-ths, whose intervals may differ.
+// Hat function: 1 at the node, falling linearly to 0 at its neighbours on the grid of `segments`-ths, whose intervals
+// may differ.
 double straight(std::span<const Shares> nodes, size_t node, int segments, const Shares& at) {
   if (at.z == 0 && std::all_of(nodes.begin(), nodes.end(), [](const Shares& n) { return n.z == 0; })) {
     const double before = node > 0 ? nodes[node - 1].y : 0, here = nodes[node].y;
@@ -33,7 +34,7 @@ double polynomial(std::span<const Shares> nodes, size_t node, const Shares& at) 
   return value;
 }
 
-// Where the node at `share` of an interval goes, evenly spaced by `segments`-ths, so that all are Chebyshev's points.
+// Position of the node at `share` of an interval, evenly spaced by `segments`-ths, mapped to Chebyshev's points.
 double stretched(double share, int segments) {
   const double angle = std::numbers::pi / (2 * segments + 2);
   return (1 - std::cos((2 * segments * share + 1) * angle) / std::cos(angle)) / 2;
@@ -161,7 +162,7 @@ std::vector<BlendSimplex> quadTriangles(const std::vector<glm::dvec2>& p) {
     const int a = (i + 1) % 4, b = (i + 2) % 4, c = (i + 3) % 4;
     if (inside(p[i], p[a], p[b], p[c])) return {{{a, b, i}}, {{b, c, i}}, {{c, a, i}}};
   }
-  std::array<int, 4> order = {0, 1, 2, 3};  // members in order round their middle
+  std::array<int, 4> order = {0, 1, 2, 3};  // members in angular order round their centroid
   const glm::dvec2 middle = (p[0] + p[1] + p[2] + p[3]) / 4.0;
   std::sort(order.begin(), order.end(), [&](int a, int b) {
     return std::atan2(p[a].y - middle.y, p[a].x - middle.x) < std::atan2(p[b].y - middle.y, p[b].x - middle.x);
@@ -181,7 +182,7 @@ double mixedSpeed(const std::vector<Member>& members, const std::vector<float>& 
   return glm::length(travel) / duration_s;
 }
 
-// The sample at these weights; neighbouring simplices share equal samples.
+// Index of the sample at these weights; neighbouring simplices share equal samples.
 uint16_t findSample(ParameterSpace& space, ParameterSample sample) {
   for (size_t s = 0; s < space.samples.size(); ++s) {
     double distance = 0;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decides at which weights of a class corrections towards the non-linear blend are stored, how they mix, and what error
-// they leave (algorithms/motion.md). The weights lie on simplices of members: intervals (one parameter) or triangles
-// (two).
+// Selects the weights of a class at which corrections towards the non-linear blend are stored, interpolates between
+// them, and measures the residual error (algorithms/motion.md). The weights lie on simplices of members: intervals
+// (one parameter) or triangles (two).
 //
-// An interval of `segments` n mixes n − 1 references by the polynomial through them and both ends, which needs fewer
-// than straight pieces do; they lie where such polynomials stray least. A triangle has its references on the grid of
-// n-ths and mixes them by straight pieces, so that neighbours fit together.
+// An interval of `segments` n interpolates n − 1 references by the polynomial through them and both ends, which needs
+// fewer references than piecewise linear interpolation; they lie where the polynomial's error is smallest. A triangle
+// has its references on the grid of n-ths and interpolates them linearly, so that neighbouring triangles are
+// continuous.
 #pragma once
 
 #include <span>
@@ -17,24 +18,24 @@
 namespace fourdvt::bake {
 
 struct BlendSimplex {
-  std::array<int, 3> members{};  // an interval's last two are equal
+  std::array<int, 3> members{};  // last two of an interval are equal
   bool interval() const { return members[1] == members[2]; }
 };
-using Shares = glm::dvec3;  // weights of a simplex's corners, sum 1; the third one of an interval is 0
+using Shares = glm::dvec3;  // weights of a simplex's corners, sum 1; third weight of an interval: 0
 
 std::vector<float> simplexWeights(const BlendSimplex& simplex, const Shares& shares, size_t member_count);
 // All points of a simplex's grid of `segments`-ths, corners included.
 std::vector<Shares> simplexGrid(bool interval, int segments);
 
 enum class HybridMix { Straight, Polynomial };
-// The references of a simplex. Those that a polynomial mixes are Chebyshev's points, stretched so that the outermost
-// two are the ends: of all nodes that include both ends, these keep the product of the distances to all nodes smallest,
-// and with it the bound on a polynomial's error. An interval's are rounded to the grid of `check_segments`-ths.
+// References of a simplex. Nodes of a polynomial are Chebyshev's points, stretched so that the outermost two are the
+// ends: of all nodes that include both ends, these minimise the maximum product of the distances to all nodes, and
+// with it the bound on the polynomial's error. An interval's are rounded to the grid of `check_segments`-ths.
 std::vector<Shares> hybridNodes(bool interval, int segments, int check_segments, HybridMix mix);
 // Coefficient of every node at a point.
 std::vector<double> hybridCoefficients(std::span<const Shares> nodes, int segments, HybridMix mix, const Shares& at);
 
-// The errors that every number of segments leaves, measured in one pass over the phases.
+// Residual errors by number of segments, measured in one pass over the phases.
 class HybridErrors {
  public:
   struct Error {
@@ -58,10 +59,10 @@ class HybridErrors {
   std::vector<Level> levels_;  // [segments - 1]
 };
 
-// Tabulates which weights a class needs for a parameter's value (package::ParameterSpace). "2.1 m/s" is the speed that
-// the mixed travel and the mixed duration give, not a mix of speeds.
+// Tabulates the weights of a class by the value of its parameters (package::ParameterSpace). "2.1 m/s" is the speed
+// that results from blended travel and blended duration, not a blend of speeds.
 
-// A simplex with the references chosen for it.
+// A simplex with its selected references.
 struct HybridSimplex {
   BlendSimplex corners;
   int segments = 1;
@@ -74,7 +75,7 @@ struct HybridSimplex {
 Result<std::vector<BlendSimplex>> classSimplices(const std::vector<package::Member>& members, const std::string& place);
 
 HybridMix mixOf(const BlendSimplex& simplex);
-// measured: [parameter] true for a speed that follows from travel and duration; other values mix linearly.
+// measured: [parameter] true for a speed that follows from travel and duration; other values blend linearly.
 package::ParameterSpace parameterTable(const std::vector<package::Member>& members,
                                        const std::vector<std::string>& names, const std::vector<bool>& measured,
                                        const std::vector<HybridSimplex>& simplices, size_t reference_count);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Takes the faces' gradients from deformation transfer and blends their rotations on the rotation group. Rotations are
-// taken relative to member 0, so that two rigid poses blend exactly whatever the reference.
+// Blends the faces' deformation gradients, as in deformation transfer, with rotations on the rotation group.
+// Rotations are relative to member 0, so that two rigid poses blend exactly for any reference.
 #include "bake/motion/nonlinear_blend.h"
 
 #include <Eigen/Geometry>
@@ -28,9 +28,9 @@ struct Face {
   glm::uvec3 vertices{0};
   std::array<double, 3> half_cotangents{};  // [i] of the edge from corner i to the next
   std::array<Vector3d, 3> edges;            // [i] the same edge in the reference pose
-  Matrix3d inverse;                         // inverse of the edge frame in the reference pose
+  Matrix3d inverse;                         // of the edge frame in the reference pose
   bool has_gradient = false;                // otherwise its edges follow the linear blend
-  int parent = -1;  // the neighbour visited before it, which chooses the branch of the logarithm
+  int parent = -1;  // the neighbour visited before it, which determines the branch of the logarithm
 };
 
 // Two edges and a normal of about their length. Sets `ok` to false if the face has no usable area.
@@ -46,7 +46,7 @@ Matrix3d edgeFrame(const Vector3d& a, const Vector3d& b, const Vector3d& c, bool
   return frame;
 }
 
-// The rotation of the polar decomposition, by Newton's iteration, or by singular values where that fails.
+// Rotation of the polar decomposition, by Newton's iteration, or by singular values where that fails.
 Matrix3d rotationOf(const Matrix3d& gradient) {
   Matrix3d rotation = gradient;
   for (int i = 0; i < 20; ++i) {
@@ -74,7 +74,7 @@ Matrix3d expOf(const Vector3d& turn) {
   return angle > 1e-12 ? Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() : Matrix3d::Identity();
 }
 
-// Near a half turn the shorter direction of rotation is not stable: takes the one that the neighbour took.
+// Branch of the logarithm near a half turn, where the shorter rotation is unstable: follows the neighbour.
 Vector3d likeNeighbour(const Vector3d& turn, const Vector3d& neighbour) {
   const double angle = turn.norm();
   if (angle < kNearPi) return turn;
@@ -111,7 +111,7 @@ class Blend : public NonlinearBlend {
  private:
   using Turns = std::array<Vector3d, package::kMaxMembers>;
 
-  // What one call of blend() mixes.
+  // Arguments of one call of blend().
   struct Blending {
     std::span<const Positions> members;
     std::span<const float> weights;
@@ -205,7 +205,7 @@ class Blend : public NonlinearBlend {
     return {};
   }
 
-  // Adds the face's edges as blended to the right-hand side. turns: of the faces before it in order_; sets its own.
+  // Adds the face's blended edges to the right-hand side. turns: of the faces before it in order_; sets its own.
   void addFace(size_t index, const Blending& blending, std::vector<Turns>& turns, Eigen::MatrixX3d& right) const {
     const Face& face = faces_[index];
     Matrix3d gradient = Matrix3d::Zero();
@@ -245,7 +245,7 @@ class Blend : public NonlinearBlend {
   }
 
   // Anchor weight per vertex; falls with the rotation of its faces between the members, because the linear blend is
-  // exact for what does not rotate. Where all faces rotate alike, all vertices weigh the same.
+  // exact without rotation. If all faces rotate alike, the weights are equal.
   std::vector<double> steadiness(std::span<const float> weights, const std::vector<size_t>& used,
                                  const std::vector<Turns>& turns) const {
     double pairs = 0;
@@ -259,16 +259,15 @@ class Blend : public NonlinearBlend {
         mean += double(weights[used[k]]) * turns[f][k];
         square += double(weights[used[k]]) * turns[f][k].squaredNorm();
       }
-      const double apart =
-          (square - mean.squaredNorm()) /
-          pairs;  // variance of the rotation; of two members: half of the square of the angle between them
+      const double apart = (square - mean.squaredNorm()) /
+                           pairs;  // variance of the rotation; for two members half of the squared angle between them
       const double say = 1 / std::pow(1 + apart / (kSteady * kSteady), 2);
       for (int i = 0; i < 3; ++i) steady[faces_[f].vertices[i]] += say;
     }
     return steady;
   }
 
-  // Moves every connected part to where the linear blend has it: by the weighted mean offset of its vertices.
+  // Moves every connected part to its place in the linear blend, by the weighted mean offset of its vertices.
   Positions placed(const Eigen::MatrixX3d& solved, const Positions& linear, const std::vector<double>& steady) const {
     std::vector<Vector3d> shift(anchors_.size(), Vector3d::Zero());
     std::vector<double> weight(anchors_.size(), 0);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The two blends of a class's meshes (algorithms/motion.md): linear by vertices, and non-linear by the faces'
-// deformation gradients, which the corrections stored with a class approach. Does NOT choose where corrections are
-// stored (hybrid_blend.h).
+// deformation gradients, which the corrections stored with a class approximate. hybrid_blend.h selects the
+// corrections.
 #pragma once
 
 #include <memory>
@@ -13,8 +13,10 @@
 namespace fourdvt::bake {
 
 // Deformation-gradient blending: T = exp(Σ w log R) · Σ w S per face, solved for the vertices with a prefactorised
-// sparse Cholesky decomposition ("CTGH13" of 4DVT). Each connected part of the mesh is placed where the linear blend
-// puts those of its faces that turn least between the members: the linear blend is exact for what does not turn.
+// sparse Cholesky decomposition (D. Casas, M. Tejera, J.-Y. Guillemaut, A. Hilton: Interactive Animation of 4D
+// Performance Capture, IEEE Transactions on Visualization and Computer Graphics 19(5), 2013). Each connected part of
+// the mesh is placed where the linear blend puts those of its faces that rotate least between the members: the linear
+// blend is exact without rotation.
 class NonlinearBlend {
  public:
   // `reference`: any pose of the mesh. Errors: MeshTopology (no face has an area, or nothing can be anchored).

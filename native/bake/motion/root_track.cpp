@@ -14,22 +14,24 @@ namespace fourdvt::bake {
 namespace {
 
 constexpr float kLow = 0.05f;          // metres above the ground below which vertices are examined
-constexpr float kStanding = 0.015f;    // metres above the ground at which a vertex counts much less
-constexpr double kSoleRise_mps = 0.2;  // vertical speed at which a vertex counts much less
-constexpr double kSlow_mps = 0.2;      // sliding speed at which a vertex counts much less, at the end of the search
+constexpr float kStanding = 0.015f;    // metres above the ground at which a vertex's weight has fallen considerably
+constexpr double kSoleRise_mps = 0.2;  // vertical speed at which a vertex's weight has fallen considerably
+constexpr double kSlow_mps =
+    0.2;  // sliding speed at which a vertex's weight has fallen considerably, at the end of the search
 constexpr double kSlowAtFirst_mps = 0.8;
-constexpr double kStandingSlide_mps = 0.5;  // a vertex that slides faster does not stand: the foot swings
+constexpr double kStandingSlide_mps = 0.5;  // limit for standing vertices; faster ones belong to a swinging foot
 constexpr int kSearches = 10;
-constexpr double kFewStand = 0.3;    // share of the most weight that ever stands, at which a contact is half certain
+constexpr double kFewStand = 0.3;    // share of the maximum standing weight at which a contact is half certain
 constexpr double kSmoothness = 0.1;  // weight of smooth steps against contacts of certainty 1
-constexpr double kDeclared = 0.05;   // certainty of the declared velocity, which decides where there is no contact
+constexpr double kDeclared = 0.05;   // certainty of the declared velocity, which prevails without contacts
 constexpr double kAgreement = 0.2;   // share of the declared speed within which the measured one agrees
 constexpr double kLeastStand = 0.1;  // weight below which a vertex does not stand
-// footfalls: the shortest time without vertices that come to a stand between two, and the least share of the vertices
-// of the heaviest one.
+// footfalls: the shortest time without landing vertices between two, and the minimum share of the heaviest footfall's
+// vertices.
 constexpr double kRest_s = 0.1, kFootShare = 0.2;
-constexpr int kLongestStand = 32;  // steps after which a contact counts as another one
-// steadySteps: rounds, and the weight of contacts that stay in place, where most stands, in the first and the last.
+constexpr int kLongestStand = 32;  // steps after which a contact is split
+// steadySteps: rounds, and the weight of fixed contacts, at the frame of maximum standing weight, in the first and
+// the last.
 constexpr int kSteadyingRounds = 8;
 constexpr double kLeastSteadiness = 1, kMostSteadiness = 10;
 
@@ -62,7 +64,7 @@ Result<float> findGround(const capture::CaptureSequence& sequence, const ReadPos
   return groundLevel(std::move(lowest));
 }
 
-// [frame] the vertices near the ground and how they move until the next frame; a loop's last frame leads to its first.
+// [frame] vertices near the ground and their movement until the next frame; a loop's last frame leads to its first.
 Result<std::vector<std::vector<ContactCandidate>>> findCandidates(const capture::CaptureSequence& sequence,
                                                                   float ground, const ReadPositions& read) {
   std::vector<std::vector<ContactCandidate>> candidates(sequence.frame_count);
@@ -85,12 +87,12 @@ Result<std::vector<std::vector<ContactCandidate>>> findCandidates(const capture:
 
 double square(double x) { return x * x; }
 
-// Weight by which a vertex stands: it is low and neither rises nor falls.
+// Weight of a standing vertex: low, without vertical motion.
 double standing(const ContactCandidate& c, double fps) {
   return std::exp(-square(c.height / kStanding) - square(c.moved.y * fps / kSoleRise_mps));
 }
 
-// The usual step over the ground if none is declared: the median over the vertices that stand.
+// Default step over the ground if none is declared: the median over the standing vertices.
 glm::dvec2 usualStep(const std::vector<std::vector<ContactCandidate>>& candidates, double fps) {
   std::vector<double> x, z;
   for (const auto& frame : candidates) {
@@ -103,7 +105,7 @@ glm::dvec2 usualStep(const std::vector<std::vector<ContactCandidate>>& candidate
   return {median(x), median(z)};
 }
 
-// Finds the step by which standing vertices slide least; fast-sliding vertices count less and less.
+// Finds the step that minimises the sliding of standing vertices, with decreasing weight of fast-sliding ones.
 GroundStep solveStep(const std::vector<ContactCandidate>& candidates, double fps, const glm::dvec2& usual) {
   GroundStep step{usual, 0};
   for (int search = 0; search < kSearches; ++search) {
@@ -124,7 +126,7 @@ GroundStep solveStep(const std::vector<ContactCandidate>& candidates, double fps
   return step;
 }
 
-// Keeps certain steps and lets the others follow their neighbours' velocity. `declared` may be null.
+// Keeps certain steps and interpolates the others from their neighbours' velocity. `declared` may be null.
 void smoothSteps(std::vector<GroundStep>& steps, bool loop, const glm::dvec2* declared) {
   double max_weight = 0;
   for (const GroundStep& step : steps) max_weight = std::max(max_weight, step.weight);
@@ -148,7 +150,7 @@ void smoothSteps(std::vector<GroundStep>& steps, bool loop, const glm::dvec2* de
   for (int t = 0; t < count; ++t) steps[t].metres = {solved(t, 0), solved(t, 1)};
 }
 
-// How far the character must travel between frames so that the vertices that stand in all of them do not slide.
+// Travel between frames at which the vertices that stand in all of them do not slide.
 class Contacts {
  public:
   Contacts(const std::vector<std::vector<ContactCandidate>>& candidates, const std::vector<GroundStep>& steps,
@@ -163,16 +165,16 @@ class Contacts {
       }
       return stands;
     };
-    std::map<uint32_t, int> steps_of;  // [vertex] in how many steps it stands
-    std::set<uint32_t> at_end;         // what stands in the last step
+    std::map<uint32_t, int> steps_of;  // [vertex] number of steps in which it stands
+    std::set<uint32_t> at_end;         // vertices that stand in the last step
     for (int t = 0; loop && t < count_; ++t)
       for (const Stand& stand : standingAt(t)) {
         ++steps_of[stand.vertex];
         if (t + 1 == count_) at_end.insert(stand.vertex);
       }
     const auto alwaysStands = [&](uint32_t vertex) { return steps_of[vertex] == count_; };
-    // A loop is gone through twice. A contact across its end is found whole, where it begins in the first pass; what
-    // always stands is one contact as long as the loop.
+    // A loop is traversed twice: a contact across its end is complete where it begins in the first pass, and a
+    // permanent contact is as long as the loop.
     std::map<uint32_t, Contact> open;
     for (int t = 0; t < (loop ? 2 : 1) * count_; ++t) {
       std::map<uint32_t, Contact> still;
@@ -196,8 +198,8 @@ class Contacts {
     for (const auto& [vertex, contact] : open) add(contact);
   }
 
-  // Calls use(frame, later frame, metres to travel, weight); at the frame where most stands, the weights of the
-  // vertices sum to 1.
+  // Calls use(frame, later frame, metres to travel, weight); at the frame of maximum standing weight the vertices'
+  // weights sum to 1.
   template <typename Use>
   void forEachPair(const Use& use) const {
     const double most = std::max(1e-9, *std::max_element(weight_at_.begin(), weight_at_.end()));
@@ -209,15 +211,15 @@ class Contacts {
   }
 
  private:
-  struct Stand {  // of a vertex, from one frame to the next
+  struct Stand {  // one vertex from one frame to the next
     uint32_t vertex = 0;
     double weight = 0;
     glm::dvec2 moved{0};
   };
   struct Contact {
-    int first = 0;                  // frame; of a loop's second pass too
-    bool began_before = false;      // frame 0: the second pass finds it whole
-    std::vector<glm::dvec2> moved;  // [frame] since the first
+    int first = 0;                  // frame, possibly in a loop's second pass
+    bool began_before = false;      // starts before frame 0: complete in the second pass
+    std::vector<glm::dvec2> moved;  // [frame] displacement since the first
     std::vector<double> weight;     // [frame]
   };
   struct Pair {
@@ -225,7 +227,7 @@ class Contacts {
     glm::dvec2 moved{0};  // times the weight
   };
 
-  // Σ ω_i |q_i − mean|² = Σ_{i<j} ω_i ω_j / Σω |q_i − q_j|²: a contact is as many pairs of its frames.
+  // Σ ω_i |q_i − mean|² = Σ_{i<j} ω_i ω_j / Σω |q_i − q_j|²: a contact contributes all pairs of its frames.
   void add(const Contact& contact) {
     if (contact.began_before) return;
     const double sum = std::accumulate(contact.weight.begin(), contact.weight.end(), 0.0);
@@ -245,8 +247,8 @@ class Contacts {
   std::vector<double> weight_at_;  // [frame] sum of the vertices' weights
 };
 
-// Steps that keep each contact in one place as a whole. The steps of single frames, which it starts from, drift: their
-// errors add up.
+// Optimises the steps so that each contact stays in one place as a whole. The per-frame steps that it starts from
+// drift by accumulated errors.
 void steadySteps(std::vector<GroundStep>& steps, const std::vector<std::vector<ContactCandidate>>& candidates,
                  bool loop, double fps, const glm::dvec2* declared) {
   const int count = int(steps.size());
@@ -255,7 +257,7 @@ void steadySteps(std::vector<GroundStep>& steps, const std::vector<std::vector<C
         kLeastSteadiness * std::pow(kMostSteadiness / kLeastSteadiness, double(round) / (kSteadyingRounds - 1));
     std::vector<Eigen::Triplet<double>> entries;
     Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(count, 2);
-    // Unknown t is the place at frame t + 1; frame 0 is at 0, and after a loop's end places go on from there.
+    // Unknown t is the place at frame t + 1; frame 0 is at 0, and a loop continues beyond its end.
     using Form = std::vector<std::pair<int, double>>;
     const auto place = [&](int frame, double factor, Form& form) {
       const int passes = frame / count, rest = frame % count;
@@ -330,14 +332,14 @@ Result<std::vector<glm::vec3>> rootTrack(const capture::Capture& capture, const 
 
 namespace {
 
-// Tests if a vertex stands on the ground in the later frame; step: metres over the ground between the two.
+// True if a vertex stands on the ground in the later frame; step: metres over the ground between the two.
 bool stands(const glm::vec3& before, const glm::vec3& now, const glm::vec2& step, float ground, double fps) {
   const glm::vec3 moved = now - before;
   return now.y - ground < kStanding && std::abs(moved.y) * fps < kSoleRise_mps &&
          glm::length(glm::vec2(moved.x, moved.z) + step) * fps < kStandingSlide_mps;
 }
 
-// [frame] how many vertices stand that did not in the two frames before; of a loop, round its end.
+// [frame] number of standing vertices that did not stand in the two frames before; cyclic for a loop.
 std::vector<int> comingToStand(const std::vector<std::vector<bool>>& standing, bool loop) {
   const int count = int(standing.size());
   std::vector<int> out(standing.size(), 0);
@@ -357,8 +359,8 @@ Result<std::vector<uint32_t>> footfalls(const capture::Capture& capture, const c
                                         const std::vector<glm::vec3>& track, const ReadPositions& read) {
   FOURDVT_ASSIGN(auto ground, findGround(sequence, read));
   const uint32_t count = sequence.frame_count;
-  // Marks a vertex as standing in two successive frames if it rests on the ground from one to the other, so that the
-  // frame of its impact is marked, too.
+  // Marks a vertex as standing in two successive frames if it rests on the ground from one to the other, which
+  // includes the frame of its impact.
   std::vector<std::vector<bool>> standing(count);
   FOURDVT_ASSIGN(const Positions first, read(sequence, 0));
   for (std::vector<bool>& frame : standing) frame.resize(first.size());
@@ -373,7 +375,7 @@ Result<std::vector<uint32_t>> footfalls(const capture::Capture& capture, const c
     before = std::move(frame);
   }
   const std::vector<int> coming = comingToStand(standing, sequence.loop);
-  // Stretches begin after the longest rest, so that none is cut by a loop's end.
+  // Stretches begin after the longest rest, so that a loop's end cuts none.
   struct Stretch {
     uint32_t first = 0;
     int vertices = 0;

@@ -18,7 +18,7 @@ constexpr double kFar = std::numeric_limits<double>::max();
 
 size_t wrapped(long index, size_t count) { return size_t((index % long(count) + long(count)) % long(count)); }
 
-// Steps that a path may take in each phase; absolute, so that those of a loop may be negative or beyond its end.
+// Allowed steps of a path in each phase; absolute, so that those of a loop may be negative or beyond its end.
 struct Band {
   std::vector<long> first;  // [phase]; empty: all steps
   size_t width = 0;         // steps in a phase
@@ -74,7 +74,7 @@ class Grid {
             step = uint32_t(s);
           }
         }
-        // In a loop, the phase after the last is the first again.
+        // After the last phase of a loop, the first follows.
         if (next[at] < kFar && p < phases_) next[at] += distance(p, start + long(at));
       }
       cost.swap(next);
@@ -163,8 +163,8 @@ class Grid {
   double mean_ = 0;
 };
 
-// Finds where the cheapest cyclic path starts, among `count` steps from `first` on: by a coarse scan, then by halving
-// the interval round the best. A scan of the whole loop goes round it.
+// Finds the start of the cheapest cyclic path among `count` steps from `first` on: by a coarse scan, then by halving
+// the interval round the best. A scan of the whole loop is cyclic.
 long bestStart(const Grid& grid, long first, size_t count) {
   std::vector<size_t> steps;
   size_t stride = std::max<size_t>(1, count / kCoarseStarts);
@@ -208,7 +208,7 @@ Warp warpWhole(const PoseFeatures& reference, const PoseFeatures& member, bool l
   return warpOf(grid, start, steps);
 }
 
-// Picks `count` features at equal intervals; of a motion that is no loop, the first and the last are among them.
+// Selects `count` features at equal intervals; of a motion that is no loop, the first and the last are among them.
 PoseFeatures thinned(const PoseFeatures& features, size_t count, bool loop) {
   if (count >= features.size()) return features;
   PoseFeatures out;
@@ -218,10 +218,10 @@ PoseFeatures thinned(const PoseFeatures& features, size_t count, bool loop) {
   return out;
 }
 
-// Intervals between the features: those of a loop close it.
+// Number of intervals between the features, including a loop's closing one.
 double intervalsOf(size_t count, bool loop) { return double(loop ? count : count - 1); }
 
-// Where a warp of thinned features takes the phases of all, in steps of the finer grid.
+// Upsamples a warp of thinned features to all phases, in steps of the finer grid.
 std::vector<double> refined(const Warp& coarse, size_t thin_frames, size_t phases, size_t frames, bool loop) {
   const double phase_scale = intervalsOf(coarse.time.size(), loop) / intervalsOf(phases, loop);
   const double step_scale =
@@ -265,7 +265,7 @@ Warp warpInBand(const PoseFeatures& reference, const PoseFeatures& member, bool 
   const std::vector<double> centre = refined(coarse, thin_frames, phases, frames, loop);
   const double frame_steps =
       intervalsOf(frames, loop) / intervalsOf(thin_frames, loop) * Grid::stepsAFrame(phases, frames);
-  // Half a band, and of the widest one that the cells allow.
+  // Limited to half a band, and half of the widest one that the cells allow.
   const size_t most = std::max<size_t>(1, search.most_cells / phases / 2);
   auto half = std::clamp<size_t>(size_t(std::ceil(search.band_frames * frame_steps)), 1, most);
   for (;;) {
@@ -286,8 +286,8 @@ Warp warpInBand(const PoseFeatures& reference, const PoseFeatures& member, bool 
   }
 }
 
-// Smooths a path by averaging neighbours' departures from the mean pace, which keeps paces within their bounds. A path
-// that is no loop is mirrored at its ends, so that they do not move.
+// Smooths a path by averaging neighbours' deviations from the mean pace, which keeps paces within their bounds. A
+// path that is no loop is mirrored at its ends, which stay fixed.
 void smooth(std::vector<double>& time, double pass, bool loop) {
   const long count = long(time.size());
   const auto at = [&](const std::vector<double>& from, long i) {

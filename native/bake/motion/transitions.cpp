@@ -21,14 +21,14 @@ using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowM
 using Pictures = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 constexpr double kEntryShare =
-    0.25;  // a state that does not loop is entered within this first share, so that its motion is seen
+    0.25;  // a state that does not loop is entered within this first share, so that its motion is visible
 
-// One row per sample, a sample being a weight row and a frame of a state. Positions, then velocities times √λ_v.
+// Feature matrix with one row per sample (weight row and frame of a state): positions, then velocities times √λ_v.
 struct Features {
   Matrix ground;  // x and z of all values, centred
-  Matrix turned;  // z and -x of the same, which give S as `ground` gives C
+  Matrix turned;  // z and -x of the same, for S as `ground` is for C
   Matrix height;
-  Pictures picture;  // tiny atlas, 0…1; no columns if there is none
+  Pictures picture;  // tiny atlas, 0…1; no columns without one
   Eigen::VectorXd squares;
   Eigen::VectorXf picture_squares;
   std::vector<glm::dvec2> centre;
@@ -105,7 +105,7 @@ using KeepOn = std::function<bool()>;  // false: stop
 
 Error interrupted() { return {ErrorId::Interrupted, "stopped while measuring transitions"}; }
 
-// `vertices`: first those that the fit compares, then those that only the steps use.
+// `vertices`: first those compared by the fit, then those used by the steps only.
 Result<Features> featuresOf(const TransitionState& state, const std::vector<uint32_t>& vertices,
                             const TransitionOptions& options, const KeepOn& keep_on) {
   Features features;
@@ -145,7 +145,7 @@ glm::vec3 shiftOf(double c, double s, const glm::dvec2& source, const glm::dvec2
   return {glm::vec2(source) - moved, yaw};
 }
 
-// Where the source is left and the target is entered, as rows of their features.
+// Exit of the source and entry of the target, as rows of their features.
 struct TransitionCandidate {
   motion::Entry entry;                            // without its shift and the cost of its pop
   Eigen::Index source_half = 0, target_half = 0;  // rows half way through the fade
@@ -168,7 +168,7 @@ class Pair {
   const Features &source_, &target_;
   const TransitionOptions& options_;
   const Matrix c_, s_;
-  Matrix fit_;  // millimetres
+  Matrix fit_;  // residual of the fit, millimetres
   const Steps own_;
 };
 
@@ -204,7 +204,8 @@ void Pair::addCandidates(uint32_t row, uint32_t frame, uint32_t target_row, doub
   uint32_t fade = std::max(1u, uint32_t(std::lround(fade_s * target_rate)));
   if (!to_.loop) fade = std::clamp(last, 1u, fade);
   const uint32_t half = fade / 2, source_half = frame + uint32_t(std::lround(half * rate / target_rate));
-  // A motion that ends is entered early, so that its start is seen, and left early, so that it does not stand still.
+  // Motions that end are entered early, so that their beginning is seen, and left early, so that they never stand
+  // still.
   const uint32_t seen = uint32_t(kEntryShare * to_.frame_count);
   const uint32_t newest = to_.loop ? last : std::min(last - std::min(last, fade), seen > half ? seen - half : 0);
   const double over = from_.loop ? 0 : frame + fade * rate / target_rate - source_last;
@@ -227,7 +228,7 @@ glm::vec3 Pair::shift(const TransitionCandidate& candidate) const {
   return shiftOf(c_(a, b), s_(a, b), source_.centre[size_t(a)], target_.centre[size_t(b)]);
 }
 
-// The entry of least cost. Pops are computed only for candidates that may still be the best.
+// The entry of minimum cost. Pops are computed only for candidates that may still be the best.
 motion::Entry Pair::best(uint32_t row, uint32_t frame) const {
   std::vector<TransitionCandidate> all;
   for (uint32_t target_row = 0; target_row < target_.paths.size(); ++target_row)
@@ -297,7 +298,7 @@ using motion::moved;
 using motion::Placement;
 
 constexpr double kRounding = 1e-6;
-constexpr double kStill_m = 0.002;  // steps of motions that hardly move count as at least this long
+constexpr double kStill_m = 0.002;  // lower bound of the step length, for motions that hardly move
 
 Step stepBetween(const Positions& before, const Positions& after, const Placement& moved_by) {
   const glm::mat4 move = motion::worldFromCharacter(moved_by);
@@ -316,13 +317,13 @@ double ratio(const Step& step, const Step& limit) {
   return std::max(step.furthest / std::max(limit.furthest, kStill_m), step.mean / std::max(limit.mean, kStill_m));
 }
 
-// A motion that does not loop stays on its last frame.
+// Clamps a motion that does not loop to its last frame.
 uint32_t frameAt(const MotionPath& path, int64_t frame) {
   const int64_t count = int64_t(path.positions.size());
   return uint32_t(path.loop ? (frame % count + count) % count : std::clamp<int64_t>(frame, 0, count - 1));
 }
 
-// The largest number of frames that pass between two ticks.
+// Maximum number of frames between two ticks.
 int64_t framesPerTick(const MotionPath& path, double tick_s) {
   return std::max<int64_t>(1, int64_t(std::ceil(path.frames_per_s * tick_s - kRounding)));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One bake while it runs.
+// State of one running bake.
 #pragma once
 
 #include <future>
@@ -13,8 +13,8 @@
 
 namespace fourdvt::bake {
 
-// The progress of one bake: stage, frames, and the time that is left, estimated from the work done so far. Does NOT
-// print.
+// Progress of one bake: stage, frames, and remaining time, estimated from the work done so far. Output is the
+// listener's.
 class ProgressReporter {
  public:
   explicit ProgressReporter(const BakeEnvironment& environment) : environment_(environment) {}
@@ -36,8 +36,8 @@ class ProgressReporter {
   double done_ = 0, left_ = 0;
 };
 
-// One stage's share of the work while it runs. done(0…1) may be called in any steps; what was not done when the object
-// is destroyed counts as skipped.
+// One stage's share of the work while it runs. done(0…1) may be called in any steps; the remainder counts as skipped
+// when the object is destroyed.
 class StageProgress {
  public:
   StageProgress(ProgressReporter& reporter, double work) : reporter_(reporter), work_(work) {}
@@ -56,8 +56,7 @@ class StageProgress {
   double done_ = 0;
 };
 
-// What its stages share. bake.cpp makes it and hands it from stage to stage. Borrows what the environment points to.
-// Does NOT decide what is done.
+// Shared state of the stages, created by bake.cpp. Borrows the environment's objects.
 struct BakeRun {
   BakeRun(Job validated, const BakeEnvironment& given)
       : job(std::move(validated)), environment(given), progress(environment) {}
@@ -65,8 +64,8 @@ struct BakeRun {
   gpu::Device& device() const { return *environment.device; }
   std::launch lane() const { return job.options.jobs > 1 ? std::launch::async : std::launch::deferred; }
   bool stopped() const { return environment.stop && *environment.stop; }
-  // Called between frames: error Interrupted once a stop was asked for. `kept` names what stays on disk ("finished
-  // GOPs").
+  // Called between frames: error Interrupted after a stop request. `kept` names the data that stays on disk
+  // ("finished GOPs").
   Status checkStop(const std::string& kept, const std::string& folder) const {
     if (!stopped()) return {};
     const char* how = environment.writer.empty() ? "run the same command with --resume to go on" : "run it again";

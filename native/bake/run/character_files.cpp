@@ -27,7 +27,7 @@ std::string ffmpegVersion(unsigned v) {
   return std::to_string(v >> 16) + "." + std::to_string((v >> 8) & 255) + "." + std::to_string(v & 255);
 }
 
-// Offsets are counted from behind the header, whose size they must not change.
+// Offsets count from the end of the header, so that its size must not change.
 Result<std::vector<uint8_t>> finalHeader(package::StreamIndex& index) {
   std::vector<uint8_t> header = package::writeStreamHeader(index);
   for (int attempt = 0; attempt < 4; ++attempt) {
@@ -198,11 +198,11 @@ package::Sequence describeStream(const StreamPlan& plan) {
 namespace fourdvt::bake {
 namespace {
 
-constexpr int kPlacedAtOnce = 5;  // tries more, where processes finish the same job at once
+constexpr int kPlacedAtOnce = 5;  // retries, where processes finish the same job at once
 
 namespace fs = std::filesystem;
 
-// Collects the names of files that a manifest gives, directly or by the names of sequences and cameras.
+// Collects the names of files in a manifest, directly or by the names of sequences and cameras.
 class Names {
  public:
   explicit Names(const FlatJson& gltf) : gltf_(gltf) {}
@@ -226,7 +226,7 @@ void addSequence(const FlatJson& gltf, const std::string& at, Names& names) {
     names.addUri(at + "/sound/encodings/" + std::to_string(e));
 }
 
-// Files of the bake that made the folder; none if its manifest is not a bake's.
+// Files of the bake that made the folder; none without a bake's manifest.
 std::set<std::string> bakedFiles(const std::string& folder) {
   const auto read = platform::readJsonFlat(folder + "/" + kManifestFile);
   const std::string at = std::string("/extensions/") + package::kExtensionName;
@@ -244,7 +244,7 @@ std::set<std::string> bakedFiles(const std::string& folder) {
   return names.files;
 }
 
-// Files in `from` in the order in which they are moved: new names, then those that replace a file, then the manifest.
+// Files in `from` in the order of moving: new names, then those that replace a file, then the manifest.
 std::vector<std::string> inOrder(const std::string& from, const std::string& to) {
   std::vector<std::string> files;
   std::error_code error;
@@ -259,7 +259,7 @@ std::vector<std::string> inOrder(const std::string& from, const std::string& to)
   return files;
 }
 
-// Readers see the old file or the new one. The folder may be a link to another file system.
+// Replaces atomically: readers see the old file or the new one. The folder may be a link to another file system.
 Status move(const std::string& from, const std::string& to) {
   std::error_code error;
   FOURDVT_TRY(platform::makeFolder(fs::path(to).parent_path().string()));
@@ -279,7 +279,7 @@ void removeFiles(const std::string& folder, const std::set<std::string>& files) 
   platform::removeIfEmpty(folder + "/" + kRefinedCameras);
 }
 
-// Moves the files in order; on failure takes back those that have new names.
+// Moves the files in order; a failure takes back those with new names.
 Status moveAll(const std::vector<std::string>& files, const std::string& from, const std::string& to) {
   std::set<std::string> added;
   for (const std::string& file : files) {

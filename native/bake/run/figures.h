@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a finished bake measured about itself; the report shows it.
+// Measurements of a finished bake, for its report.
 #pragma once
 
 #include <map>
@@ -13,13 +13,13 @@
 
 namespace fourdvt::bake {
 
-// Method that a character from cameras is drawn by unless --method or the viewer sets another, and its scores.
+// Rendering method of a character from cameras unless --method or the viewer sets another, and its scores.
 struct ChosenMethod {
   std::string method;
   std::optional<double> sweep_band_m;  // of a person (render::SweepOptions); none: the player's default
   MethodChoice choice;                 // without verdicts: nothing was measured
   size_t frames = 0, views = 0;
-  double shift_px = 0;  // how far what is drawn for a camera lies from its picture, mean
+  double shift_px = 0;  // mean shift of a camera's rendered view against its picture
   double gap_deg = 0;   // LeftOut
   double most_cost = 0;
 };
@@ -43,9 +43,9 @@ struct BakeReport {
   std::map<std::string, uint64_t> bytes_by_part;
   std::map<std::string, LabelStatistics> labels_by_sequence;
   std::map<std::string, ClassSummary> classes;
-  std::optional<refine::Refinement> refinement;  // none: not asked for
+  std::optional<refine::Refinement> refinement;  // none: not selected
   std::optional<ChosenMethod> method;            // from cameras
-  std::vector<std::string> notes;                // what the user should know, one sentence each
+  std::vector<std::string> notes;                // for the user, one sentence each
 };
 
 }  // namespace fourdvt::bake

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The resolved plan of one bake: options, capture, mesh order, streams. validate makes it and refineJob corrects meshes
-// and cameras, and planStreams completes it; after that only the align stage sets what it measures.
+// The resolved plan of one bake: options, capture, mesh order, streams. validate creates it, refineJob corrects
+// meshes and cameras, and planStreams completes it; after that only the align stage adds its measurements.
 #pragma once
 
 #include <map>
@@ -24,7 +24,7 @@ constexpr uint32_t kInputWindow = 32;  // frames, Job::input_digests
 struct RenditionPlan {
   std::string suffix;         // of its file's name, before ".mp4"; empty: the highest
   encode::TileLayout layout;  // from cameras: without layers
-  package::Rect tiles;        // from cameras: where their layout lies in the picture
+  package::Rect tiles;        // from cameras: position of their layout in the picture
   encode::EncodeSettings encode;
   bool shrunk = false;  // smaller than the highest's picture
   int eighths = 8;      // from cameras: its sides over the highest's, times 8
@@ -36,9 +36,9 @@ struct StreamPlan {
   // A captured sequence is a plan with one member, itself, at its own frames, without references and parameters.
   ClassPlan motion;
   encode::CameraLayout cameras;            // from cameras
-  std::vector<RenditionPlan> renditions;   // the highest first; it alone is read by the stages that follow
+  std::vector<RenditionPlan> renditions;   // the highest first, which alone is read by later stages
   std::vector<uint32_t> gop_first_frames;  // ascending, starts with 0
-  float detail_correlation = 1;  // how much the details of a class's aligned members correlate; set by the align stage
+  float detail_correlation = 1;            // correlation of the aligned members' details; set by the align stage
   const encode::TileLayout& layout() const { return renditions[0].layout; }  // of the highest rendition
   const encode::EncodeSettings& encode() const { return renditions[0].encode; }
   bool isClass() const { return motion.members.size() > 1; }
@@ -46,7 +46,7 @@ struct StreamPlan {
   uint32_t gopEnd(size_t gop) const {
     return gop + 1 < gop_first_frames.size() ? gop_first_frames[gop + 1] : frameCount();
   }
-  // The captured frame of the member whose pictures and labels stand for this frame.
+  // The captured frame of the member whose pictures and labels represent this frame.
   uint32_t sourceFrame(size_t member, uint32_t frame) const;
 };
 
@@ -57,33 +57,33 @@ struct Job {
   std::vector<PinholeCamera> cameras;
   std::vector<StreamPlan> streams;               // in the manifest's order: the sequences, then the classes
   std::optional<refine::Refinement> refinement;  // applied to the capture and the cameras
-  std::string refinement_path;                   // where it is kept between bakes
-  // Its decoded order of vertices and faces is the order everywhere in the bake. From cameras: the first surface
+  std::string refinement_path;                   // file that keeps it between bakes
+  // Mesh whose decoded order of vertices and faces is used everywhere in the bake. From cameras: the first surface
   // alone, for glTF viewers.
   package::EncodedBaseMesh mesh;
   BoundingBox bounds;              // over all frames
-  double length_scale = 0;         // base/length_scale.h; 0: not found yet
+  double length_scale = 0;         // base/length_scale.h; 0: not measured yet
   encode::TileLayout layout;       // of one member
   encode::EncodeSettings encode;   // of a captured sequence
   uint32_t total_frames = 0;       // number of captured frames
-  std::vector<std::string> notes;  // what the user should know about the plan
-  // [sequence][frame][camera], from cameras: what each camera shows of the surface.
+  std::vector<std::string> notes;  // notes on the plan for the user
+  // [sequence][frame][camera], from cameras: region of the surface in each picture.
   std::vector<std::vector<std::vector<package::Rect>>> regions;
-  // Set once the plan is complete: what the work folder's files depend on (settingsKey), and by sequence what
-  // visibility depends on (captureKey), and the digests of the files of every kInputWindow frames
+  // Set once the plan is complete: hash of the inputs of the work folder's files (settingsKey), by sequence the hash
+  // of the inputs of visibility (captureKey), and the digests of the files of every kInputWindow frames
   // (capture/input_files.h).
   std::string settings_key;
   std::map<std::string, std::string> capture_keys;
   std::map<std::string, std::vector<uint64_t>> input_digests;
   std::map<std::string, uint64_t> mesh_digests;  // of all meshes of a sequence
   uint64_t common_input_digest = 0, sound_digest = 0;
-  std::string writer;  // end of the names of folders of results, where several processes may finish the same job
+  std::string writer;  // suffix of the names of result folders, where several processes may finish the same job
   bool fromCameras() const { return options.appearance == package::AppearanceKind::Cameras; }
   bool oneTopology() const { return capture.meshes == capture::CaptureMeshes::ConstantTopology; }  // of all meshes
   uint32_t streamFrames() const;  // number of frames of all streams
   // Beside the character folder and on its file system: finished GOPs, and the result until it is published.
   std::string workFolder() const { return options.character_folder + ".work"; }
-  // Where visibility, colour maps, labels and the refinement are kept.
+  // Folder of visibility, colour maps, labels and the refinement.
   std::string surveyFolder() const {
     return options.survey_folder.empty() ? workFolder() + "/survey" : options.survey_folder;
   }
@@ -92,7 +92,7 @@ struct Job {
   std::string reportFolder() const { return workFolder() + "/report" + writer; }
 };
 
-// `source` in the order of the decoded mesh.
+// Permutes `source` into the order of the decoded mesh.
 Positions reordered(const package::EncodedBaseMesh& mesh, const Positions& source);
 
 }  // namespace fourdvt::bake

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Change these whenever what older builds kept must not be reused.
+// Change these whenever results of older builds must not be reused.
 constexpr const char* kSurveyVersion = "bake 3";
 constexpr const char* kGopVersion = "gops 8";
 
@@ -133,14 +133,14 @@ std::string settingsKey(const Job& job) {
   uint64_t hash = kFnv1aStart;
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
     const std::string key = captureKey(job, sequence);
-    // With its terminating zero, so that keys do not run together.
+    // Includes the terminating zero, so that keys do not run together.
     hash = fnv1a(std::string_view(key.c_str(), key.size() + 1), hash);
   }
   std::string text = hexDigits(hash) + line;
   for (const LowerRendition& r : o.lower_renditions) text += fileSuffix(r, o) + "/" + r.preset;
   text += "\n";
   if (!job.fromCameras()) return text;
-  // What the surfaces give: their box is the origin of positions, their regions are the tiles.
+  // Results of the surfaces: their box is the origin of positions, their regions are the tiles.
   uint64_t surfaces = fnv1a({reinterpret_cast<const uint8_t*>(&job.bounds), sizeof job.bounds});
   for (const auto& sequence : job.regions)
     for (const auto& frame : sequence)

@@ -66,8 +66,8 @@ std::string checkSize(const LowerRendition& r, const BakeOptions& o) {
          " texels";
 }
 
-// CRF of the highest, `steps` of x264 coarser. By the measurements in quality.cpp, 7 steps halve the bitrate; VP9 and
-// AV1 need 10.
+// CRF of the highest plus `steps` of x264's scale. By the measurements in quality.cpp, 7 steps halve the bitrate; VP9
+// and AV1 need 10.
 int coarser(const BakeOptions& o, int steps) {
   const int scaled = o.codec == encode::Codec::H264 ? steps : static_cast<int>(std::lround(steps * 10 / 7.0));
   return std::min(o.crf + scaled, encode::infoOf(o.codec).highest_crf);
@@ -185,7 +185,7 @@ Result<std::unique_ptr<LadderEncoder>> LadderEncoder::create(const StreamPlan& p
   return out;
 }
 
-// The calling thread takes the highest rendition, which is the most work.
+// Runs the highest rendition on the calling thread: it is the largest share of the work.
 template <class Work>
 Status LadderEncoder::forEach(const Work& work) {
   std::vector<std::future<Status>> others;

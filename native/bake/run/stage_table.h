@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stages of a bake in order of execution. This is the only list of them: the clock adds up seconds by it, the
-// progress line weighs the remaining work by it, and the report names its rows by it. A new stage needs: an entry in
-// Stage and in kStages; a StageClock::Span round its work, in a file of bake/stages/ that CMakeLists.txt there lists; a
-// call in runStages (bake.cpp), unless it is part of the survey or of the GOPs; and the units of its work in expectWork
-// (bake.cpp), which the stage reports as done through BakeRun::progress.
+// The stages of a bake in order of execution. This is their only list: clock, progress and report use it. A new stage
+// needs: an entry in Stage and in kStages; a StageClock::Span round its work, in a file of bake/stages/ that is
+// listed in CMakeLists.txt there; a call in runStages (bake.cpp), unless it is part of the survey or of the GOPs; and
+// the units of its work in expectWork (bake.cpp), which the stage reports as done through BakeRun::progress.
 #pragma once
 
 #include <array>
@@ -73,7 +72,7 @@ inline constexpr std::array<StageInfo, 18> kStages{{
 
 constexpr const StageInfo& infoOf(Stage stage) { return kStages[static_cast<size_t>(stage)]; }
 
-// Adds up seconds of work by stage. Stages overlap in time, so that the sum may exceed the wall clock. Thread-safe.
+// Sums seconds of work by stage. Stages overlap in time, so that the sum may exceed the wall clock. Thread-safe.
 
 class StageClock {
  public:

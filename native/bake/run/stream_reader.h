@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a stream's frame is made of: each member's pictures at the nearest captured frame, and the meshes at the frame's
-// own time with the corrections of their blend; and how its geometry is coded. Does NOT touch the GPU.
+// Input of a stream's frames, on the CPU: each member's pictures at the nearest captured frame, and the meshes at the
+// frame's own time with the corrections of their blend; and the coding of its geometry.
 #pragma once
 
 #include <list>
@@ -14,20 +14,20 @@
 
 namespace fourdvt::bake {
 
-// Reads captured meshes in the decoded mesh's order and keeps the last ones, because interpolation between frames asks
-// for each of them several times. Not thread-safe.
+// Reads captured meshes in the decoded mesh's order and caches the latest ones, because interpolation between frames
+// reads each of them several times. Not thread-safe.
 class MeshReader {
  public:
   explicit MeshReader(const Job& job) : job_(&job) {}
   // Errors: those of capture::readMeshFrame.
   Result<Positions> read(const capture::CaptureSequence& sequence, uint32_t frame);
-  // The same as a function, which borrows the reader.
+  // Reader as a function, which borrows it.
   ReadPositions function() {
     return [this](const capture::CaptureSequence& sequence, uint32_t frame) { return read(sequence, frame); };
   }
 
  private:
-  static constexpr size_t kKept = 24;  // four frames of each of four members, and some to spare
+  static constexpr size_t kKept = 24;  // four frames of each of four members, and a margin
   struct Entry {
     const capture::CaptureSequence* sequence;
     uint32_t frame;
@@ -52,9 +52,9 @@ struct SourceFrame {
 
 struct PreparedMember {
   uint32_t source_frame = 0;
-  // At most one of them; none: the same captured frame as in the stream's frame read before.
+  // At most one of the two; none: same captured frame as in the stream's previous frame.
   std::optional<SourceFrame> fresh;
-  std::vector<Image> kept_layers;  // of a class: filled, as the member's own stream left them in the work folder
+  std::vector<Image> kept_layers;  // of a class: filled, from the member's own stream, stored in the work folder
 };
 
 struct PreparedFrame {
@@ -74,12 +74,12 @@ class StreamReader {
   struct Source {
     std::unique_ptr<mattes::FrameReader> reader;
     uint32_t next = 0;
-    std::optional<uint32_t> last;  // read last
+    std::optional<uint32_t> last;  // latest frame
   };
   StreamReader(BakeRun& run, const StreamPlan& plan)
       : run_(run), plan_(plan), meshes_(run.job), sources_(plan.motion.members.size()) {}
   Result<PreparedMember> readMember(size_t member, uint32_t frame);
-  std::vector<Image> keptLayers(size_t member, uint32_t source_frame) const;  // empty: none are kept
+  std::vector<Image> keptLayers(size_t member, uint32_t source_frame) const;  // empty if none are stored
   Result<SourceFrame> readSource(size_t member, uint32_t source_frame);
   Result<FrameGeometry> blendGeometry(uint32_t frame);  // of a class
 
@@ -90,18 +90,18 @@ class StreamReader {
   std::unique_ptr<NonlinearBlend> blend_;
 };
 
-// Whole steps from the origin to the place of the grid that a point is streamed at.
+// Steps from the origin to the grid position at which a point is streamed, in whole numbers.
 inline glm::dvec3 gridPlace(const glm::vec3& point, const glm::dvec3& origin, double step_m) {
   return glm::round((glm::dvec3(point) - origin) / step_m);
 }
 
-// Quantises the frames of one GOP as the package codes them.
+// Quantises the frames of one GOP as coded in the package.
 class ChunkBuilder {
  public:
   ChunkBuilder(const Job& job, const StreamPlan& plan);
   // labels: [member][layer][face].
   void add(const FrameGeometry& geometry, const std::vector<uint8_t>& labels);
-  // The frames that were added; the builder is empty afterwards.
+  // Returns the added frames; the builder is empty afterwards.
   package::ChunkFrames finish();
 
  private:
@@ -111,8 +111,8 @@ class ChunkBuilder {
   package::ChunkFrames empty_, frames_;
 };
 
-// Codes a GOP's frames into the work folder: coarsely too if a rendition goes with that, and last as they are. Errors:
-// WriteFailed, Internal.
+// Codes a GOP's frames into the work folder: first coarsely if a rendition uses coarse geometry, then at full
+// precision. Errors: WriteFailed, Internal.
 Status saveChunks(const BakeRun& run, const StreamPlan& plan, uint32_t gop, const package::ChunkFrames& frames,
                   const package::ChunkMesh& mesh);
 

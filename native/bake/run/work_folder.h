@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps finished GOPs on disk, so that memory does not grow with the length and an interrupted bake can go on. The
-// files (store/folder.h) lie in a folder whose name is a hash of what they depend on, so that a process that bakes by
-// an older plan cannot mix its own among them.
+// Stores finished GOPs on disk, so that memory does not grow with the length and an interrupted bake can resume. The
+// files (store/folder.h) lie in a folder named by a hash of their inputs, so that a process with an older plan cannot
+// mix in its own.
 #pragma once
 
 #include <functional>
@@ -20,12 +20,12 @@ constexpr int kAtlasSide = 32;
 
 struct GopArtefact {
   std::vector<encode::EncodedGop> videos;  // [rendition] of the plan
-  package::ChunkFrames frames;             // of a class: what its chunk is coded from once it is aligned; else empty
+  package::ChunkFrames frames;             // input of a class's chunk, coded after alignment; else empty
   std::vector<Image> atlases;              // [frame][member], RGB
   std::vector<uint8_t> picture_jpeg;       // first GOP of a class: its tiled picture
 };
 
-// Frame 0 of the first sequence, from which poster and still are made.
+// Frame 0 of the first sequence, for poster and still.
 struct StillArtefact {
   encode::I420Picture picture;  // tiled
   std::vector<uint8_t> labels;  // [layer][face]
@@ -37,13 +37,13 @@ enum class Precision { Fine, Coarse };  // of a chunk's positions
 class WorkFolder {
  public:
   WorkFolder() = default;
-  // `key`: settingsKey. What an earlier run left stays only if `resume` is set and the keys agree; `on_restart` is
-  // called if it is removed although `resume` is set. Errors: WriteFailed.
+  // `key`: settingsKey. Results of an earlier run stay only if `resume` is set and the keys agree; `on_restart` is
+  // called if they are removed although `resume` is set. Errors: WriteFailed.
   static Result<WorkFolder> open(const std::string& path, const std::string& key, bool resume,
                                  const std::function<void()>& on_restart = {});
-  // The folder as it is. Errors: InvalidArgument if it has another key.
+  // Opens the folder unchanged. Errors: InvalidArgument if it has another key.
   static Result<WorkFolder> join(const std::string& path, const std::string& key);
-  // True if a bake in this folder has finished a GOP, with whatever settings.
+  // True if a bake in this folder has finished a GOP, with any settings.
   static bool holdsGops(const std::string& path);
 
   // False for a damaged file too.
@@ -58,7 +58,7 @@ class WorkFolder {
   }
   void removeLayers() const;  // of all frames
   const std::string& path() const { return root_; }
-  // Path of a file of a stage's own.
+  // Path of a file that belongs to one stage.
   std::string pathOf(const std::string& file) const { return path_ + "/" + file; }
 
  private:
@@ -71,12 +71,12 @@ inline std::string gopFile(const std::string& stream, uint32_t gop) {
   return stream + "." + std::to_string(gop) + ".gop";
 }
 inline constexpr const char* kStillFile = "still.bin";
-// The bytes of a GOP's chunk, as package::encodeChunk or encodeCoarseChunk return them.
+// Bytes of a GOP's chunk, from package::encodeChunk or encodeCoarseChunk.
 inline std::string chunkFile(const std::string& stream, uint32_t gop, Precision precision = Precision::Fine) {
   return stream + "." + std::to_string(gop) + (precision == Precision::Fine ? ".chunk" : ".coarse");
 }
-// Filled layers of a captured frame, a vector of pictures, kept until the classes that show it have been baked. What is
-// absent or damaged can be drawn again.
+// Filled layers of a captured frame, a vector of pictures, kept until the classes that show it have been baked.
+// Missing or damaged ones are rendered again.
 std::string layersFile(const std::string& sequence, uint32_t frame);
 
 }  // namespace fourdvt::bake
