@@ -2,7 +2,7 @@
 // Alpha-expansion over several frames at once (algorithms/labels.md). Lowers
 // E = Σ_t [ Σ_f Σ_l θ_l p(z_f^l, f) + Σ_fg κ_fg d(z_f, z_g) ] + τ Σ_t,f d(z_f(t), z_f(t-1)),
 // d(a,b) = Σ_l ω_l [a_l ≠ b_l] + (η/2) |S_a Δ S_b|,   κ_fg = 1/|N_f| + 1/|N_g|,
-// by moves "rank l ← α, with swap". With one rank, ω = 1 and η = 0 it is Eq. 2-5 of Casas et al. 2014 (labelling.h).
+// by moves "rank l ← α, with swap". With one rank, ω = 1 and η = 0 it is 4DVT Eq. 2-5 (Casas et al. 2014, labelling.h).
 // Rank 0 of a face that has an allowed camera is never empty. Energies are integers: a move never raises them.
 #pragma once
 

@@ -13,7 +13,7 @@ namespace fourdvt::bake {
 
 // All penalties lie in 0…1; lower is better.
 enum class Penalty {
-  Axis,  // Casas et al. 2014 (labelling.h), Eq. 1: 1 - (n·ô)², ô the unit optical axis, or the ray through the
+  Axis,  // 4DVT Eq. 1 (Casas et al. 2014, labelling.h): 1 - (n·ô)², ô the unit optical axis, or the ray through the
          // picture's centre if that differs
   Ray,   // the same with the unit ray from the camera's centre to the face's centre
   Resolution,  // 1 - pixels of the face in this camera / pixels if the rig's best camera saw it frontally
@@ -43,7 +43,7 @@ struct FaceCosts {
   std::vector<float> penalty;
 };
 
-// Casas et al. 2014, Eq. 1: 1 - (n·ô)², n the unit face normal and ô the unit optical axis. Ignores the sign: see
+// 4DVT Eq. 1: 1 - (n·ô)², n the unit face normal and ô the unit optical axis. Ignores the sign: see
 // facesCamera.
 double penalty(const glm::dvec3& normal, const glm::dvec3& optical_axis);
 

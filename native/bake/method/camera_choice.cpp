@@ -10,15 +10,15 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr size_t kPoints = 500;  // of the surface that are looked for in each picture
+constexpr size_t kPoints = 500;  // points of the surface that are projected into each picture
 
 // A camera's view of the surface.
 struct Shown {
   size_t camera = 0;
-  glm::dvec3 from{0};           // unit, from the surface's middle to the camera
-  double share = 0;             // of the surface's points that fall into the picture
-  double pixels_per_metre = 0;  // at the surface's middle
-  double worth = 0;             // 0 … 1
+  glm::dvec3 from{0};           // unit, from the surface's centre to the camera
+  double share = 0;             // of the surface's points inside the picture
+  double pixels_per_metre = 0;  // at the surface's centre
+  double worth = 0;             // weight of the view, 0 … 1
   double nearest_angle = 1e9;   // to a chosen camera, radians
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// One frame of a capture, drawn by a method from its camera pictures as a character from cameras has them, but before
-// the codec: filled outside the mattes, at full size, all cameras in one picture. What a method is chosen and judged by
-// in bake and lab. Does NOT measure.
+// Renders one frame of a capture by a method from its camera pictures, as for a character from cameras, but before
+// the codec: filled outside the mattes, at full size, all cameras in one picture. Methods are evaluated on it in bake
+// and lab (method_trial.h).
 #pragma once
 
 #include <memory>
@@ -23,15 +23,16 @@ class FrameDrawing {
                                                       double length_scale = 1);
 
   void setMethod(std::unique_ptr<render::Method> method) { recipe_->setMethod(std::move(method)); }
-  // pictures: one per camera, RGBA with straight alpha (the matte). maps: of the cameras' colours, one per camera, or
-  // none. Errors: GpuFailure, InvalidArgument (the pictures do not fit in a texture).
+  // pictures: one per camera, RGBA with straight alpha (the matte). maps: colour maps, one per camera, or none.
+  // Errors: GpuFailure, InvalidArgument (the pictures do not fit in a texture).
   Status setFrame(const TriangleMesh& surface, std::span<const Image> pictures, std::span<const ColourMap> maps = {});
-  // From now on these are not used, as if they had no picture; by number.
+  // Excludes these cameras, by number, from all later pictures.
   void leaveOut(std::span<const size_t> cameras);
-  // From now on this is where the cameras are thought to be, as many and of the same sizes; before setFrame.
+  // Replaces the camera parameters by as many others of the same picture sizes; before setFrame.
   void setCameras(std::vector<PinholeCamera> cameras);
 
-  // RGBA straight alpha, top row first. With `elapsed_s` of the options it follows the picture before it.
+  // RGBA straight alpha, top row first. With `elapsed_s` of the options the picture continues the one before it in
+  // time.
   Result<Image> render(const PinholeCamera& view, const render::MethodOptions& options);
   Status draw(const render::View& view, const render::MethodOptions& options, gpu::TargetId target);
 

@@ -16,7 +16,7 @@ constexpr double kSmallGap_deg = 30;
 
 double squaredError(double psnr_db) { return std::pow(10, -psnr_db / 10); }
 
-// A visitor's view, by that of a camera that was left out and by its own.
+// Estimates a visitor's view from a left-out camera's and a camera's own.
 double visitorsDb(const MethodScore& score, double own_share) {
   if (own_share <= 0) return score.psnr_db;
   return -10 * std::log10((1 - own_share) * squaredError(score.psnr_db) + own_share * squaredError(score.own_psnr_db));
@@ -72,7 +72,7 @@ namespace {
 
 struct Cost {
   const char* method;
-  double at[3];  // by kFaces
+  double at[3];  // one per entry of kFaces
 };
 
 #include "bake/method/method_costs.inc"

@@ -17,11 +17,11 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr size_t kLeastPixels = 400;  // blended ones of a view
-constexpr size_t kWaiting = 4;        // pictures that are being scored
+constexpr size_t kLeastPixels = 400;  // minimum of blended pixels in a view
+constexpr size_t kWaiting = 4;        // maximum number of pictures queued for scoring
 constexpr uint8_t kInMatte = 128;
 
-// The mean of factor² pixels each; RGBA with straight alpha.
+// Mean of factor² pixels each; RGBA with straight alpha.
 Image shrunk(const Image& picture, int factor) {
   Image out(picture.width / factor, picture.height / factor, 4);
   for (int y = 0; y < out.height; ++y)
@@ -46,12 +46,12 @@ Image cropped(const Image& picture, const package::Rect& box) {
   return out;
 }
 
-// View of a left-out camera, its truth, and the pixels that count.
+// View of a left-out camera, its ground truth, and the mask of evaluated pixels.
 struct TrialView {
   size_t camera = 0;
   PinholeCamera view;
-  package::Rect box;  // of the surface in it: all that is compared
-  Image truth;        // of the box
+  package::Rect box;  // bounds of the surface, to which the comparison is limited
+  Image truth;        // cropped to the box
   measure::Mask blended;
 };
 
@@ -72,7 +72,7 @@ bool hasMatte(const Image& picture) {
   return false;
 }
 
-// Without a view where too little is blended.
+// Empty where too little of the view is blended.
 std::optional<TrialView> makeView(const TrialFrame& frame, const SharedSight& sight, size_t camera) {
   TrialView out{camera, frame.cameras[camera], {}, {}, {}};
   const int longest = std::max(out.view.width, out.view.height),
@@ -100,11 +100,11 @@ std::optional<TrialView> makeView(const TrialFrame& frame, const SharedSight& si
   return out;
 }
 
-// Sums up scores that other threads make, in the order of the views.
+// Sums scores from other threads in the order of the views.
 class Lane {
  public:
   Lane(MethodScore& score, double* shift_px) : score_(score), shift_px_(shift_px) {}
-  // left_out: drawn without the view's own camera.
+  // left_out: rendered without the view's own camera.
   void push(const TrialView& view, Image drawn, bool left_out) {
     if (running_.size() >= kWaiting) collect();
     running_.push_back(
@@ -136,7 +136,7 @@ class Lane {
   std::deque<Running> running_;
 };
 
-// To the nearest camera but this one, as seen from the middle of the surface's box.
+// Angle to the nearest other camera, seen from the centre of the surface's box.
 double gapOf(const TrialFrame& frame, size_t camera) {
   glm::dvec3 least(1e12), most(-1e12);
   for (const glm::vec3& p : frame.surface.positions)

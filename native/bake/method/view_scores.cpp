@@ -9,7 +9,7 @@ namespace {
 
 using measure::Mask;
 
-// Where the mask is set, in the order of rows.
+// Pixels of the mask, row by row.
 std::vector<glm::ivec2> pixelsOf(const Mask& inside, int width) {
   std::vector<glm::ivec2> out;
   for (size_t i = 0; i < inside.size(); ++i)
@@ -84,9 +84,9 @@ RegisteredScore registeredScore(const Image& truth, const Image& picture, const 
 
 namespace {
 
-constexpr int kMostPixels = 512;        // of the longer side of a buffer
-constexpr double kTolerance_m = 0.015;  // of the depth test, of a person's surface
-constexpr double kLeastCosine = 0.1;    // as render::MethodOptions
+constexpr int kMostPixels = 512;        // longer side of a buffer
+constexpr double kTolerance_m = 0.015;  // of the depth test, for a person's surface
+constexpr double kLeastCosine = 0.1;    // see render::MethodOptions
 
 PinholeCamera coarser(const PinholeCamera& camera) {
   const int longest = std::max(camera.width, camera.height);
@@ -99,7 +99,7 @@ struct SurfacePoint {
   glm::dvec3 point{0}, normal{0};
 };
 
-// Perspective-correct.
+// Perspective-correct interpolation.
 SurfacePoint pointAt(const ProjectedFace& t, const glm::uvec3& face, const TriangleMesh& surface,
                      const std::vector<glm::vec3>& normals, const glm::dvec2& sample) {
   double w[3], sum = 0;

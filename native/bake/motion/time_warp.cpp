@@ -265,7 +265,7 @@ Warp warpInBand(const PoseFeatures& reference, const PoseFeatures& member, bool 
   const std::vector<double> centre = refined(coarse, thin_frames, phases, frames, loop);
   const double frame_steps =
       intervalsOf(frames, loop) / intervalsOf(thin_frames, loop) * Grid::stepsAFrame(phases, frames);
-  // Limited to half a band, and half of the widest one that the cells allow.
+  // Half widths: of the widest band that the cells allow, and of the first band.
   const size_t most = std::max<size_t>(1, search.most_cells / phases / 2);
   auto half = std::clamp<size_t>(size_t(std::ceil(search.band_frames * frame_steps)), 1, most);
   for (;;) {

@@ -2,7 +2,7 @@
 // The motion graph's tables (algorithms/motion.md): s(a,b) = (1/N) min_T Σ ‖x_a − T x_b‖² + λ_v ‖v_a − T v_b‖² over
 // yaw and ground translation, plus appearance as the distance of tiny layer-1 atlases (D. Casas, M. Volino, J.
 // Collomosse, A. Hilton: 4D Video Textures for Interactive Character Appearance, Computer Graphics Forum 33(2)
-// (Eurographics), 2014, section 6.1); for every frame and weight row of a state the best entry into every other
+// (Eurographics), 2014; 4DVT 6.1); for every frame and weight row of a state the best entry into every other
 // state, and the length of the cross-fade, which must not move the mesh further from tick to tick than the motions
 // themselves do.
 #pragma once

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bake's report: report.json (every value) and report.html (self-contained: inline CSS and SVG, pictures by relative
-// file name). Does NOT write pictures: the caller does.
+// The bake's report: report.json (every value) and report.html (self-contained: inline CSS and SVG, pictures by
+// relative file name). The caller writes the pictures.
 #pragma once
 
 #include <optional>
@@ -14,20 +14,20 @@
 
 namespace fourdvt::bake {
 
-// What a sequence from cameras has besides.
+// Additional values of a sequence from cameras.
 struct ReportTiles {
-  int width = 0, height = 0;         // of the layout
-  double kept_share = 0;             // of the cameras' whole pictures: the pixels that tiles show, mean over the GOPs
-  double used_share = 0;             // of the layout's texels: those that tiles take, mean over the GOPs
-  uint32_t runs = 0;                 // of one topology
-  uint32_t vertices = 0, faces = 0;  // the most that any frame has
+  int width = 0, height = 0;  // texels of the layout
+  double kept_share = 0;      // pixels shown by tiles over those of the cameras' whole pictures, mean over the GOPs
+  double used_share = 0;      // texels of tiles over those of the layout, mean over the GOPs
+  uint32_t runs = 0;          // runs of frames with one topology
+  uint32_t vertices = 0, faces = 0;  // maximum over all frames
 };
 
 struct ReportRendition {
   std::string file, codec;
-  int width = 0, height = 0;    // of the tiled picture
-  uint64_t bytes = 0;           // of the video
-  uint64_t geometry_bytes = 0;  // of what else of the stream is played with it, its header included
+  int width = 0, height = 0;    // tiled picture
+  uint64_t bytes = 0;           // size of the video
+  uint64_t geometry_bytes = 0;  // rest of the stream that is played with it, with its header
 };
 
 struct ReportSequence {
@@ -40,7 +40,7 @@ struct ReportSequence {
   uint64_t video_bytes = 0;                        // .mp4 of the highest rendition
   uint64_t geometry_bytes = 0, label_bytes = 0;    // in the chunks of the .bin: positions, labels
   uint64_t offset_bytes = 0, alignment_bytes = 0;  // in a class's chunks: corrections of the mesh blend, alignment
-  uint64_t index_bytes = 0;                        // the rest of the .bin: header, index, sample tables, root motion
+  uint64_t index_bytes = 0;                        // rest of the .bin: header, index, sample tables, root motion
   std::optional<ReportTiles> tiles;                // from cameras; geometry_bytes are then those of the surfaces
 };
 
@@ -55,7 +55,7 @@ struct ReportInput {
   uint32_t cameras = 0, vertices = 0, faces = 0;
   int picture_width = 0, picture_height = 0;  // tiled picture, texels
   double wall_s = 0;                          // duration of the whole bake
-  bool resumed = false;                       // the run continued an earlier one; seconds cover this run only
+  bool resumed = false;                       // seconds cover this run only, which continued an earlier one
   std::vector<ReportSequence> sequences;
   std::vector<std::pair<std::string, std::string>> versions;  // library → version, e.g. libavcodec → 59.37.100
   std::vector<ReportPicture> pictures;                        // the first is shown large (the poster)

@@ -12,28 +12,29 @@ namespace fourdvt::bake {
 namespace {
 
 constexpr size_t kMaxObservations = 60000;
-constexpr size_t kMinObservations = 50;  // that a camera needs
-constexpr float kMinFraction = 0.99f;    // of a face, which a camera must see at least
+constexpr size_t kMinObservations = 50;  // minimum per camera
+constexpr float kMinFraction = 0.99f;    // minimum visible share of a face
 constexpr double kFaceOnCosine = 0.5;    // between face normal and ray
-constexpr double kScale = 0.02;          // residual beyond which an observation counts less, in colour units
+constexpr double kScale = 0.02;          // residual beyond which an observation has less weight, in colour units
 constexpr double kPriorShare = 4e-3;     // weight of the identity, as a share of a camera's mean number of observations
 constexpr int kHuberIterations = 6, kIterations = 16;
-constexpr uint8_t kClipped = 250;  // from this value on, a channel may have been brighter
+constexpr uint8_t kClipped = 250;  // values from here on may be saturated
 
-struct Sight {  // what one camera sees of a face
+struct Sight {  // one camera's view of a face
   uint16_t camera;
   float cosine;
   std::array<glm::vec3, 4> colours;
 };
 
-uint64_t mix(uint64_t x) {  // splitmix64's finaliser (Steele et al. 2014)
+uint64_t mix(uint64_t x) {  // finaliser of splitmix64 (G. Steele, D. Lea, C. Flood: Fast Splittable Pseudorandom Number
+                            // Generators, OOPSLA 2014)
   x += 0x9e3779b97f4a7c15ull;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
   return x ^ (x >> 31);
 }
 
-// Samples bilinearly; nothing unless all four pixels are opaque and not clipped.
+// Samples bilinearly; empty unless all four pixels are opaque and unclipped.
 std::optional<glm::vec3> sample(const Image& picture, const glm::dvec3& pixel) {
   const double fx = pixel.x - 0.5, fy = pixel.y - 0.5;
   const int x = int(std::floor(fx)), y = int(std::floor(fy));
@@ -48,7 +49,7 @@ std::optional<glm::vec3> sample(const Image& picture, const glm::dvec3& pixel) {
   return sum;
 }
 
-// The face's centre and three points half-way to its corners.
+// Samples the face's centre and three points half-way to its corners.
 bool observe(const PinholeCamera& camera, const Image& picture, const glm::dvec3 (&corners)[3], Sight& out) {
   const glm::dvec3 centre = (corners[0] + corners[1] + corners[2]) / 3.0;
   for (int k = 0; k < 4; ++k) {
@@ -61,14 +62,14 @@ bool observe(const PinholeCamera& camera, const Image& picture, const glm::dvec3
   return true;
 }
 
-// Uses Huber's weight first, then Geman and McClure's, which drops outliers altogether.
+// Huber's weight in the first iterations, then Geman and McClure's, which rejects outliers.
 double robustWeight(double residual, int iteration) {
   const double ratio = residual / kScale;
   if (iteration < kHuberIterations) return std::min(1.0, 1 / std::max(ratio, 1e-9));
   return 1 / ((1 + ratio * ratio) * (1 + ratio * ratio));
 }
 
-// Solves a symmetric positive definite system in place by Cholesky decomposition; leaves the solution in b.
+// Solves a symmetric positive definite system in place by Cholesky decomposition; returns the solution in b.
 void solveSystem(std::vector<double>& a, std::vector<double>& b) {
   const size_t n = b.size();
   for (size_t i = 0; i < n; ++i) {
@@ -132,8 +133,8 @@ void ColourCalibrator::keep(const Observation& observation) {
   if (place < kMaxObservations) observations_[place] = observation;
 }
 
-// Least squares over the maps' deviations d from the identity: |(I + d_a) a - (I + d_b) b|², the channels' rows apart
-// from each other but with common robust weights; the mean deviation is held at zero by a stiff term.
+// Least squares over the maps' deviations d from the identity: |(I + d_a) a - (I + d_b) b|², the channels' rows
+// separate but with common robust weights; a stiff term holds the mean deviation at zero.
 std::vector<ColourMap> ColourCalibrator::solve() const {
   std::vector<ColourMap> maps(camera_count_);
   std::vector<size_t> counts(camera_count_), unknown(camera_count_, SIZE_MAX);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Per-camera colour: an affine 3×4 map of every camera's picture that makes overlapping views agree
-// (algorithms/texels.md). Estimated from surface points that several cameras see face-on, before extraction. Works on
-// encoded sRGB values. The mean map over the cameras is the identity: the rig's overall look stays.
+// Colour calibration per camera: an affine 3×4 map of every camera's picture that makes overlapping views agree
+// (algorithms/texels.md). Estimated from surface points that several cameras see frontally, before extraction. Works
+// on encoded sRGB values. The mean map over the cameras is the identity, which preserves the rig's overall colours.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct ColourMap {
   glm::vec3 offset{0};
 };
 
-// Applies a map to the colours; alpha stays.
+// Applies a map to the colours; alpha is unchanged.
 void applyColours(const ColourMap& map, Image& rgba);
 
 class ColourCalibrator {
@@ -32,8 +32,8 @@ class ColourCalibrator {
   // Adds a frame's observations. fractions: [camera][face], see Visibility. pictures: RGBA, straight alpha.
   void add(std::span<const PinholeCamera> cameras, const MeshTopology& topology, const Positions& positions,
            std::span<const float> fractions, std::span<const Image> pictures);
-  // Returns one map per camera, the identity for cameras with too few observations. The fit is robust (outliers such as
-  // highlights count less) and has a prior towards the identity.
+  // Returns one map per camera, the identity for cameras with too few observations. The fit is robust (outliers such
+  // as highlights have less weight) and has a prior towards the identity.
   std::vector<ColourMap> solve() const;
   size_t observationCount() const { return observations_.size(); }
 
@@ -46,7 +46,7 @@ class ColourCalibrator {
   void keep(const Observation& observation);
   size_t camera_count_;
   uint64_t seen_ = 0;
-  std::vector<Observation> observations_;  // of bounded size: a reservoir
+  std::vector<Observation> observations_;  // bounded by reservoir sampling
 };
 
 }  // namespace fourdvt::bake

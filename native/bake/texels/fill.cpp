@@ -7,7 +7,7 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr float kMinTexels = 0.5f;  // weight of known texels that a vertex needs for its colour
+constexpr float kMinTexels = 0.5f;  // minimum weight of known texels for a vertex colour
 constexpr int kRelaxations = 60;
 
 using Field = std::vector<glm::vec4>;  // xyz = value × weight (0..255), w = weight
@@ -48,7 +48,7 @@ void fillRest(Image& layer) {
     if (layer.pixels[i * 4 + 3] == 0) store(field[i], &layer.pixels[i * 4]);
 }
 
-// Layer 1, all filled, at another layer's size: the mean of the texels in each box.
+// Downsamples layer 1, all filled, to another layer's size: the mean of the texels in each box.
 Image shrink(const Image& layer, int size) {
   const int factor = layer.width / size;
   if (factor == 1) return layer;
@@ -66,7 +66,7 @@ Image shrink(const Image& layer, int size) {
   return out;
 }
 
-// Layer 1 at another layer's size: the mean of the known texels in each box.
+// Downsamples layer 1 to another layer's size: the mean of the known texels in each box.
 Image shrinkKnown(const Image& layer, int size) {
   const int factor = layer.width / size;
   if (factor == 1) return layer;
@@ -82,8 +82,7 @@ Image shrinkKnown(const Image& layer, int size) {
   return out;
 }
 
-// target - source where both are known, continued smoothly over everything else; unknown everywhere if no texel is
-// known in both.
+// target - source where both are known, extrapolated smoothly; unknown everywhere if no texel is known in both.
 Field smoothDifference(const Image& target, const Image& source) {
   Field difference(static_cast<size_t>(target.width) * target.height, glm::vec4(0));
   for (size_t i = 0; i < difference.size(); ++i) {
@@ -94,8 +93,8 @@ Field smoothDifference(const Image& target, const Image& source) {
   return difference;
 }
 
-// Fills holes inside charts from layer 1 where it is known, shifted by the smooth difference of the two layers, so that
-// brightness and colour match at the hole's border.
+// Fills holes inside charts from layer 1 where it is known, shifted by the smooth difference of the two layers, so
+// that brightness and colour match at the hole's border.
 void fillFromFirst(const GutterMap& map, const Image& first, Image& layer) {
   const Field difference = smoothDifference(layer, first);
   for (size_t i = 0; i < difference.size(); ++i) {
@@ -107,8 +106,8 @@ void fillFromFirst(const GutterMap& map, const Image& first, Image& layer) {
   }
 }
 
-// Fills holes of layer 1 from a further layer that was resampled there, shifted in the same way: a camera that sees the
-// texel is a better source than its neighbours in UV space.
+// Fills holes of layer 1 from a further layer that was resampled there, shifted in the same way: a camera that sees
+// the texel is a better source than neighbours in UV space.
 void fillFirstFrom(const GutterMap& first_map, const GutterMap& map, const Image& layer, Image& first) {
   const Field difference = smoothDifference(shrinkKnown(first, layer.width), layer);
   const float scale = float(layer.width) / float(first.width);
@@ -133,7 +132,7 @@ glm::vec3 barycentric(const std::array<glm::vec2, 3>& p, glm::vec2 at) {
   return {1 - b - c, b, c};
 }
 
-// Colours at the mesh's vertices: taken from known texels, spread ring by ring to vertices without any and relaxed
+// Colours at the mesh's vertices: sampled from known texels, spread ring by ring to vertices without any and relaxed
 // there (a membrane over the mesh). w = 0: the connected component has no known texel.
 Field vertexColours(const GutterMap& map, const Image& layer) {
   Field colours(map.vertex_count, glm::vec4(0));
@@ -164,8 +163,8 @@ Field vertexColours(const GutterMap& map, const Image& layer) {
   return colours;
 }
 
-// Fills holes inside charts that no camera shows with vertex colours, shifted by the smooth difference to what is
-// known.
+// Fills holes inside charts that no camera sees with vertex colours, shifted by the smooth difference to the known
+// texels.
 void fillOnSurface(const GutterMap& map, Image& layer) {
   const Field vertices = vertexColours(map, layer);
   Image smooth(map.size, map.size, 4);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every texel of every layer gets a value before encoding (algorithms/texels.md): holes inside charts of layers >= 2
-// from layer 1 plus the smooth difference of the two layers, holes of layer 1 likewise from the layers that have the
-// texel; what no layer has by diffusion over the mesh, so that colour never comes from a chart that only lies beside in
-// UV; gutters with true content from across the chart seam, the rest by push-pull. The smooth difference is that of the
-// hole's border, so that a hole's content meets its surroundings without a step where the two layers differ smoothly;
-// where they differ in detail (a highlight, a misregistered stripe) a step of that detail's size remains.
+// Fills every texel of every layer before encoding (algorithms/texels.md): holes inside charts of layers >= 2 from
+// layer 1 plus the smooth difference of the two layers; holes of layer 1 likewise from the layers that have the
+// texel; texels that are empty in all layers by diffusion over the mesh, so that charts which are neighbours in UV
+// only do not bleed into each other; gutters with true content from across the chart seam, the rest by push-pull. The
+// smooth difference is that of the hole's border, so that a hole's content meets its surroundings without a step
+// where the two layers differ smoothly; where they differ in detail (a highlight, a misregistered stripe) a step of
+// that detail's size remains.
 // The gutter map depends on the UV topology only and is computed once.
 #pragma once
 
@@ -19,7 +20,7 @@
 
 namespace fourdvt::bake {
 
-// A texel outside all charts, and the place (x, y) its content is taken from, in texels with centres at +0.5.
+// A texel outside all charts, and its source (x, y), in texels with centres at +0.5.
 struct GutterTexel {
   uint32_t texel;  // y * size + x
   float source_x, source_y;
@@ -37,9 +38,9 @@ struct GutterMap {
   uint32_t vertex_count = 0;
 };
 
-// `gutter_texels`: width of the gutter in texels of this size. A gutter texel's content lies at the end of a straight
-// walk over the unfolded surface: across the seam, on through the neighbour's triangles and over further seams. Where
-// the walk meets a mesh border, and beyond mesh borders themselves, there is no content: push-pull continues the chart.
+// `gutter_texels`: width of the gutter in texels of this size. A gutter texel's source is the end of a straight walk
+// over the unfolded surface: across the seam, on through the neighbour's triangles and over further seams. Where the
+// walk meets a mesh border, and beyond mesh borders themselves, there is no source: push-pull extrapolates the chart.
 GutterMap makeGutterMap(const MeshTopology& topology, int size, float gutter_texels);
 
 // layers: RGBA, square; alpha 255 = resampled, 0 = empty. Layer 0 may be larger than the others (a multiple).
@@ -47,9 +48,8 @@ GutterMap makeGutterMap(const MeshTopology& topology, int size, float gutter_tex
 void fillLayers(const std::vector<const GutterMap*>& maps, std::vector<Image>& layers);
 
 // Push-pull interpolation: a smooth field through scattered valid texels (algorithms/texels.md).
-
-// `field`: size × size texels, xyz = value × weight, w = weight (0 unknown, 1 known). On return every texel with
-// w < 1 has been blended towards coarser levels; w is 1 everywhere unless nothing was known. size is even.
+// `field`: size × size texels, xyz = value × weight, w = weight (0 unknown, 1 known). On return every texel with w <
+// 1 has been blended towards coarser levels; w is 1 everywhere unless all texels were unknown. size is even.
 void pushPull(std::vector<glm::vec4>& field, int size);
 
 }  // namespace fourdvt::bake

@@ -7,7 +7,7 @@
 namespace fourdvt::bake {
 namespace {
 
-// Layers whose texels are wider than this many pixels minify the pictures.
+// Texel width in pixels from which layers are resampled with mipmaps.
 constexpr double kMipmapTexelPixels = 2;
 
 bool minifies(const std::vector<PinholeCamera>& cameras, const MeshTopology& t, const Positions& positions, int size) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the pictures of one frame to its visibility and its filled layers. The survey and the GOP stage run it in a
-// bake, and the study runs it without a codec. Does NOT read captures.
+// Visibility and filled layers of one frame, from its pictures. Used by the survey and the GOP stage of a bake, and
+// without a codec by the study.
 #pragma once
 
 #include <memory>
@@ -14,13 +14,13 @@
 
 namespace fourdvt::bake {
 
-// Measures on the GPU how much of each face each camera sees: tests seven sample points per face against depth map,
-// picture edge and matte.
+// Measures on the GPU the visible share of each face in each camera: tests seven sample points per face against depth
+// map, picture edge and matte.
 class Visibility {
  public:
   // Errors: GpuFailure.
   static Result<Visibility> create(gpu::Device& device, const GpuCapture& capture);
-  // What each camera sees of each face in the capture's current frame: [camera][face], 0…1.
+  // Visible share of each face in the capture's current frame: [camera][face], 0…1.
   Result<std::vector<float>> measure(gpu::Device& device, const GpuCapture& capture);
 
  private:
@@ -35,25 +35,26 @@ struct FrameBakerOptions {
   std::vector<int> layer_sizes;
   float gutter_texels = 10;  // of layer 0
   ResampleOptions resample;
-  std::vector<ColourMap> colour_maps;  // one per camera; empty: pictures stay as they are
+  std::vector<ColourMap> colour_maps;  // one per camera; empty: uncorrected
   float length_scale = 1;              // base/length_scale.h
 };
 
 class FrameBaker {
  public:
-  // `pose`: the positions of any frame; they show how far layers minify the pictures. Errors: GpuFailure.
+  // `pose`: positions of any frame, from which the minification of pictures by layers is estimated. Errors:
+  // GpuFailure.
   static Result<std::unique_ptr<FrameBaker>> create(gpu::Device& device, const std::vector<PinholeCamera>& cameras,
                                                     const MeshTopology& topology, const Positions& pose,
                                                     const FrameBakerOptions& options);
   // Uploads a frame (positions in the topology's order) and draws its depth maps.
   void setFrame(const Positions& positions, const std::vector<PictureCrop>& crops);
-  // What each camera sees of each face in the current frame: [camera][face], 0…1.
+  // Visible share of each face in the current frame: [camera][face], 0…1.
   Result<std::vector<float>> measureVisibility();
   // Layers of the current frame, not filled. labels: [layer][face].
   Result<std::vector<Image>> resample(const std::vector<uint8_t>& labels);
-  // The same by another rule than the faces' labels.
+  // Resamples by another rule than the faces' labels.
   Result<std::vector<Image>> resample(TexelRule rule, const std::vector<uint8_t>& order);
-  // Fills holes, gutters and the rest. Runs on the CPU only; any thread may call it.
+  // Fills holes, gutters and unused texels. Runs on the CPU only; any thread may call it.
   void fill(std::vector<Image>& layers) const;
 
  private:

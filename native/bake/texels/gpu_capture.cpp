@@ -61,7 +61,7 @@ Result<GpuCapture> GpuCapture::create(gpu::Device& device, const std::vector<Pin
     target_desc.label = "bake depth";
     FOURDVT_ASSIGN(auto target, gpu::makeTarget(device, target_desc));
     camera.picture = std::move(picture);
-    if (mipmaps) camera.uploaded = {0, 0, pinhole.width, pinhole.height, 0, 0};  // what a new texture holds is undefined
+    if (mipmaps) camera.uploaded = {0, 0, pinhole.width, pinhole.height, 0, 0};  // new textures have undefined content
     camera.depth = depth.take();
     camera.target = std::move(target);
     camera.cam_from_world = glm::mat4(pinhole.cam_from_world);
@@ -71,7 +71,7 @@ Result<GpuCapture> GpuCapture::create(gpu::Device& device, const std::vector<Pin
   return capture;
 }
 
-// Mipmaps mix what lies round the region into it: pixels of frames before would make a frame depend on them.
+// Mipmaps mix pixels from around the region into it: remains of earlier frames would make a frame depend on them.
 void GpuCapture::uploadPicture(gpu::Device& device, Camera& camera, const PictureCrop& crop) {
   const auto update = [&](const PictureRegion& r, const std::vector<uint8_t>& pixels) {
     device.updateTexture(camera.picture.id(), {.x = r.x, .y = r.y, .width = r.width, .height = r.height},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One captured frame on the GPU, with which visibility and resample draw: the mesh as tables, and per camera the
-// picture and the mesh's depth map. Does NOT read captures.
+// GPU resources of one captured frame, shared by visibility and resampling: the mesh as tables, and per camera the
+// picture and the mesh's depth map.
 #pragma once
 
 #include <vector>
@@ -15,17 +15,17 @@ namespace fourdvt::bake {
 // Texels per row of table textures: wide, since visibility has the rows of all faces once for each camera.
 constexpr int kTableWidth = 2048;
 constexpr const char* kTableDefine = "TABLE_WIDTH 2048\n";
-// Depth of a person's surface that is added to what its slope covers in one pixel.
+// Depth bias for a person's surface, added to the depth range of its slope within one pixel.
 constexpr float kDepthBias_m = 0.004f;
 constexpr float kMinCosine = 0.2f;  // between normal and ray; below, the depth test is too loose on this slope
 
 class GpuCapture {
  public:
-  // `mipmaps`: makes them for pictures, which smaller layers minify. `length_scale`: metres per metre of a scene in
-  // which the surface has a person's size. Errors: GpuFailure.
+  // `mipmaps`: for pictures that smaller layers minify. `length_scale`: metres per metre of a scene in which the
+  // surface has a person's size. Errors: GpuFailure.
   static Result<GpuCapture> create(gpu::Device& device, const std::vector<PinholeCamera>& cameras,
                                    const MeshTopology& topology, bool mipmaps, float length_scale = 1);
-  // Uploads the frame and draws all depth maps.
+  // Uploads the frame and renders all depth maps.
   void setFrame(gpu::Device& device, const Positions& positions, const std::vector<PictureCrop>& crops);
 
   size_t cameraCount() const { return cameras_.size(); }
@@ -42,7 +42,7 @@ class GpuCapture {
     gpu::Target target;
     glm::mat4 cam_from_world{1}, clip_from_world{1};
     glm::vec4 intrinsics{0}, size_near_far{0};
-    PictureRegion uploaded;  // of the picture; with mipmaps, the rest is clear
+    PictureRegion uploaded;  // part of the picture; with mipmaps, the rest is clear
   };
   void uploadPicture(gpu::Device& device, Camera& camera, const PictureCrop& crop);
 
@@ -60,7 +60,7 @@ class GpuCapture {
 void updateTable(gpu::Device& device, gpu::TextureId table, std::vector<glm::vec4>& values);
 inline int tableRows(size_t count) { return count ? static_cast<int>((count + kTableWidth - 1) / kTableWidth) : 1; }
 
-// A texture and the target that draws into it.
+// A texture with its render target.
 struct DrawnTexture {
   gpu::Texture texture;
   gpu::Target target;

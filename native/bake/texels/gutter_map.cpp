@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the gutter map: the half of filling that depends on the UV topology only.
+// Gutter map: the part of filling that depends on the UV topology only.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +13,7 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr int kMaxSteps = 64;  // triangles that a gutter texel may cross
+constexpr int kMaxSteps = 64;  // maximum number of triangles that a gutter texel crosses
 
 float cross2(glm::vec2 u, glm::vec2 v) { return u.x * v.y - u.y * v.x; }
 
@@ -21,7 +21,7 @@ struct EdgeOfFace {
   int face = -1, edge = 0;  // edge k joins corners k and k+1
 };
 
-// The surface in texels: its triangles, and which of their edges are the same edge of the mesh.
+// The surface in texels: its triangles, and the pairs of their edges that are one edge of the mesh.
 struct Surface {
   std::vector<std::array<glm::vec2, 3>> corners;
   std::vector<std::array<EdgeOfFace, 3>> partners;  // face -1: mesh border
@@ -48,8 +48,8 @@ struct Surface {
   }
 };
 
-// Chooses among the faces at an edge, of which a non-manifold mesh has more than two: the one with the same UVs, else
-// the first.
+// Pairs faces at an edge, of which a non-manifold mesh has more than two: prefers the one with the same UVs, else the
+// first.
 void findPartners(const MeshTopology& topology, Surface& surface) {
   std::map<std::pair<uint32_t, uint32_t>, std::vector<EdgeOfFace>> by_vertices;
   const auto from = [&](EdgeOfFace e) { return topology.face_vertices[e.face][e.edge]; };
@@ -112,8 +112,8 @@ struct Walk {
   glm::vec2 at, rest;
 };
 
-// Crosses edge e at point `at`, with `rest` still to go, both in e's chart: maps them into the partner's chart by the
-// similarity that maps the edge onto its partner.
+// Crosses edge e at point `at`, with the distance `rest` remaining, both in e's chart: maps them into the partner's
+// chart by the similarity that maps the edge onto its partner.
 std::optional<Walk> stepAcross(const Surface& surface, EdgeOfFace e, glm::vec2 at, glm::vec2 rest) {
   const EdgeOfFace p = surface.partner(e);
   if (p.face < 0) return {};
@@ -127,7 +127,7 @@ std::optional<Walk> stepAcross(const Surface& surface, EdgeOfFace e, glm::vec2 a
               glm::dot(rest, along) * along2 + glm::dot(rest, surface.outward(e)) * inward2};
 }
 
-// The end of the walk; nothing if the walk leaves the mesh.
+// End of the walk; empty if the walk leaves the mesh.
 std::optional<glm::vec2> walkToEnd(const Surface& surface, Walk walk) {
   for (int step = 0; step < kMaxSteps; ++step) {
     EdgeOfFace exit;
@@ -154,7 +154,7 @@ struct Nearest {
   float x = 0, y = 0;  // source
 };
 
-// Offers a border edge of a chart to the empty texels round it, which keep the closest.
+// Assigns a border edge of a chart to the empty texels round it whose closest edge it is so far.
 void offerEdge(const Surface& surface, EdgeOfFace own, float gutter, const GutterMap& map,
                std::vector<Nearest>& nearest) {
   const glm::vec2 a = surface.begin(own), b = surface.end(own);
@@ -174,7 +174,7 @@ void offerEdge(const Surface& surface, EdgeOfFace own, float gutter, const Gutte
       const float distance = std::hypot(out, beyond);
       if (out < -0.5f || distance > gutter) continue;
       const float cost =
-          distance + 0.01f * beyond;  // where two edges meet in a corner, prefers the edge that the texel lies beside
+          distance + 0.01f * beyond;  // at a corner of two edges, prefers the edge that the texel lies beside
       if (cost >= nearest[texel].cost) continue;
       const float on_edge = std::clamp(t, 0.0f, length);
       const auto walk =

@@ -9,9 +9,8 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr int kEdgePixels = 2;  // how far the backdrop's colour reaches inwards
-constexpr int kReach[] = {3,
-                          7};  // distances in pixels within which inside colour is looked for; corners need the second
+constexpr int kEdgePixels = 2;    // width of the border that the backdrop's colour contaminates
+constexpr int kReach[] = {3, 7};  // search radii in pixels for inside colour; corners need the second
 
 // 1 where every pixel within kEdgePixels (in x and y) is opaque; pixels beyond the picture's edge do not count.
 std::vector<uint8_t> insideMask(const Image& image) {
@@ -39,7 +38,7 @@ std::vector<uint8_t> insideMask(const Image& image) {
   return inside;
 }
 
-// Mean colour of the inside pixels within `reach` of `at`; nearer ones weigh more. False if there are none.
+// Mean colour of the inside pixels within `reach` of `at`, weighted towards near ones. False if there are none.
 bool insideColour(const Image& image, const std::vector<uint8_t>& inside, const glm::ivec2& at, int reach,
                   uint8_t* out) {
   const int x = at.x, y = at.y;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Resamples camera pictures into texture layers in UV space on the GPU, as the labels say. Does NOT fill what no camera
-// shows.
+// Resamples camera pictures into texture layers in UV space on the GPU, by the labels. Unseen texels stay empty
+// (fill.h).
 #pragma once
 
 #include "bake/texels/colour_calibration.h"
@@ -8,7 +8,7 @@
 
 namespace fourdvt::bake {
 
-// Mipmap: trilinear. Bicubic: Catmull-Rom; background pixels carry no weight. Bilinear and Bicubic use mipmaps only
+// Mipmap: trilinear. Bicubic: Catmull-Rom; background pixels have no weight. Bilinear and Bicubic use mipmaps only
 // where texels span more than two pixels and the capture has them.
 enum class ResampleFilter { Bilinear, Mipmap, Bicubic };
 
@@ -19,16 +19,16 @@ enum class ResampleFilter { Bilinear, Mipmap, Bicubic };
 // .7722, .7728, .7733, .7733. Contour step 20 → 10 mm: -.0001. Without kMinCosine: .7711.
 struct ResampleOptions {
   ResampleFilter filter = ResampleFilter::Bicubic;
-  float contour_pixels = 1;      // distance that a texel must keep from an occlusion boundary
-  float contour_step_m = 0.02f;  // step in depth, beyond the surface's own slope, that counts as an occlusion boundary
+  float contour_pixels = 1;      // minimum distance of a texel from an occlusion boundary
+  float contour_step_m = 0.02f;  // depth step, beyond the surface's own slope, that forms an occlusion boundary
   float matte_threshold = 0.9f;  // coverage below which a texel is background, 0..1
-  float matte_pixels = 2;        // distance that a texel must keep from background
+  float matte_pixels = 2;        // minimum distance of a texel from background
 };
 
 class Resampler {
  public:
-  // sizes: side of each layer in texels. colour_maps: one per camera, applied to straight colour; empty: pictures stay
-  // as they are. Errors: GpuFailure, InvalidArgument.
+  // sizes: side of each layer in texels. colour_maps: one per camera, applied to straight colour; empty: uncorrected.
+  // Errors: GpuFailure, InvalidArgument.
   static Result<Resampler> create(gpu::Device& device, const GpuCapture& capture, const std::vector<int>& sizes,
                                   const ResampleOptions& options, const std::vector<ColourMap>& colour_maps);
   // labels: [layer][face]. Returns [layer], RGBA, with alpha 255 where resampled, else 0; row 0 is the first row of
@@ -48,10 +48,10 @@ class Resampler {
     gpu::Texture texture;
     gpu::Target target;
   };
-  struct Batch {  // the faces of one row of labels and one camera: a range of the face list
+  struct Batch {  // faces of one row of labels and one camera: a range of the face list
     size_t camera = 0;
     int first = 0, count = 0;
-    float mark = 1;  // alpha that is drawn into the texels
+    float mark = 1;  // alpha written to the texels
   };
   // Appends to the face list the faces whose label is `camera`.
   Batch listFaces(const uint8_t* labels, size_t faces, size_t camera);
@@ -68,8 +68,8 @@ class Resampler {
   std::vector<uint32_t> list_;
 };
 
-// Resamples the layers of one frame by a rule of its own. order: [rank][face], all cameras by penalty,
-// package::kNoCamera after the last.
+// Custom rule that resamples the layers of one frame. order: [rank][face], all cameras by penalty, package::kNoCamera
+// after the last.
 using TexelRule = Result<std::vector<Image>> (*)(Resampler& resampler, gpu::Device& device, const GpuCapture& capture,
                                                  const std::vector<uint8_t>& order);
 
