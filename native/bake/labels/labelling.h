@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Labels: the cameras from which each face takes its layers, for a whole sequence (algorithms/labels.md; 4DVT 4.1, Eq. 1-5: D. Casas, M. Volino, J. Collomosse, A. Hilton: 4D Video Textures for Interactive
-// Character Appearance, Computer Graphics Forum 33(2) (Eurographics), 2014). face_costs.h measures the penalties. Memory: a window of frames,
-// whatever the sequence's length. Deterministic: the same input gives the same labels for every job count.
+// Labels: the cameras from which each face takes its layers, for a whole sequence (algorithms/labels.md; 4DVT 4.1, Eq.
+// 1-5: D. Casas, M. Volino, J. Collomosse, A. Hilton: 4D Video Textures for Interactive Character Appearance, Computer
+// Graphics Forum 33(2) (Eurographics), 2014). face_costs.h measures the penalties. Memory: a window of frames, whatever
+// the sequence's length. Deterministic: the same input gives the same labels for every job count.
 #pragma once
 
 #include <atomic>
