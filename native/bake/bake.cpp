@@ -129,7 +129,7 @@ Status planJob(BakeRun& run, bool in_pieces) {
   return keepRefinement(run);
 }
 
-// Makes what is missing, and publishes the character.
+// Computes missing pieces, and publishes the character.
 Result<BakeReport> finishJob(BakeRun& run) {
   const Job& job = run.job;
   ReportInput report;

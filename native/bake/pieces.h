@@ -29,7 +29,7 @@ struct BakePiece {
 // Pieces in topological order, Finish last. The job's keys are settled.
 std::vector<BakePiece> bakePieces(const Job& job);
 
-// [piece] True where a result that the piece's record stands for is missing or damaged. Errors: WriteFailed.
+// [piece] True if a result of the piece is missing or damaged. Errors: WriteFailed.
 Result<std::vector<bool>> lostPieces(BakeRun& run, const std::vector<BakePiece>& pieces);
 
 // Errors: InvalidArgument if files that the piece reads have changed since the plan.

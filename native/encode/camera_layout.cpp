@@ -144,7 +144,7 @@ std::string checkCameraLayout(const CameraLayout& layout, double tile_scale, dou
 
 namespace {
 
-struct Step {  // of the skyline: occupied above y, from x to the next step's x
+struct Step {  // skyline step: occupied above y, from x to the next step's x
   int x, y;
 };
 

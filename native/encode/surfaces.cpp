@@ -64,7 +64,7 @@ constexpr int kMostDepthSamples = 1024;     // along the longer side of a depth 
 constexpr double kLeastCosine = 0.2;        // between normal and ray; pictures at grazing angles are smeared
 constexpr double kFootprintEdges = 1 / 3.;  // half the side of a vertex's averaging square, in mean edges
 constexpr double kMostFootprintPixels = 12;
-constexpr double kSlackEdges = 0.5;  // of the depth test
+constexpr double kSlackEdges = 0.5;  // tolerance of the depth test
 constexpr double kMidGrey = 0.2140;  // linear, of sRGB 0.5
 
 const std::array<double, 256>& linearOfSrgb() {

@@ -27,7 +27,7 @@ struct AlignmentOptions {
 struct AlignedFrame {
   std::vector<glm::vec2> displacement_m;  // [member - 1][vertex], along the tangents of base/mesh.h
   std::vector<float> confidence;          // likewise, 0..1
-  float detail_correlation = 1;           // of the members' pictures after this displacement; see views.h
+  float detail_correlation = 1;           // correlation of the members' pictures after this displacement; see views.h
 };
 
 class SurfaceAligner {

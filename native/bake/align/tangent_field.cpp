@@ -122,7 +122,7 @@ using Entries = std::vector<Eigen::Triplet<double>>;
 
 constexpr double kLength_m = 0.01;               // smoothing length at smoothness 1 and information 1
 constexpr double kPull = 1e-3;                   // information of a zero-displacement prior
-constexpr double kMinArea = 1e-3;                // of a vertex, in mean vertex areas
+constexpr double kMinArea = 1e-3;                // vertex area, in mean vertex areas
 constexpr double kMinEdge = 0.05, kMaxEdge = 5;  // cotangent weights of badly shaped faces are clamped
 
 double cotangent(const glm::vec3& a, const glm::vec3& b) {

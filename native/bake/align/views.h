@@ -52,7 +52,7 @@ cv::Mat evenLuma(const cv::Mat& rgba);
 // Gradient energies of the members' pictures of one view, over the pixels that all of them cover.
 struct DetailEnergy {
   std::vector<double> own;  // [member]
-  double sum = 0;           // of the sum of the pictures
+  double sum = 0;           // gradient energy of the pictures' sum
 };
 
 // [member] CV_8UC4 of one view, two or more, the same outline.

@@ -64,8 +64,8 @@ struct LabelStatistics {
   // such faces, and faces that are seen in both frames.
   std::vector<double> seen_seam_percent, seen_flip_percent;
   std::vector<double> mean_penalty;  // per layer, over filled ranks of faces that a camera sees
-  double energy = 0;                 // of the joint formulation with the options' weights, whatever the rule
-  double empty_percent = 0;          // of all ranks
+  double energy = 0;                 // in the joint formulation with the options' weights, for every rule
+  double empty_percent = 0;          // share of all ranks
   double seconds = 0;                // wall clock of the solve
 };
 

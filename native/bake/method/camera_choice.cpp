@@ -16,7 +16,7 @@ constexpr size_t kPoints = 500;  // points of the surface that are projected int
 struct Shown {
   size_t camera = 0;
   glm::dvec3 from{0};           // unit, from the surface's centre to the camera
-  double share = 0;             // of the surface's points inside the picture
+  double share = 0;             // surface points inside the picture
   double pixels_per_metre = 0;  // at the surface's centre
   double worth = 0;             // weight of the view, 0 … 1
   double nearest_angle = 1e9;   // to a chosen camera, radians

@@ -13,7 +13,7 @@ namespace fourdvt::bake {
 // Mean over the left-out views, each against its camera's picture.
 struct MethodScore {
   std::string method;
-  double cost = 1;  // of a new frame, relative to FVVR's
+  double cost = 1;  // time of a new frame, relative to FVVR's
   double psnr_db = 0,
          ssim = 0;         // registered, in the blended part of the view (view_scores.h): the rule's criteria
   double own_psnr_db = 0;  // the same, rendered with the view's own camera included

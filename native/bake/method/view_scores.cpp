@@ -85,7 +85,7 @@ RegisteredScore registeredScore(const Image& truth, const Image& picture, const 
 namespace {
 
 constexpr int kMostPixels = 512;        // longer side of a buffer
-constexpr double kTolerance_m = 0.015;  // of the depth test, for a person's surface
+constexpr double kTolerance_m = 0.015;  // tolerance of the depth test, for a person's surface
 constexpr double kLeastCosine = 0.1;    // see render::MethodOptions
 
 PinholeCamera coarser(const PinholeCamera& camera) {

@@ -18,7 +18,7 @@
 namespace fourdvt::bake {
 
 struct RegisteredScore {
-  glm::dvec2 shift_px{0};        // of the picture against the truth, in steps of a quarter pixel, at most kMostShift_px
+  glm::dvec2 shift_px{0};        // picture against truth, in steps of a quarter pixel, at most kMostShift_px
   double psnr_db = 0, ssim = 0;  // inside the mask, after registration
 };
 constexpr int kMostShift_px = 8;

@@ -28,7 +28,7 @@ struct Face {
   glm::uvec3 vertices{0};
   std::array<double, 3> half_cotangents{};  // [i] of the edge from corner i to the next
   std::array<Vector3d, 3> edges;            // [i] the same edge in the reference pose
-  Matrix3d inverse;                         // of the edge frame in the reference pose
+  Matrix3d inverse;                         // inverse of the reference pose's edge frame
   bool has_gradient = false;                // otherwise its edges follow the linear blend
   int parent = -1;  // the neighbour visited before it, which determines the branch of the logarithm
 };

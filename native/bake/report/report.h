@@ -36,7 +36,7 @@ struct ReportSequence {
   double fps = 0;
   bool loop = false;
   uint32_t members = 1;
-  std::vector<ReportRendition> renditions;         // as in the manifest, the lowest first
+  std::vector<ReportRendition> renditions;         // in the manifest's order, the lowest first
   uint64_t video_bytes = 0;                        // .mp4 of the highest rendition
   uint64_t geometry_bytes = 0, label_bytes = 0;    // in the chunks of the .bin: positions, labels
   uint64_t offset_bytes = 0, alignment_bytes = 0;  // in a class's chunks: corrections of the mesh blend, alignment

@@ -18,7 +18,7 @@ namespace fourdvt::bake {
 class ProgressReporter {
  public:
   explicit ProgressReporter(const BakeEnvironment& environment) : environment_(environment) {}
-  uint32_t frames_done = 0, frames_total = 0;  // of the streams; frames_done includes those of earlier runs
+  uint32_t frames_done = 0, frames_total = 0;  // frames of the streams; frames_done includes those of earlier runs
 
   void expect(double work) { left_ += work; }
   void skip(double work) { left_ -= work; }

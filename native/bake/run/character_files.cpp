@@ -100,7 +100,7 @@ Result<std::vector<package::SampleTable>> packVideos(const StreamPlan& plan, con
     package::SampleTable table;
   };
   std::vector<Packed> all;
-  for (size_t r = plan.renditions.size(); r-- > 0;) {  // of equal size, the highest comes last
+  for (size_t r = plan.renditions.size(); r-- > 0;) {  // among files of equal size, the highest comes last
     package::Rendition& rendition = sequence.renditions[r];
     FOURDVT_ASSIGN(auto packed, packVideo(plan, r, run.work, run.job.resultFolder() + "/" + rendition.video_uri));
     FOURDVT_ASSIGN(rendition.video_uri, nameByContent(run.job.resultFolder(), rendition.video_uri));

@@ -16,7 +16,7 @@ namespace fourdvt::bake {
 // Rendering method of a character from cameras unless --method or the viewer sets another, and its scores.
 struct ChosenMethod {
   std::string method;
-  std::optional<double> sweep_band_m;  // of a person (render::SweepOptions); none: the player's default
+  std::optional<double> sweep_band_m;  // for a person (render::SweepOptions); none: the player's default
   MethodChoice choice;                 // without verdicts: nothing was measured
   size_t frames = 0, views = 0;
   double shift_px = 0;  // mean shift of a camera's rendered view against its picture
@@ -38,7 +38,7 @@ struct ClassSummary {
 
 struct BakeReport {
   std::map<std::string, double> seconds_by_stage;
-  uint32_t frames = 0;  // of all sequences and classes
+  uint32_t frames = 0;  // all sequences and classes
   uint64_t peak_rss_bytes = 0;
   std::map<std::string, uint64_t> bytes_by_part;
   std::map<std::string, LabelStatistics> labels_by_sequence;

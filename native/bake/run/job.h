@@ -22,7 +22,7 @@ constexpr uint32_t kInputWindow = 32;  // frames, Job::input_digests
 
 // One encoding of a stream's tiled picture.
 struct RenditionPlan {
-  std::string suffix;         // of its file's name, before ".mp4"; empty: the highest
+  std::string suffix;         // in its file's name, before ".mp4"; empty: the highest
   encode::TileLayout layout;  // from cameras: without layers
   package::Rect tiles;        // from cameras: position of their layout in the picture
   encode::EncodeSettings encode;
@@ -39,7 +39,7 @@ struct StreamPlan {
   std::vector<RenditionPlan> renditions;   // the highest first, which alone is read by later stages
   std::vector<uint32_t> gop_first_frames;  // ascending, starts with 0
   float detail_correlation = 1;            // correlation of the aligned members' details; set by the align stage
-  const encode::TileLayout& layout() const { return renditions[0].layout; }  // of the highest rendition
+  const encode::TileLayout& layout() const { return renditions[0].layout; }  // layout of the highest rendition
   const encode::EncodeSettings& encode() const { return renditions[0].encode; }
   bool isClass() const { return motion.members.size() > 1; }
   uint32_t frameCount() const { return motion.frame_count; }
@@ -63,8 +63,8 @@ struct Job {
   package::EncodedBaseMesh mesh;
   BoundingBox bounds;              // over all frames
   double length_scale = 0;         // base/length_scale.h; 0: not measured yet
-  encode::TileLayout layout;       // of one member
-  encode::EncodeSettings encode;   // of a captured sequence
+  encode::TileLayout layout;       // layout for one member
+  encode::EncodeSettings encode;   // settings for a captured sequence
   uint32_t total_frames = 0;       // number of captured frames
   std::vector<std::string> notes;  // notes on the plan for the user
   // [sequence][frame][camera], from cameras: region of the surface in each picture.
@@ -75,11 +75,13 @@ struct Job {
   std::string settings_key;
   std::map<std::string, std::string> capture_keys;
   std::map<std::string, std::vector<uint64_t>> input_digests;
-  std::map<std::string, uint64_t> mesh_digests;  // of all meshes of a sequence
+  std::map<std::string, uint64_t> mesh_digests;  // digest of all meshes of a sequence
   uint64_t common_input_digest = 0, sound_digest = 0;
   std::string writer;  // suffix of the names of result folders, where several processes may finish the same job
   bool fromCameras() const { return options.appearance == package::AppearanceKind::Cameras; }
-  bool oneTopology() const { return capture.meshes == capture::CaptureMeshes::ConstantTopology; }  // of all meshes
+  bool oneTopology() const {
+    return capture.meshes == capture::CaptureMeshes::ConstantTopology;
+  }                               // true if all meshes share one topology
   uint32_t streamFrames() const;  // number of frames of all streams
   // Beside the character folder and on its file system: finished GOPs, and the result until it is published.
   std::string workFolder() const { return options.character_folder + ".work"; }

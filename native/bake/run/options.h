@@ -31,7 +31,7 @@ struct MotionClassOptions {
 // Options of a character from cameras; ignored for layers.
 struct CameraOptions {
   double tile_scale = 1;      // texels per pixel of the cameras' pictures, 0.01..1
-  double max_texels = 9.4e6;  // of the tiled picture: limit of H.264's level 5.1, which phones decode
+  double max_texels = 9.4e6;  // maximum of the tiled picture: limit of H.264's level 5.1, which phones decode
   int faces = 10'000;         // maximum for a frame whose topology is its own (one topology for all stays); 0: all
   std::string method;  // players' rendering method (render/cameras/camera_method.h); empty: measured, by `choice`
   ChoiceRule choice;
@@ -66,7 +66,7 @@ struct BakeOptions {
   // Likewise, for renditions with fewer texels than the highest; 0: as the others; none: 2 mm for a person.
   std::optional<double> coarse_step_m;
   int gutter_texels = 10;        // width of the gutter round every chart, texels of layer 1; limits in check()
-  refine::RefineOptions refine;  // of the mesh and the cameras, before any rendering
+  refine::RefineOptions refine;  // refinement of the mesh and the cameras, before any rendering
   bool refine_asked = false;     // set explicitly: an error where it is impossible
   const Labelling* labels = &kJoint;
   TexelRule texel_rule = nullptr;  // null: a texel uses the camera in its face's label

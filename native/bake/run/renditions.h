@@ -58,7 +58,7 @@ class LadderEncoder {
  private:
   struct Rung {
     const RenditionPlan* plan = nullptr;
-    std::vector<package::Rect> rects;  // of the parts in `picture`
+    std::vector<package::Rect> rects;  // rectangles of the parts in `picture`
     encode::I420Picture picture;       // scaled-down picture of the rendition
     std::unique_ptr<encode::GopEncoder> encoder;
     encode::EncodedGop encoded;

@@ -54,7 +54,7 @@ struct PreparedMember {
   uint32_t source_frame = 0;
   // At most one of the two; none: same captured frame as in the stream's previous frame.
   std::optional<SourceFrame> fresh;
-  std::vector<Image> kept_layers;  // of a class: filled, from the member's own stream, stored in the work folder
+  std::vector<Image> kept_layers;  // for a class: filled, from the member's own stream, stored in the work folder
 };
 
 struct PreparedFrame {
@@ -81,7 +81,7 @@ class StreamReader {
   Result<PreparedMember> readMember(size_t member, uint32_t frame);
   std::vector<Image> keptLayers(size_t member, uint32_t source_frame) const;  // empty if none are stored
   Result<SourceFrame> readSource(size_t member, uint32_t source_frame);
-  Result<FrameGeometry> blendGeometry(uint32_t frame);  // of a class
+  Result<FrameGeometry> blendGeometry(uint32_t frame);  // meshes of a class
 
   BakeRun& run_;
   const StreamPlan& plan_;

@@ -32,7 +32,7 @@ struct StillArtefact {
   std::vector<uint8_t> texture_jpeg, tile_jpeg;
 };
 
-enum class Precision { Fine, Coarse };  // of a chunk's positions
+enum class Precision { Fine, Coarse };  // quantisation of a chunk's positions
 
 class WorkFolder {
  public:
@@ -56,7 +56,7 @@ class WorkFolder {
   Result<T> load(const std::string& file) const {
     return store::load<T>(pathOf(file));
   }
-  void removeLayers() const;  // of all frames
+  void removeLayers() const;  // removes the layers of all frames
   const std::string& path() const { return root_; }
   // Path of a file that belongs to one stage.
   std::string pathOf(const std::string& file) const { return path_ + "/" + file; }

@@ -25,7 +25,7 @@ const SoundCodecInfo& infoOf(SoundCodec codec);
 
 struct EncodedSound {
   std::vector<uint8_t> bytes;
-  uint32_t samples = 0;  // as decoded with the file's priming honoured
+  uint32_t samples = 0;  // number decoded if the file's priming is honoured
   uint32_t priming = 0;  // extra samples before them from decoders that ignore it
 };
 

@@ -150,10 +150,10 @@ class LayerGops : GopWork {
   const Survey& survey_;
   package::ChunkMesh chunk_mesh_;
   std::unique_ptr<FrameBaker> frames_;
-  std::vector<MemberLook> looks_;  // of the stream's latest finished frame
+  std::vector<MemberLook> looks_;  // latest finished frame of the stream
   encode::I420Picture picture_;
   std::vector<bool> kept_;      // [frame] of the stream: a class shows it later
-  std::future<Status> saving_;  // of the GOP before; finishes before the next encoder is created: only one is in memory
+  std::future<Status> saving_;  // previous GOP; finishes before the next encoder is created: only one is in memory
 };
 
 Status LayerGops::start() {
@@ -332,7 +332,7 @@ Status LayerGops::saveGop(LayerGop& open, const StreamPlan& plan, uint32_t gop) 
 
 struct CameraGop : OpenGop {
   std::vector<package::QuantisedSurface> surfaces;
-  std::future<Status> encoding;  // of the frame before; the last field: finishes before the others are destroyed
+  std::future<Status> encoding;  // previous frame; the last field: finishes before the others are destroyed
 };
 
 // GOPs of a character from cameras. Reading the next frame, drawing this one's tiles and encoding the one before

@@ -52,7 +52,7 @@ class State {
   const std::vector<std::vector<float>> weights_;  // [row][member]
   const ReadPositions& read_;
   const NonlinearBlend* blend_;
-  const glm::dvec3 origin_;  // of the grid of streamed vertices
+  const glm::dvec3 origin_;  // origin of the grid of streamed vertices
   const double step_m_;
   std::vector<Image> atlases_;  // [frame][member]
 };

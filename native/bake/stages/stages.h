@@ -97,7 +97,7 @@ Result<std::vector<ColourMap>> calibrateColours(BakeRun& run);
 // (bake/method/method_trial.h). Results per frame are stored in the survey folder. Memory: one frame. maps: one per
 // camera, or none.
 
-constexpr uint32_t kTrialFrames = 3;  // of the whole capture, spread over its sequences
+constexpr uint32_t kTrialFrames = 3;  // spread over the sequences of the whole capture
 // Returns the options' method where they name one. Errors: those of capture, tryMethods, WriteFailed, Interrupted.
 Result<ChosenMethod> chooseBakedMethod(BakeRun& run, const std::vector<ColourMap>& maps);
 // Number of frames that chooseBakedMethod tries; 0 without a measurement.

@@ -27,7 +27,7 @@ namespace {
 
 constexpr const char* kWindow = ".window-";
 constexpr const char* kKept = "visibility and labels measured so far";
-constexpr double kMeasuringShare = 0.8;  // of the survey's time; labelling takes the rest
+constexpr double kMeasuringShare = 0.8;  // share of the survey's time; labelling takes the rest
 
 bool showsColours(uint32_t frame) { return frame < kColourFrames && frame % kColourEvery == 0; }
 

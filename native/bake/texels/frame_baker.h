@@ -33,7 +33,7 @@ class Visibility {
 struct FrameBakerOptions {
   // Side of every layer in texels; that of layer 0 may be a multiple of the others'. Empty: visibility only.
   std::vector<int> layer_sizes;
-  float gutter_texels = 10;  // of layer 0
+  float gutter_texels = 10;  // in texels of layer 0
   ResampleOptions resample;
   std::vector<ColourMap> colour_maps;  // one per camera; empty: uncorrected
   float length_scale = 1;              // base/length_scale.h

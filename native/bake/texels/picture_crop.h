@@ -16,7 +16,7 @@ namespace fourdvt::bake {
 constexpr uint8_t kOpaque = 250;  // minimum alpha of a pixel without the backdrop's colour
 
 struct PictureCrop {
-  PictureRegion region;                // of the mesh; empty if it is out of sight
+  PictureRegion region;                // bounds of the mesh; empty if it is out of sight
   std::vector<uint8_t> premultiplied;  // height × width × 4
 };
 
