@@ -2,9 +2,8 @@
 // A bake cut into pieces that any machine with the same files can compute (jobs/plan.h). A piece makes the same call
 // of a stage, on the same files of the work folder, as the bake of a whole character; a job folder is therefore a
 // work folder, and `fourdvt bake --resume` continues from finished pieces.
-// layers    survey (a window of frames) → labels (windows: even, then odd) → label (a sequence) → gop → align (a GOP
-// of
-// a class) → chunks (a class)            colours, graph, room, finish
+// layers    survey (a window of frames) → labels (windows: even, then odd) → label (a sequence) → gop →
+// align (a GOP of a class) → chunks (a class); colours, graph, room, finish
 // cameras   colours → method (a tried frame), gop (with its surfaces), room → finish
 #pragma once
 
@@ -19,7 +18,7 @@ enum class PieceKind { Survey, Colours, Labels, Label, Gop, Align, Chunks, Graph
 struct BakePiece {
   jobs::Piece piece;
   PieceKind kind = PieceKind::Finish;
-  size_t number = 0;                               // of the sequence or stream
+  size_t number = 0;                               // number in the sequence or stream
   uint32_t index = 0;                              // first frame of the window, GOP or trial
   std::vector<size_t> windows;                     // label windows
   std::vector<std::pair<size_t, uint32_t>> reads;  // sequence number and window of input files (kInputWindow)

@@ -10,7 +10,7 @@
 
 namespace fourdvt::bake {
 
-// Mean over the left-out views, each against its camera's picture.
+// Mean scores over the left-out views, each against its camera's picture.
 struct MethodScore {
   std::string method;
   double cost = 1;  // time of a new frame, relative to FVVR's

@@ -8,7 +8,7 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr float kPassVelocityWeight = 0.04f;  // of squared metres per pass
+constexpr float kPassVelocityWeight = 0.04f;  // weight of squared metres per pass
 constexpr int kStepsAPhase = 8;               // steps per phase at mean pace: the resolution of the search
 constexpr double kMaxPace = 3;                // times the mean pace; the slowest pace is its inverse
 constexpr double kPaceCost = 0.02;            // cost of a pace twice the mean, in mean distances
@@ -59,7 +59,7 @@ class Grid {
     const size_t width = total_ + 1, row = band_.whole() ? width : band_.width;
     std::vector<double> cost(width, kFar), next(width, kFar);
     std::vector<uint32_t> taken(row * (intervals_ + 1), 0);
-    Range known{0, 0}, stale{0, 0};  // of `cost` and `next`
+    Range known{0, 0}, stale{0, 0};  // ranges of `cost` and `next`
     cost[0] = distance(0, start);
     for (size_t p = 1; p <= intervals_; ++p) {
       std::fill(next.begin() + long(stale.first), next.begin() + long(stale.last) + 1, kFar);

@@ -27,7 +27,7 @@ std::vector<std::pair<size_t, size_t>> neighbours(const ClassPlan& plan) {
   return pairs;
 }
 
-// Presents one stream as a state of the graph.
+// Adapts one stream to the interface of a graph state.
 class State {
  public:
   State(const Job& job, const StreamPlan& plan, std::vector<std::vector<float>> weights, const ReadPositions& read,

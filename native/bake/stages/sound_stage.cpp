@@ -17,7 +17,7 @@ namespace {
 constexpr double kSegment_s = 5;     // maximum length of a segment, which a page decodes at once
 constexpr double kOverlap_s = 0.02;  // overlap of a segment with the next one, for cross-fading
 constexpr double kShortestStep_s = 0.01, kLongestStep_s = 2;
-constexpr double kShortfall_s = 0.1;  // silence at the end that is worth a note
+constexpr double kShortfall_s = 0.1;  // minimum silence at the end that is reported as a note
 
 // Reads samples of a file by their numbers, in ascending order. Samples outside the file are silent.
 class SampleWindow {
