@@ -3,7 +3,7 @@
 // of a stage, on the same files of the work folder, as the bake of a whole character; a job folder is therefore a
 // work folder, and `fourdvt bake --resume` continues from finished pieces.
 // layers    survey (a window of frames) → labels (windows: even, then odd) → label (a sequence) → gop →
-// align (a GOP of a class) → chunks (a class); colours, graph, room, finish
+//           align (a GOP of a class) → chunks (a class); colours, graph, room, finish
 // cameras   colours → method (a tried frame), gop (with its surfaces), room → finish
 #pragma once
 

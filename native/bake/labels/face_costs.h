@@ -21,7 +21,7 @@ enum class Penalty {
 
 struct FaceCostOptions {
   Penalty penalty = Penalty::Axis;
-  float visible_fraction = 0.99f;   // share of a face's sample points that qualifies a camera where no other does
+  float visible_fraction = 0.99f;   // share of a face's sample points that qualifies a camera
   float fallback_fraction = 0.30f;  // the same where no camera qualifies
 };
 
