@@ -7,15 +7,16 @@
 namespace fourdvt::mattes {
 namespace {
 
-constexpr double kEnough = 0.85;  // of the silhouettes, explained: shadows and bystanders may take the rest
-constexpr double kGain = 0.1;     // of the others' silhouettes, gained without a camera: that camera is the one
+constexpr double kEnough = 0.85;  // minimum explained share of the silhouettes; the rest may be shadows and bystanders
+constexpr double kGain = 0.1;     // minimum gain of the others' silhouettes without a camera that names it as not
+                                  // fitting
 constexpr double kHopeless = 0.5;
 constexpr double kSlackShare =
-    0.006;  // of the picture's longer side: calibration, time and mattes that are a little off
+    0.006;  // share of the picture's longer side; tolerates small errors of calibration, time and mattes
 
 std::string percent(double share) { return std::to_string(int(std::lround(100 * share))) + " %"; }
 
-// Mean of `value` over the cameras but `but`; nothing counts that is not a number.
+// Mean of `value` over all cameras except `but`; skips NaN.
 template <class Value>
 double meanOfOthers(size_t cameras, size_t but, Value value) {
   double sum = 0, count = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Silhouettes that no common volume explains: names the camera whose silhouette, calibration or time does not fit the
-// others', and by how much.
+// Consistency of silhouettes: names the camera whose silhouette, calibration or time does not fit a common visual hull,
+// and by how much.
 #pragma once
 
 #include <optional>
@@ -10,8 +10,8 @@
 
 namespace fourdvt::mattes {
 
-// Nothing if a common volume explains the silhouettes, or if they cannot be judged (fewer than three cameras that see
-// something); else one line without a full stop: which camera, by how much. `masks`: as filmed.
+// Names the camera that does not fit and by how much, in one line without a full stop. nullopt if a common volume
+// explains the silhouettes, or with fewer than three cameras that see something. `masks`: as filmed.
 std::optional<std::string> disagreement(const std::vector<capture::CaptureCamera>& cameras,
                                         const std::vector<cv::Mat>& masks);
 

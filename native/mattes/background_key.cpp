@@ -16,7 +16,7 @@ cv::Mat cheapestCut(const CutCosts& costs, const cv::Mat& given, const cv::Mat& 
   const int count = cv::countNonZero(open);
   if (count == 0) return out;
   cv::detail::GCGraph<float> graph(static_cast<unsigned>(count), static_cast<unsigned>(8 * count));
-  std::vector<float> balance;  // above 0: towards the background
+  std::vector<float> balance;  // positive: towards the background
   balance.reserve(size_t(count));
   for (int y = 0; y < open.rows; ++y)
     for (int x = 0; x < open.cols; ++x)
@@ -39,7 +39,7 @@ cv::Mat cheapestCut(const CutCosts& costs, const cv::Mat& given, const cv::Mat& 
       edge(x, y, 1, 1, costs.down_right);
       edge(x, y, -1, 1, costs.down_left);
     }
-  // A vertex on the source's side is object.
+  // Vertices on the source's side are object.
   for (int i = 0; i < count; ++i)
     graph.addTermWeights(i, std::max(0.0f, -balance[size_t(i)]), std::max(0.0f, balance[size_t(i)]));
   graph.maxFlow();
@@ -51,15 +51,14 @@ cv::Mat cheapestCut(const CutCosts& costs, const cv::Mat& given, const cv::Mat& 
 
 namespace {
 
-constexpr float kContrast = 5;       // in units of noise: a step at which a border costs e^-½ of its price
+constexpr float kContrast = 5;       // units of noise: a step at which a border costs e^-½ of its price
 constexpr int kMinSpeck = 12;        // pixels
-constexpr float kLeastPart = 0.01f;  // of the largest part
-constexpr float kMinBorder = 0.15f;  // … which never falls below this share
+constexpr float kLeastPart = 0.01f;  // share of the largest part
+constexpr float kMinBorder = 0.15f;  // minimum share of the border price
 
 cv::Mat disc(int radius) { return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1}); }
 
-// A border of the object is a step in the picture that the plate has not: both the picture's step and its difference to
-// the plate's must be there.
+// Contrast-sensitive border costs. An edge of the object must appear in the picture and in its difference to the plate.
 cv::Mat borderCosts(const KeyEvidence& evidence, int dx, int dy, float price) {
   const cv::Mat &picture = evidence.picture(), &plate = evidence.plate();
   cv::Mat out(picture.size(), CV_32F, cv::Scalar(price));
@@ -69,7 +68,7 @@ cv::Mat borderCosts(const KeyEvidence& evidence, int dx, int dy, float price) {
       const cv::Vec3f other = step - (plate.at<cv::Vec3f>(y + dy, x + dx) - plate.at<cv::Vec3f>(y, x));
       const bool known = evidence.known().empty() ||
                          (evidence.known().at<uint8_t>(y, x) != 0 && evidence.known().at<uint8_t>(y + dy, x + dx) != 0);
-      // Noise alone gives 6 and 6 × (variance).
+      // Expected squares of pure noise: 6 and 6 × (variance).
       const float here = step.dot(step) - 6, apart = other.dot(other) - 6 * evidence.variance().at<float>(y, x);
       const float seen = std::max(0.0f, known ? std::min(here, apart) : here);
       out.at<float>(y, x) = price * (kMinBorder + (1 - kMinBorder) * std::exp(-0.5f * seen / (kContrast * kContrast)));
@@ -77,8 +76,7 @@ cv::Mat borderCosts(const KeyEvidence& evidence, int dx, int dy, float price) {
   return out;
 }
 
-// Drops parts of the object that have fewer pixels than this or than a share of the largest part, and fills holes of
-// fewer pixels than this.
+// Removes parts of the object below `pixels` or below a share of the largest part, and fills holes below `pixels`.
 void dropSpecks(cv::Mat& mask, int pixels) {
   for (int pass = 0; pass < 2; ++pass) {
     cv::Mat labels, stats, centres;
@@ -94,7 +92,7 @@ void dropSpecks(cv::Mat& mask, int pixels) {
   }
 }
 
-// The mean of `values` (CV_32FC1 or C3) over the neighbours that `mask` has, and in `weight` how many they are.
+// Mean of `values` (CV_32FC1 or C3) over the neighbours inside `mask`; `weight`: their count.
 cv::Mat meanWhere(const cv::Mat& values, const cv::Mat& mask, cv::Mat& weight) {
   cv::Mat share, sum, masked = cv::Mat::zeros(values.size(), values.type());
   mask.convertTo(share, CV_32F, 1 / 255.0);
@@ -111,8 +109,8 @@ cv::Mat meanWhere(const cv::Mat& values, const cv::Mat& mask, cv::Mat& weight) {
   return sum;
 }
 
-// Within a pixel or two of the outline, the share of the object that mixes plate and object to what the picture shows.
-// The outline itself, blurred, is one measurement more, the better one where plate and object look alike.
+// Alpha within a pixel or two of the outline: the mixture of plate and object that matches the picture, combined with
+// the blurred outline, which dominates where plate and object look alike.
 Image softened(const KeyEvidence& evidence, const cv::Mat& mask, float blur_pixels) {
   constexpr float kShapeVariance = 0.03f, kTextureVariance = 4;
   cv::Mat inner, outer, beyond, shape, weight_object, weight_ratio;
@@ -147,7 +145,7 @@ struct KeyCut::Parts {
   KeyEvidence evidence;
   BackgroundKeyOptions options;
   CutCosts borders;
-  cv::Mat open;  // CV_8U: 0 where nothing needs to be decided
+  cv::Mat open;  // CV_8U: 0 where the label is fixed
 };
 
 KeyCut::KeyCut(const Image& picture, const BackgroundModel& background, const BackgroundKeyOptions& options)
@@ -159,7 +157,7 @@ KeyCut::KeyCut(const Image& picture, const BackgroundModel& background, const Ba
                      borderCosts(evidence, 0, 1, options.smoothness),
                      borderCosts(evidence, 1, 1, options.smoothness * 0.7071f),
                      borderCosts(evidence, -1, 1, options.smoothness * 0.7071f)};
-  // Where wide surroundings look as the plate does nothing needs to be decided.
+  // Labels are fixed where wide surroundings look like the plate.
   cv::erode(evidence.surelyLit(), parts_->open, disc(3), {-1, -1}, 1, cv::BORDER_REPLICATE);
   cv::bitwise_not(parts_->open, parts_->open);
 }

@@ -13,13 +13,13 @@
 namespace fourdvt::mattes {
 namespace {
 
-constexpr float kShift_pixels = 0.1f;  // what a studio's cameras may shake
-// A chroma key backdrop: its median colour's distance from grey in the CbCr plane of BT.709, levels of 255; the share
-// of the plate that is that colour; and how far that share may stray from it, as shares of the distance: in hue, which
-// light does not change, and in how much light there is.
+constexpr float kShift_pixels = 0.1f;  // shake of a studio's cameras
+// Chroma key backdrop: minimum distance of its median colour from grey in the CbCr plane of BT.709, levels of 255;
+// minimum share of the plate with that colour; tolerances as shares of the distance: in hue, which light does not
+// change, and in the amount of light.
 constexpr float kBackdropChroma = 36, kBackdropShare = 0.7f, kBackdropHue = 0.1f, kBackdropLight = 0.6f;
 
-// The variance between plates, averaged over 5 × 5 pixels, beyond what all pixels have (their median: sensor noise).
+// Variance between plates over 5 × 5 pixels, beyond the median of all pixels (sensor noise).
 cv::Mat flicker(const std::vector<cv::Mat>& plates, const cv::Mat& mean) {
   cv::Mat sum = cv::Mat::zeros(mean.size(), CV_32F);
   for (const cv::Mat& plate : plates) {
@@ -31,11 +31,11 @@ cv::Mat flicker(const std::vector<cv::Mat>& plates, const cv::Mat& mean) {
   sum /= double(plates.size() - 1);
   cv::blur(sum, sum, {5, 5});
   const float noise = median(std::vector<float>(sum.begin<float>(), sum.end<float>()));
-  // Two plates: the mean of 75 squares strays by a sixth. Half as much again is not noise.
+  // With two plates the mean of 75 squares strays by a sixth; half as much again exceeds noise.
   return cv::max(sum - 1.5 * noise, 0.0);
 }
 
-// CV_32F: the largest squared slope of the three channels per pixel, levels²; by Sobel's filter. `levels`: CV_32FC3.
+// CV_32F: largest squared slope of the three channels per pixel, levels², by Sobel's filter. `levels`: CV_32FC3.
 cv::Mat squaredGradient(const cv::Mat& levels) {
   cv::Mat dx, dy, planes[3];
   cv::Sobel(levels, dx, CV_32F, 1, 0, 3, 0.125);
@@ -45,10 +45,10 @@ cv::Mat squaredGradient(const cv::Mat& levels) {
   return cv::max(planes[0], cv::max(planes[1], planes[2]));
 }
 
-// The variance that a shift of kShift_pixels brings at the plates' edges.
+// Variance due to a shift of kShift_pixels at the plates' edges.
 cv::Mat shiftVariance(const cv::Mat& mean) { return kShift_pixels * kShift_pixels * squaredGradient(mean); }
 
-// What a video's coarser chroma (4:2:0) changes where the plates, which are stored without it, change colour.
+// Variance due to a video's coarser chroma (4:2:0) at colour edges of the plates, which are stored with full chroma.
 cv::Mat chromaVariance(const cv::Mat& mean) {
   cv::Mat luma, grey, colour, coarse, planes[3];
   cv::transform(mean, luma, cv::Matx13f(0.2126f, 0.7152f, 0.0722f));
@@ -115,10 +115,11 @@ namespace {
 constexpr float kLeastGain = 0.005f, kLeastOffset = 1;          // offset: levels of 255
 constexpr float kMostGain = 1.6f;                               // and its inverse
 constexpr double kLeastShift_pixels = 0.15, kMostShift = 0.02;  // kMostShift: share of the picture's diagonal
-constexpr double kBetter = 0.97;  // of the robust difference, or the plates stay as they are
-constexpr int kBins = 12;         // of brightness, for the noise
+constexpr double kBetter = 0.97;  // maximum ratio of robust differences, fitted to original; above it the plates stay
+                                  // unchanged
+constexpr int kBins = 12;         // brightness bins of the noise
 constexpr size_t kFewestInBin = 400;
-constexpr int kSide = 640;  // of the picture that the homography is sought in, at most
+constexpr int kSide = 640;  // maximum side of the picture for the homography
 
 struct Gain {
   float gain = 1, offset = 0;
@@ -131,7 +132,7 @@ cv::Mat wrap(const Image& picture) {
   return out;
 }
 
-// Every n-th value of one channel, so that about 40,000 remain.
+// Every n-th value of one channel, about 40,000 in all.
 struct Samples {
   std::vector<float> plate, picture;
 };
@@ -140,14 +141,14 @@ Samples samplesOf(const cv::Mat& plate, const cv::Mat& picture, int channel) {
   const size_t step = std::max<size_t>(1, plate.total() / 40000);
   for (size_t i = 0; i < plate.total(); i += step) {
     const float a = plate.at<cv::Vec3f>(int(i))[channel], b = picture.at<cv::Vec3f>(int(i))[channel];
-    if (a < 3 || a > 250 || b < 3 || b > 250) continue;  // clipped: says nothing of the gain
+    if (a < 3 || a > 250 || b < 3 || b > 250) continue;  // clipped: no evidence of the gain
     out.plate.push_back(a + kToe);
     out.picture.push_back(b + kToe);
   }
   return out;
 }
 
-// Iteratively reweighted least squares with Geman and McClure's weights, from the median ratio.
+// Gain by iteratively reweighted least squares with the weights of Geman and McClure (1987), from the median ratio.
 Gain fitGain(const Samples& s) {
   if (s.plate.size() < 500) return {};
   std::vector<float> ratios(s.plate.size());
@@ -164,7 +165,7 @@ Gain fitGain(const Samples& s) {
       xx += weight * s.plate[i] * s.plate[i], xy += weight * s.plate[i] * s.picture[i];
     }
     const double spread = xx / w - x / w * (x / w);
-    // A plate of one brightness cannot distinguish gain and offset: the offset stays 0.
+    // Gain and offset of a plate of one brightness are ambiguous: the offset stays 0.
     if (spread < 100) {
       g = {float(xy / xx), 0};
     } else {
@@ -193,7 +194,7 @@ bool fitGains(const cv::Mat& plate, const cv::Mat& picture, Gain (&gains)[3]) {
   return clear;
 }
 
-// Largest channel's difference, CV_32F.
+// Maximum difference over the channels, CV_32F.
 cv::Mat difference(const cv::Mat& a, const cv::Mat& b) {
   cv::Mat d, planes[3];
   cv::absdiff(a, b, d);
@@ -217,8 +218,8 @@ double meanShift(const cv::Mat& h, const cv::Size& size) {
   return sum / 4;
 }
 
-// Maps pixels of the picture to pixels of the plate (enhanced correlation coefficient, EP08), centres at integers;
-// empty if none improves on the identity.
+// Maps pixels of the picture to pixels of the plate, centres at integers, by the enhanced correlation coefficient
+// (Evangelidis and Psarakis 2008); empty if none improves on the identity.
 cv::Mat fitHomography(const cv::Mat& plate, const cv::Mat& picture) {
   const double scale = std::min(1.0, double(kSide) / std::max(plate.cols, plate.rows));
   cv::Mat a, b, off, mask;
@@ -232,7 +233,7 @@ cv::Mat fitHomography(const cv::Mat& plate, const cv::Mat& picture) {
     cv::findTransformECC(b, a, h, cv::MOTION_HOMOGRAPHY, {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 60, 1e-5},
                          mask, 5);
   } catch (const cv::Exception&) {
-    return {};  // no structure, or it does not converge
+    return {};  // no structure, or no convergence
   }
   h.convertTo(h, CV_64F);
   const cv::Mat grow = (cv::Mat_<double>(3, 3) << scale, 0, 0, 0, scale, 0, 0, 0, 1);
@@ -246,8 +247,8 @@ double robustCost(const cv::Mat& plate, const cv::Mat& picture) {
   return cv::mean(cv::min(difference(plate, picture), 24.0))[0];
 }
 
-// Adds to `extra` the variance that brightness (sensor noise, compression) and edges (sharpness, what is left of a
-// shift) have beyond that of the median pixel. Medians: the object does not count.
+// Adds to `extra` the variance by brightness (sensor noise, compression) and at edges (sharpness, residual shift)
+// beyond that of the median pixel. Medians exclude the object.
 void addMeasuredNoise(const cv::Mat& plate, const cv::Mat& picture, cv::Mat& extra) {
   const cv::Mat light = grey(plate), gradient = squaredGradient(plate);
   cv::Mat d = plate - picture, squares, planes[3];

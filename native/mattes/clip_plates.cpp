@@ -16,16 +16,18 @@ namespace fourdvt::mattes {
 namespace {
 
 constexpr int kRounds = 4;
-constexpr float kAlike = 2.5f, kLeastNoise = 2;  // of the median neighbourhood's squared difference; levels²
+constexpr float kAlike = 2.5f, kLeastNoise = 2;  // multiple of the median neighbourhood's squared difference; levels²
 constexpr float kConstantNats = 8;               // against the object, where a neighbourhood never changes
 constexpr float kDwells = 0.25f;                 // share of the take in which a performer may stand in one place
-constexpr float kTelling = 4, kPlain = 0.35f;  // texture, of the noise, from which on likeness proves all; without any
-constexpr int kGapDivisor = 40;                // of the picture's longer side: gaps in what moves
-constexpr double kLeastMotion = 0.002;         // of the region that all cameras see, below which nothing moves
+constexpr float kTelling = 4, kPlain = 0.35f;  // texture / noise above which similarity is conclusive; weight of plain
+                                               // surfaces
+constexpr int kGapDivisor = 40;                // fraction of the picture's longer side: gaps in the moving region
+constexpr double kLeastMotion = 0.002;         // minimum share of the region that all cameras see; below it nothing
+                                               // moves
 constexpr float kUnknownSpread = 1e4f;         // levels², where no frame shows the background
-constexpr double kKnownShare = 0.2;            // of the samples
+constexpr double kKnownShare = 0.2;            // share of the samples
 constexpr size_t kLeastKnown = 3;
-constexpr int kMarginDivisor = 60;  // of the picture's longer side: what may be object beside a mask
+constexpr int kMarginDivisor = 60;  // fraction of the picture's longer side: possible object beside a mask
 constexpr float kContradictedNats = 8, kDoubtedNats = 2;  // nats
 
 uint8_t medianOf(std::vector<uint8_t>& values) {
@@ -34,7 +36,7 @@ uint8_t medianOf(std::vector<uint8_t>& values) {
   return *middle;
 }
 
-// Neighbourhoods of 5 × 5 pixels, channels and pixels averaged: squared differences of two samples, levels².
+// Squared differences of two samples, averaged over neighbourhoods of 5 × 5 pixels and the channels, levels².
 cv::Mat differenceOf(const Image& a, const Image& b) {
   cv::Mat d, planes[3], out;
   cv::subtract(matrixOf(a), matrixOf(b), d, cv::noArray(), CV_32FC3);
@@ -43,7 +45,7 @@ cv::Mat differenceOf(const Image& a, const Image& b) {
   return out;
 }
 
-// Variance within neighbourhoods of 5 × 5 pixels, channels averaged, levels².
+// Variance within neighbourhoods of 5 × 5 pixels, averaged over the channels, levels².
 cv::Mat textureOf(const Image& picture) {
   cv::Mat values, mean, square, planes[3];
   matrixOf(picture).convertTo(values, CV_32F);
@@ -53,16 +55,16 @@ cv::Mat textureOf(const Image& picture) {
   return (planes[0] + planes[1] + planes[2]) / 3;
 }
 
-// A camera's samples compared with one another.
+// Similarity of a camera's samples to one another.
 struct Likeness {
-  std::vector<cv::Mat> moving;  // [sample] CV_8U: first guess at the performer
+  std::vector<cv::Mat> moving;  // [sample] CV_8U: initial mask of the performer
   Image usual;                  // see ClipCamera
   cv::Mat usual_nats;
   float noise = 1;
 };
 
-// First guess at the performer: neighbourhoods that do not belong to the largest group of samples which look alike to
-// the noise. A background looks the same whenever it shows; a body, even where it dwells for most of the take, moves.
+// Initial mask of the performer: neighbourhoods outside the largest group of samples that agree up to noise. A
+// background looks the same whenever it shows; a body moves, even where it dwells for most of the take.
 Likeness likenessOf(std::span<const Image> pictures) {
   const size_t samples = pictures.size();
   const cv::Size size(pictures[0].width, pictures[0].height);
@@ -100,7 +102,7 @@ Likeness likenessOf(std::span<const Image> pictures) {
       mask.at<uint8_t>(i) = a == k || alike[a][k].at<uint8_t>(i) ? 0 : 255;
     }
     cv::morphologyEx(mask, mask, cv::MORPH_OPEN, cv::Mat::ones(3, 3, CV_8U));
-    cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, disc);  // what stays within the body looks alike, too
+    cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, disc);  // pixels that stay within the body look alike, too
     out.moving.push_back(mask);
   }
   return out;
@@ -115,7 +117,7 @@ cv::Mat priorOf(const Support& support) {
   return out;
 }
 
-// Drops components that are far smaller than the largest, and those that other cameras contradict as a whole.
+// Removes components far smaller than the largest, and those that other cameras contradict as a whole.
 void keepPerformer(cv::Mat& mask, const cv::Mat& prior) {
   cv::Mat labels, stats, centres;
   const int count = cv::connectedComponentsWithStats(mask, labels, stats, centres, 8, CV_32S);
@@ -170,7 +172,7 @@ BackgroundModel plateBehind(std::span<const Image> pictures, std::span<const cv:
   });
   BackgroundModel out = makeBackgroundModel({&median, 1});
   out.plates = int(std::clamp<size_t>(pictures.size() / 3, 1, 10));
-  // Flicker beyond the sensor's noise, which the median pixel has.
+  // Flicker beyond the sensor's noise, estimated by the median pixel.
   const float typical = fourdvt::median(spread);
   for (size_t i = 0; i < pixels; ++i)
     out.extra[i] = known[i] ? out.extra[i] + std::max(0.0f, spread[i] - 3 * typical) : kUnknownSpread;
@@ -183,7 +185,7 @@ cv::Mat costOfTheUsual(const ClipCamera& clip, const Image& picture) {
   cv::Mat out(difference.size(), CV_32F, cv::Scalar(0));
   for (int i = 0; i < int(out.total()); ++i) {
     if (difference.at<float>(i) >= kAlike * clip.noise) continue;
-    // Plain cloth looks like itself though it moves.
+    // Plain cloth is self-similar while it moves.
     out.at<float>(i) =
         clip.usual_nats.at<float>(i) * std::clamp(texture.at<float>(i) / (kTelling * clip.noise), kPlain, 1.0f);
   }

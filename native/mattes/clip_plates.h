@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plates for captures that have none: the background as clips show it where the performer is not, found together with
-// the performer from frames spread over the take. First guess: what moves, where all cameras look. Then, in rounds:
-// colours of object and background per camera, a cut of every frame, the hull of the other cameras' masks, and the
-// median of the frames that show the background. Does NOT know the background where the performer never leaves: there
-// its colours stand in. Cameras stand still, and nothing but the performer moves where all cameras look.
+// Plates for captures without any: background that clips show outside the performer, separated together with the
+// performer from frames spread over the take. Initial masks: motion within the region that all cameras see. Then, in
+// rounds: colours of object and background per camera, a cut of every frame, the hull of the other cameras' masks, and
+// the median of the frames that show the background. Background that the performer always covers stays unknown; its
+// colours stand in. Cameras stand still, and nothing but the performer moves where all cameras look.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -17,29 +17,29 @@
 
 namespace fourdvt::mattes {
 
-inline constexpr int kClipSamples = 20;        // frames that are looked at, at most
-inline constexpr double kClipPixels = 80'000;  // … at this size at most
+inline constexpr int kClipSamples = 20;        // maximum frames that are sampled
+inline constexpr double kClipPixels = 80'000;  // maximum pixels of each
 
 struct ClipCamera {
   std::vector<cv::Mat> masks;  // [sample] CV_8U at the reduced size
-  ColourCounts colours;        // of object and background
-  // The look that a neighbourhood has most often, at the reduced size: RGB, and nats against the object where it has
-  // it.
+  ColourCounts colours;        // object and background
+  // Most frequent appearance of each neighbourhood at the reduced size: RGB, and nats against the object where a
+  // picture shows it.
   Image usual;
   cv::Mat usual_nats;  // CV_32F
-  float noise = 1;     // mean squared difference of two pictures of one thing, levels²
+  float noise = 1;     // mean squared difference of two pictures of a static scene, levels²
 };
 
-// `pictures`: [camera][sample] RGB of one instant per sample, all of a camera's of one size, which is its calibrated
-// one divided by reductionFor(camera, kClipPixels). At least three samples.
+// `pictures`: [camera][sample] RGB of one instant per sample, one size per camera: the calibrated size divided by
+// reductionFor(camera, kClipPixels). At least three samples.
 std::vector<ClipCamera> separateClips(const std::vector<capture::CaptureCamera>& cameras, double ground_y_m,
                                       const std::vector<std::vector<Image>>& pictures);
 
-// CV_32F, the reduced size: nats against the object where a picture, RGB of that size, shows what it usually shows.
+// CV_32F, the reduced size: nats against the object where `picture`, RGB of that size, shows the usual appearance.
 cv::Mat costOfTheUsual(const ClipCamera& clip, const Image& picture);
 
-// The background behind masks (CV_8U, any size) of the same samples at full size. Known where a fifth of them show it,
-// and three at least.
+// Background behind masks (CV_8U, any size) of the same samples at full size. Known where at least a fifth of them, and
+// at least three, show it.
 BackgroundModel plateBehind(std::span<const Image> pictures, std::span<const cv::Mat> masks);
 
 }  // namespace fourdvt::mattes

@@ -15,7 +15,7 @@
 
 namespace fourdvt::mattes {
 
-// One camera: its pictures, and plates to key against where it has no mattes.
+// One camera: its pictures, and plates for keying where it has no mattes.
 class FrameReader::Camera {
  public:
   static Result<Camera> open(const capture::Capture& capture, const capture::CaptureSequence& sequence,
@@ -48,7 +48,7 @@ class FrameReader::Camera {
   Camera(const capture::CaptureCamera& camera, capture::MattedPictures pictures)
       : camera_(camera), undistorter_(camera), pictures_(std::move(pictures)) {}
 
-  // The first matte shows whether plates do not fit. An empty one is fine.
+  // Detects plates that do not fit by the first matte. An empty matte passes.
   Status checkFirst(const Image& alpha, float residual_levels) {
     if (std::exchange(checked_, true)) return {};
     if (capture::keepsTheBorder(alpha) || residual_levels > kMostResidual)
@@ -72,7 +72,7 @@ class FrameReader::Camera {
   capture::CaptureCamera camera_;
   capture::Undistorter undistorter_;
   capture::MattedPictures pictures_;
-  std::optional<PlateKey> key_;  // if there are no mattes, and they are needed
+  std::optional<PlateKey> key_;  // set if mattes are required and there are none
   bool checked_ = false;
 };
 
@@ -85,7 +85,7 @@ Result<std::unique_ptr<FrameReader>> FrameReader::open(const capture::Capture& c
                                                        const OpenVideo& open_video, uint32_t first_frame,
                                                        capture::MatteNeed mattes) {
   std::unique_ptr<FrameReader> reader(new FrameReader(capture, sequence, first_frame));
-  // Files are looked for where reading begins with the first frame: later, others have done so.
+  // Missing files are detected only when reading begins with the first frame; later, other readers have done so.
   for (const capture::CaptureCamera& camera : capture.cameras) {
     FOURDVT_ASSIGN(auto opened, Camera::open(capture, sequence, camera, open_video, mattes, first_frame == 0));
     reader->cameras_.push_back(std::move(opened));
@@ -110,7 +110,7 @@ Result<CaptureFrame> FrameReader::next() {
   return frame;
 }
 
-// The faces of constant topology are in the capture.
+// Faces of constant topology are part of the capture.
 Status FrameReader::readSurface(CaptureFrame& frame) const {
   if (capture_.meshes == capture::CaptureMeshes::None) return capture::checkFrame(sequence_, frame.index);
   if (capture_.meshes == capture::CaptureMeshes::ConstantTopology) {
@@ -129,7 +129,7 @@ Result<capture::Capture> openCapture(const std::string& folder, const OpenVideo&
   FOURDVT_ASSIGN(auto capture, capture::openDescription(folder, only, need));
   for (const capture::CaptureSequence& sequence : capture.sequences) {
     FOURDVT_TRY(capture::checkClips(capture, sequence, open_video, mattes));
-    // Opening the reader checks that files are there, reading the first frame checks decoding and sizes.
+    // Opening the reader checks that files exist; reading the first frame checks decoding and sizes.
     FOURDVT_ASSIGN(const auto reader, FrameReader::open(capture, sequence, open_video, 0, mattes));
     if (auto frame = reader->next(); !frame.ok()) return frame.error();
   }

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames of a capture: all cameras in step, one frame at a time, so that memory does not grow with the length. Cameras
-// are decoded in parallel on OpenCV's threads; those without mattes of their own are keyed against their plates.
-// Pictures are undistorted to the capture's pinhole cameras, which have no skew. Does NOT cache, does NOT touch the
-// GPU. Errors name the file and the remedy.
+// Frames of a capture: all cameras in step, one frame at a time, so that memory is independent of the length. Cameras
+// are decoded in parallel on OpenCV's threads; those without mattes are keyed against their plates. Pictures are
+// undistorted to the capture's pinhole cameras, without skew. No cache, no GPU. Errors name the file and the remedy.
 #pragma once
 
 #include <memory>
@@ -25,7 +24,7 @@ Result<capture::Capture> openCapture(const std::string& folder, const OpenVideo&
                                      capture::MatteNeed mattes = capture::MatteNeed::Required);
 
 // Opens sequences of the folder that a capture was linked into. Errors: those of openCapture, under the name of the
-// capture that its links lead to: whatever capture.json names must be found from the new folder.
+// capture that its links lead to; all paths in capture.json must resolve from the new folder.
 Result<capture::Capture> openLinked(const std::string& folder, const std::string& linked_capture,
                                     const std::vector<std::string>& sequences, const OpenVideo& open_video);
 
@@ -33,7 +32,7 @@ struct CaptureFrame {
   uint32_t index = 0;
   std::vector<Image> pictures;    // RGBA per camera: sRGB colour, alpha = matte
   Positions positions;            // metres; empty if the capture has no meshes
-  std::vector<glm::uvec3> faces;  // of per-frame topology; else empty: constant faces are in the capture's topology
+  std::vector<glm::uvec3> faces;  // per-frame topology only; constant faces are in the capture's topology
 };
 
 class FrameReader {
@@ -45,9 +44,9 @@ class FrameReader {
                                                    const OpenVideo& open_video, uint32_t first_frame = 0,
                                                    capture::MatteNeed mattes = capture::MatteNeed::Required);
   ~FrameReader();
-  // The next frame will be this one, which must not lie before it.
+  // Sets the next frame, which must not lie before the current one.
   void skipTo(uint32_t frame);
-  // The next frame. Errors: VideoTooShort, FrameSize, FileUnreadable, MeshTopology, MeshNotFinite …
+  // Reads the next frame. Errors: VideoTooShort, FrameSize, FileUnreadable, MeshTopology, MeshNotFinite …
   Result<CaptureFrame> next();
 
  private:

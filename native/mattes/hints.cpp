@@ -18,11 +18,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kWhite = 250, kBlack = 5, kOpaque = 128;
-constexpr int kSpacing = 4;               // pixels between points of a stroke that travel
-constexpr int kRadius = 3;                // pixels that a travelled point speaks for
-constexpr float kTravelled = 14;          // nats: the picture may know better
+constexpr int kSpacing = 4;               // pixels between tracked points of a stroke
+constexpr int kRadius = 3;                // pixels around a tracked point that it labels
+constexpr float kTravelled = 14;          // nats: less than strong evidence in the picture
 constexpr float kMostReturnError = 0.7f;  // pixels, after tracking there and back
-constexpr float kMostChange = 12;         // levels that a patch may change between two frames, mean absolute
+constexpr float kMostChange = 12;         // maximum change of a patch between two frames, levels, mean absolute
 constexpr int kPatch = 15;
 
 cv::Mat strokesOf(const Image& rgba) {
@@ -73,7 +73,7 @@ Result<Strokes> readStrokes(const capture::Capture& capture, const capture::Capt
   for (const fs::path& entry : capture::sortedEntries(by_sequence ? all / sequence.name : all)) {
     const std::string name = entry.filename().string();
     if (!isCamera(name)) {
-      // Hints of another sequence, perhaps of one that takes no part.
+      // Hints of another sequence, perhaps of one that is not selected.
       if (!by_sequence && fs::is_directory(fs::path(capture.folder) / name, failed)) continue;
       return Error{ErrorId::InvalidArgument,
                    entry.string() + ": no camera has this name; hints lie in folders named after cameras"};
@@ -115,7 +115,7 @@ void HintTrack::advance(const Image& picture, const cv::Mat* strokes) {
     for (int x = 0; x < strokes->cols; x += kSpacing) addPoint(*strokes, x, y);
 }
 
-// The stroke's pixel nearest to the middle of a cell of kSpacing pixels: thin strokes travel, too.
+// Stroke pixel nearest to the middle of a cell of kSpacing pixels, so that thin strokes are tracked, too.
 void HintTrack::addPoint(const cv::Mat& strokes, int cell_x, int cell_y) {
   int nearest = kSpacing * kSpacing;
   Point point{};

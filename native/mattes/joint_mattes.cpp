@@ -17,15 +17,16 @@
 namespace fourdvt::mattes {
 namespace {
 
-constexpr double kCutPixels = 450'000;    // pictures are cut at this size first
-constexpr double kComponentShare = 0.9;   // of a component on the floor or contradicted, from which on it goes
-constexpr double kLeastComponent = 0.01;  // of the camera's largest one
-constexpr float kLooseHull = 5;           // others, up to whom their hull says little of what must be object
-constexpr int kDepths = 5;                // of a place in the hull of the others that are told apart
+constexpr double kCutPixels = 450'000;    // size of the first, reduced cut
+constexpr double kComponentShare = 0.9;   // share of a component on the floor or contradicted, from which on it is
+                                          // removed
+constexpr double kLeastComponent = 0.01;  // minimum share of the camera's largest one
+constexpr float kLooseHull = 5;           // other cameras, up to which their hull is too loose to demand the object
+constexpr int kDepths = 5;                // classes of a pixel's depth in the hull of the others
 constexpr double kSteep = 1.5;            // height per length across the line of sight
-constexpr size_t kManyCameras = 7;        // others, of whom one may be wrong without a doubt
+constexpr size_t kManyCameras = 7;        // other cameras, from which on one of them may be wrong without a doubt
 
-// The height of the performer: nearly the highest place that the masks support.
+// Height of the performer: nearly the highest place that the masks support.
 double performerHeight(const std::vector<Support>& supports) {
   std::vector<float> heights;
   for (const Support& s : supports)
@@ -39,7 +40,7 @@ double performerHeight(const std::vector<Support>& supports) {
 
 enum Doubt : uint8_t { kNoDoubt = 0, kOther = 64, kOnFloor = 128, kContradicted = 255 };
 
-// How deep grid places lie in the hull of the others, CV_8U: 0 at its rim … kDepths - 1 in its core.
+// Depth class of grid places in the hull of the others, CV_8U: 0 at its rim … kDepths - 1 in its core.
 cv::Mat depthOf(const Support& support) {
   cv::Mat distance, out;
   cv::distanceTransform(support.missed == 0, distance, cv::DIST_L2, 3);
@@ -49,13 +50,13 @@ cv::Mat depthOf(const Support& support) {
   return out;
 }
 
-// Heights above the floor, below which a patch may lie on it: in any case, and where it looks like a shadow. The hull
-// of a flat patch bulges.
+// Heights above the floor below which a patch may lie on it: in any case, and where it looks like a shadow. Hulls of
+// flat patches bulge.
 struct Floor {
   double flat_m, shadow_m;
 };
 
-// Nats against the object per pixel of one camera, by what the others see, and the reason.
+// Nats against the object per pixel of one camera from the other cameras' masks, and the reason.
 struct Prior {
   cv::Mat cost;   // CV_32F
   cv::Mat doubt;  // CV_8U, Doubt
@@ -66,7 +67,8 @@ double shareOf(const cv::Mat& part, const cv::Mat& whole) {
   return all > 0 ? double(cv::countNonZero(part & whole)) / all : 1;
 }
 
-// Drops components that the others doubt as a whole, and those far smaller than the largest; none that a stroke marks.
+// Removes components that the others doubt as a whole and those far smaller than the largest, except where a stroke
+// marks them.
 void dropComponents(cv::Mat& mask, const cv::Mat& doubt, const cv::Mat& hints) {
   cv::Mat labels, stats, centres;
   const int count = cv::connectedComponentsWithStats(mask, labels, stats, centres, 8, CV_32S);
@@ -92,12 +94,12 @@ void obey(const cv::Mat& hints, Image& matte) {
     if (const float h = hints.at<float>(i); std::abs(h) >= kObeyed) matte.pixels[size_t(i)] = h < 0 ? 255 : 0;
 }
 
-// One camera's state while the masks of all settle.
+// State of one camera during the iterations.
 struct Work {
   std::optional<BackgroundModel> fitted;  // full size; else the view's plates
   std::optional<KeyCut> key;              // at the reduced size
   cv::Mat first, mask, hints, doubt;      // at the reduced size
-  cv::Mat own_cost;                       // at the reduced size: hints and what else the camera knows
+  cv::Mat own_cost;                       // at the reduced size: hints and the view's own costs
   cv::Mat darkness;                       // at the reduced size, see SupportFinder::shadows
   cv::Mat cost;                           // of the last round
 };
@@ -115,8 +117,8 @@ struct JointMattes::Parts {
   std::vector<float> demandedNats(const std::vector<Support>& supports, const std::vector<cv::Mat>& masks) const;
 };
 
-// The gain of a pixel in the hull of all the others: the odds that it is object, as all masks have it now, by how deep
-// it lies in that hull. The hull's rim is often not the performer's, its core is.
+// Gain of a pixel in the hull of all others: the log odds of object in the current masks, by depth in that hull. The
+// hull's core is reliable, its rim often is not.
 std::vector<float> JointMattes::Parts::demandedNats(const std::vector<Support>& supports,
                                                     const std::vector<cv::Mat>& masks) const {
   const auto seeing =
@@ -228,7 +230,7 @@ void beginWork(const MatteView& view, int reduction, Work& w, CameraMatte& out) 
   w.first = w.mask = w.key->cut(w.own_cost);
 }
 
-// See CameraMatte::dropped; at the reduced size.
+// CameraMatte::dropped at the reduced size.
 cv::Mat droppedOf(const Work& w) {
   cv::Mat out = cv::Mat::zeros(w.mask.size(), CV_8U);
   const cv::Mat why = cv::max(w.doubt, cv::Scalar(kOther)), gone = w.first & ~w.mask;
@@ -236,7 +238,7 @@ cv::Mat droppedOf(const Work& w) {
   return out;
 }
 
-// The matte at full size: the cut again, along the outline of the reduced mask.
+// Matte at full size: a second cut along the outline of the reduced mask.
 Image finished(const MatteView& view, const Work& w, int reduction) {
   if (!w.key) {
     if (view.given_is_final) return view.given;
@@ -265,7 +267,7 @@ Image finished(const MatteView& view, const Work& w, int reduction) {
 
 }  // namespace
 
-// One round: what the others say of every pixel, and all masks cut anew.
+// Runs one round: the support of every pixel by the other cameras, and a new cut of all masks.
 void JointMattes::Parts::settle(std::span<const MatteView> views, std::vector<Work>& work,
                                 std::vector<CameraMatte>& out) const {
   std::vector<cv::Mat> masks, first, darkness;
@@ -276,7 +278,7 @@ void JointMattes::Parts::settle(std::span<const MatteView> views, std::vector<Wo
   const std::vector<Support> supports = finder->find(masks, options.slack_pixels, first);
   const std::vector<cv::Mat> shadows = finder->shadows(masks, darkness, options.slack_pixels);
   const std::vector<float> demanded = demandedNats(supports, masks);
-  // Masks that are grown by the slack reach that far above the floor, and further where others look down steeply.
+  // Masks grown by the slack reach that far above the floor, and further for cameras that look down steeply.
   const double slack_m = kSteep * options.slack_pixels * finder->footprint_m(), height_m = performerHeight(supports);
   const Floor floor{options.floor_share * height_m + slack_m, options.shadow_share * height_m + slack_m};
   inParallel(views.size(), [&](size_t i) {

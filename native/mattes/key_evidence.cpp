@@ -10,17 +10,17 @@
 namespace fourdvt::mattes {
 namespace {
 
-constexpr float kTint = 0.08f;          // how far a shadow's channels may differ, as a share of what it takes away
-constexpr float kPerhapsShade = 0.25f;  // weight of what may be a scaled plate among the colours of the object
-constexpr float kPenumbra = 0.02f;      // how unevenly a shadow may lie, as a share of what it takes away
-constexpr float kMostUnderrated = 25;   // of the noise's variance
+constexpr float kTint = 0.08f;          // tolerance between a shadow's channels, as a share of the removed light
+constexpr float kPerhapsShade = 0.25f;  // weight of possible scaled plate in the object's colours
+constexpr float kPenumbra = 0.02f;      // unevenness of a shadow, as a share of the removed light
+constexpr float kMostUnderrated = 25;   // multiple of the noise's variance
 constexpr float kMinNoise = 0.8f;       // levels: rounding and compression
 constexpr int kWindow = 5, kWideWindow = 11;
 // Mean squared deviations of 75 values: 1 ± 0.16 if the hypothesis holds.
 constexpr float kLooksAlike = 1.5f, kLooksOther = 3.0f;
-constexpr float kTextured = 1.5f;  // the neighbourhood's own variance, from which on agreement proves something
+constexpr float kTextured = 1.5f;  // minimum variance of a neighbourhood whose agreement is evidence
 constexpr float kUnknownColours = 0.15f, kUnknownRatios = 0.05f, kShadedShare = 0.5f, kOutliers = 1e-4f;
-constexpr float kMinWidth = 0.01f, kWidthStep = 1.5f;  // deviations of a ratio that ratioDensity tells apart
+constexpr float kMinWidth = 0.01f, kWidthStep = 1.5f;  // resolution of ratioDensity, in deviations of a ratio
 
 // Median of |x(i) - x(i + 1)| in one channel as a standard deviation of x, whose values are `spacing` apart.
 float deviationOfNeighbours(const cv::Mat& x, int channel, float spacing) {
@@ -33,7 +33,7 @@ float deviationOfNeighbours(const cv::Mat& x, int channel, float spacing) {
   if (steps.empty()) return 0;
   const auto middle = steps.begin() + std::ptrdiff_t(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
-  // Whole levels have many equal steps: the median lies between the neighbouring values by how many are below.
+  // Quantised levels have many equal steps: the median is interpolated by the count below.
   const float value = *middle;
   size_t below = 0, equal = 0;
   for (const float s : steps) below += s < value - 1e-3f, equal += std::abs(s - value) <= 1e-3f;
@@ -47,9 +47,9 @@ cv::Mat sumOfChannels(const cv::Mat& m) {
   return out;
 }
 
-// 1 where one of the neighbourhoods that hold a pixel agrees with a hypothesis, by its mean squared deviations; falls
-// with the least of them, from 3 standard deviations of theirs too much on, to e^-max_doubt at 15. Next to an outline
-// some neighbourhood lies on one side of it.
+// 1 where one of the neighbourhoods that contain a pixel agrees with a hypothesis, by its mean squared deviations;
+// falls with their minimum, from 3 standard deviations too much on, to e^-max_doubt at 15. At an outline, some
+// neighbourhood lies on one side of it.
 cv::Mat agreement(const cv::Mat& deviations, int window, double max_doubt) {
   cv::Mat out;
   cv::erode(deviations, out, cv::Mat::ones(window, window, CV_8U), {-1, -1}, 1, cv::BORDER_REPLICATE);
@@ -95,7 +95,7 @@ void KeyEvidence::measureNoise(const cv::Mat& picture, const cv::Mat& mean) {
   const cv::Mat difference = picture - mean;
   for (int c = 0; c < 3; ++c)
     noise_[c] = std::max(kMinNoise, deviationOfNeighbours(difference, c, plate_noise_) / std::sqrt(1 + plate_noise_));
-  // Compressed noise is alike in neighbours: the median neighbourhood, which shows the plate, says how large it is.
+  // Compressed noise is correlated between neighbours: the median neighbourhood, which shows the plate, measures it.
   cv::Mat whitened;
   cv::multiply(difference, cv::Scalar(1 / noise_[0], 1 / noise_[1], 1 / noise_[2]), whitened);
   const cv::Mat squares = windowMean(sumOfChannels(whitened.mul(whitened)), kWindow) / (3 * (1 + plate_noise_));
@@ -103,7 +103,7 @@ void KeyEvidence::measureNoise(const cv::Mat& picture, const cv::Mat& mean) {
       std::clamp(median(std::vector<float>(squares.begin<float>(), squares.end<float>())), 1.0f, kMostUnderrated));
 }
 
-// The best fit of a scaled plate to each neighbourhood. Channels may differ by the tint of a shadow.
+// Least-squares scale of the plate for each neighbourhood. Channels may differ by the tint of a shadow.
 KeyEvidence::Fit KeyEvidence::fit(int window) const {
   const cv::Mat pp = windowMean(sumOfChannels(picture_.mul(picture_)), window), spread = windowMean(extra_, window);
   const cv::Mat pb = windowMean(picture_.mul(plate_), window), bb = windowMean(plate_.mul(plate_), window);
@@ -136,7 +136,7 @@ void KeyEvidence::lookAtNeighbourhoods() {
   shaded_ = (near.lit > 2 * kLooksAlike) & (near.scaled < kLooksAlike) & (own > 3 * kTextured);
   lit_share_ = agreement(near.lit, kWindow, 4).mul(agreement(wide.lit, kWideWindow, 2));
   shaded_share_ = agreement(near.scaled, kWindow, 4).mul(agreement(wide.scaled, kWideWindow, 2));
-  if (!known_.empty()) {  // there the plates say nothing
+  if (!known_.empty()) {  // unknown plate: no evidence
     lit_ &= known_;
     object_ &= known_;
     shaded_ &= known_;
@@ -160,7 +160,7 @@ std::vector<float> KeyEvidence::counted(const cv::Mat& mask, bool unsure_counts_
   return counts;
 }
 
-// A histogram, blurred by a bin, and some of all colours, as a density.
+// Density from a histogram, blurred by a bin and mixed with a uniform share.
 std::vector<float> KeyEvidence::densityOf(std::vector<float> counts) const {
   double total = 0;
   for (const float count : counts) total += count;
@@ -210,7 +210,7 @@ void KeyEvidence::learnRatios(const cv::Mat& object) {
     const cv::Vec3f &p = picture_.at<cv::Vec3f>(i), b = plate_.at<cv::Vec3f>(i);
     const float bb = std::max(b.dot(b), 1e-6f), s = p.dot(b) / bb;
     const int bin = int(std::floor((s - low) / step));
-    // Dark plates hardly tell the ratio.
+    // Dark plates give unreliable ratios.
     if (bin >= 0 && bin < kRatios) histogram[size_t(bin)] += std::min(1.0f, bb / 400);
   }
   double sum = 0;
@@ -238,7 +238,7 @@ float KeyEvidence::ratioDensity(float ratio, float deviation) const {
   return ratios_[size_t(w * kRatios + std::clamp(r, 0, kRatios - 1))];
 }
 
-// Densities of the picture's colour at pixel i, three-dimensional, in units of noise.
+// Densities of the picture's colour at pixel i under the background hypotheses, three-dimensional, in units of noise.
 KeyEvidence::Background KeyEvidence::backgroundAt(int i) const {
   const cv::Vec3f &p = picture_.at<cv::Vec3f>(i), b = plate_.at<cv::Vec3f>(i);
   if (!known_.empty() && !known_.at<uint8_t>(i)) return {others_[colourBin(p)], 0, 1};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What each pixel of a picture says for object and for background (lit as the plate, or a scaled plate: shadow and
-// highlight). The colours of the object and the ratios of the shadows are learnt from the picture itself.
+// Per-pixel evidence for object and for background (lit as the plate, or a scaled plate: shadow and highlight). Colours
+// of the object and shadow ratios are learnt from the picture itself.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -11,54 +11,54 @@
 namespace fourdvt::mattes {
 
 struct BackgroundKeyOptions {
-  float min_shadow = 0.2f;      // background may be darker than its plate down to this ratio (encoded values)
-  float max_highlight = 1.25f;  // … and brighter up to this one
+  float min_shadow = 0.2f;      // minimum ratio of shadowed background to its plate (encoded values)
+  float max_highlight = 1.25f;  // maximum ratio of highlights
   float smoothness = 2.2f;      // cost of a border between object and background per pixel of its length, in nats
-  int rounds = 2;               // how often the object's colours and the shadow's ratio are learnt anew
-  float speck_share = 1e-4f;    // parts and holes of less than this share of the picture, or of less than 12 pixels, go
-  float blur_pixels = 0.7f;     // the outline's softness where picture and plate do not tell it
+  int rounds = 2;               // re-estimations of the object's colours and the shadow's ratio
+  float speck_share = 1e-4f;    // minimum size of parts and holes, as a share of the picture; at least 12 pixels
+  float blur_pixels = 0.7f;     // softness of the outline where picture and plate leave it undetermined
 };
 
-// How often colours were seen, [red][green][blue] of kColourBins bins each: of several pictures of one camera, say.
+// Colour counts, [red][green][blue] of kColourBins bins each, over one or several pictures of one camera.
 inline constexpr int kColourBins = 24;
 struct ColourCounts {
   std::vector<float> object, background;
 };
 
-// Everything is divided by the sensor's noise per channel: a deviation of 1 is one standard deviation.
+// Evidence of one picture. All deviations are in units of the sensor's noise per channel.
 class KeyEvidence {
  public:
   KeyEvidence(const Image& picture, const BackgroundModel& background, const BackgroundKeyOptions& options);
 
-  // CV_8U: 255 where a neighbourhood of 5 × 5 can be no scaled plate.
+  // CV_8U: 255 where a neighbourhood of 5 × 5 pixels cannot be a scaled plate.
   const cv::Mat& surelyObject() const { return object_; }
-  // CV_8U: 255 where a neighbourhood of 5 × 5 looks as the plate does.
+  // CV_8U: 255 where a neighbourhood of 5 × 5 pixels looks like the plate.
   const cv::Mat& surelyLit() const { return lit_; }
-  // CV_8U: 255 where the plates show the background; empty: everywhere. Elsewhere the colours of the background that
-  // was learnt stand in for the plates.
+  // CV_8U: 255 where the plates show the background; empty: everywhere. Elsewhere the learnt background colours replace
+  // the plates.
   const cv::Mat& known() const { return known_; }
-  // Learns the colours of the object from the pixels of `object` (CV_8U), those of the background and the shadow's
-  // ratios from outside it.
+  // Learns colours of the object from the pixels of `object` (CV_8U), and those of the background and the shadow's
+  // ratios from the others.
   void learn(const cv::Mat& object);
-  // Adds the picture's colours, those of the object where `object` is not 0.
+  // Adds the picture's colours; `object` is not 0 on the object.
   void count(const cv::Mat& object, ColourCounts& counts) const;
-  // Takes the colours from these counts.
+  // Replaces the colours by these counts.
   void use(const ColourCounts& counts);
-  // CV_32F: cost of being the object less the cost of being background, in nats.
+  // CV_32F: cost as object minus cost as background, nats.
   cv::Mat cost() const;
-  // CV_32F: the most likely ratio of background and plate: 1, or that of a shadow.
+  // CV_32F: maximum-likelihood ratio of background to plate: 1, or that of a shadow.
   cv::Mat ratio() const;
 
   const cv::Mat& picture() const { return picture_; }  // CV_32FC3
   const cv::Mat& plate() const { return plate_; }      // CV_32FC3
-  // CV_32F: variance of picture less plate.
+  // CV_32F: variance of picture minus plate.
   const cv::Mat& variance() const { return variance_; }
 
  private:
   static constexpr int kRatios = 96, kWidths = 12, kColours = kColourBins;
   void measureNoise(const cv::Mat& picture, const cv::Mat& mean);
   struct Fit {
-    cv::Mat lit, scaled;  // CV_32F: mean squared deviations of a neighbourhood, 1 ± √(2 / number of values) if it fits
+    cv::Mat lit, scaled;  // CV_32F: mean squared deviations of a neighbourhood, 1 ± √(2 / number of values) for a fit
   };
   Fit fit(int window) const;
   void lookAtNeighbourhoods();
@@ -74,15 +74,15 @@ class KeyEvidence {
   size_t colourBin(const cv::Vec3f& colour) const;
 
   const BackgroundKeyOptions options_;
-  const float plate_noise_;  // the mean plate's variance, of the picture's
+  const float plate_noise_;  // the mean plate's variance as a share of the picture's
   cv::Vec3f noise_;          // levels
   cv::Mat picture_, plate_, variance_, extra_;
   cv::Mat object_, lit_, shaded_;
-  cv::Mat lit_share_, shaded_share_;  // CV_32F: what the neighbourhoods leave of the two hypotheses
+  cv::Mat lit_share_, shaded_share_;  // CV_32F: share of the two hypotheses that the neighbourhoods leave
   std::vector<float> ratios_;         // [width][ratio] density
   cv::Mat known_;
   std::vector<float> colours_;  // [bin] density of the object, in units of noise
-  std::vector<float> others_;   // [bin] density of the background, where the plates do not show it
+  std::vector<float> others_;   // [bin] density of the background, for pixels without plates
 };
 
 }  // namespace fourdvt::mattes

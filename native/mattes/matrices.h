@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures as matrices, and work on many of them at once.
+// OpenCV views of pictures, and a parallel loop.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 
 namespace fourdvt::mattes {
 
-// A view of the picture's bytes, which it must not outlive.
+// View of the picture's bytes; valid as long as the picture.
 inline cv::Mat matrixOf(const Image& picture) {
   return cv::Mat(picture.height, picture.width, CV_8UC(picture.channels), const_cast<uint8_t*>(picture.pixels.data()));
 }

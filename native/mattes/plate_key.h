@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plates of the empty studio at work: mattes of a camera that has none of its own, by a chroma key or by a key against
-// a natural background (background_key.h), and the room's picture. Does NOT remove colour spill.
+// Mattes from plates of the empty studio, by a chroma key or by a key against a natural background (background_key.h),
+// and the room's picture. Colour spill stays.
 #pragma once
 
 #include <string>
@@ -29,8 +29,8 @@ class PlateKey {
   // One channel. `picture`: RGB, as distorted as the plates. `residual_levels`: see PlateFit; 0 for a chroma key.
   Image matte(const Image& picture, float* residual_levels = nullptr) const;
   bool natural() const { return natural_; }
-  const BackgroundModel& model() const { return model_; }  // of a natural background
-  const std::string& path() const { return path_; }        // of the first plate
+  const BackgroundModel& model() const { return model_; }  // natural background
+  const std::string& path() const { return path_; }        // first plate
 
  private:
   std::string path_;
@@ -39,12 +39,12 @@ class PlateKey {
   BackgroundModel model_;  // natural background
 };
 
-inline constexpr float kMostResidual = 15;  // levels, in half of the pixels: a plate that fits leaves less
-// FileUnreadable: a plate that does not fit the pictures.
+inline constexpr float kMostResidual = 15;  // levels, median absolute; plates that fit stay below
+// Error FileUnreadable: a plate that does not fit the pictures.
 Error plateDoesNotFit(const std::string& plate, const std::string& pictures, const std::string& camera);
 
-// The mean of a camera's plates as its pinhole camera would see it: RGBA, alpha 0 where the camera's picture does not
-// reach. Errors: those of capture::readPlates, with a message about the capture's room.
+// Mean of a camera's plates in its pinhole camera: RGBA, alpha 0 outside the filmed picture. Errors: those of
+// capture::readPlates, with a message about the capture's room.
 Result<Image> readRoomPlate(const capture::Capture& capture, const capture::CaptureCamera& camera);
 
 }  // namespace fourdvt::mattes

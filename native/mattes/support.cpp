@@ -11,18 +11,19 @@
 namespace fourdvt::mattes {
 namespace {
 
-constexpr double kNearest = 0.05, kFarthest = 5;  // of the distance to where the cameras look
-constexpr int kProbes = 160;                      // depths at which a camera's range of depths is looked for
+constexpr double kNearest = 0.05, kFarthest = 5;  // multiples of the distance to where the cameras look
+constexpr int kProbes = 160;                      // depths at which a camera's depth range is searched
 constexpr double kPixelsPerStep = 2;              // in the other camera, along its epipolar line
 constexpr size_t kMostDepths = 1024;
 constexpr int kLeastStep = 3, kMostRays = 30'000;
-constexpr int kCoarse = 4;  // grid places of the coarse search, which finds where the fine one is worth it
-constexpr int kReach = 12;  // pixels round a camera's own mask in which support is looked for in any case
+constexpr int kCoarse = 4;  // grid places per step of the coarse search, which selects places for the fine one
+constexpr int kReach = 12;  // pixels around a camera's own mask in which support is always searched
 constexpr float kNone = -std::numeric_limits<float>::infinity();
-constexpr int kShadow = 122, kShadowSpread = 40;  // of 128: darker than the plates, by about the same in all cameras
-constexpr int kBlamed = 400;                      // pixels of a mask that explain() judges
+constexpr int kShadow = 122, kShadowSpread = 40;  // shares of 128: darker than the plates, by about the same in all
+                                                  // cameras
+constexpr int kBlamed = 400;                      // pixels per mask that explain() judges
 
-// The point that lies closest to all optical axes.
+// Point closest to all optical axes.
 glm::dvec3 middleOf(const std::vector<capture::CaptureCamera>& cameras) {
   glm::dmat3 a(0);
   glm::dvec3 b(0);
@@ -55,7 +56,7 @@ struct SupportFinder::Rays {
   int step = kLeastStep;
   cv::Size grid;
   std::vector<glm::dvec3> through;  // world directions with depth 1 along the optical axis, one per grid place
-  std::vector<double> depths_m;     // from near to far, so dense that others see steps of about two pixels
+  std::vector<double> depths_m;     // near to far, with steps of about two pixels in the other cameras
 
   bool sees(const glm::dvec3& in_camera, int& x, int& y) const {
     if (!(in_camera.z > 0)) return false;
@@ -67,7 +68,7 @@ struct SupportFinder::Rays {
   }
 };
 
-// The other cameras as seen along the rays of one.
+// Search along the rays of one camera by the other cameras.
 struct SupportFinder::Search {
   const Rays* own = nullptr;
   std::vector<size_t> others;
@@ -75,7 +76,7 @@ struct SupportFinder::Search {
   std::vector<cv::Mat> masks;
   std::vector<glm::dvec3> from;  // the camera's centre in the others' frames
   glm::dvec3 centre{0};
-  size_t needed = 1;  // how many must see a place
+  size_t needed = 1;  // number of cameras that must see a place
 
   // Calls visit(depth, missed) for the places along a ray that enough of the others see; `missed`: indices into
   // `others`, at most `most` + 1 of them. visit returns false to stop.
@@ -116,7 +117,7 @@ SupportFinder::SupportFinder(const std::vector<capture::CaptureCamera>& cameras,
     rays_.push_back(std::move(r));
   }
   for (Rays& r : rays_) {
-    // The range of depths that enough of the others see, and steps as fine as the widest baseline needs.
+    // Depth range that enough of the others see, with steps as fine as the widest baseline needs.
     const double distance_m = glm::distance(r.camera.centreInWorld(), middle);
     footprint_m_ += distance_m / r.camera.fx / double(rays_.size());
     std::vector<double> inverse;
@@ -190,7 +191,7 @@ bool SupportFinder::shadowAt(size_t camera, int at, const std::vector<cv::Mat>& 
       dark.push_back(value);
   }
   if (own_dark == 0 || own_dark > kShadow) return false;
-  // At the patch's rim, and behind things that stand before it, a camera may see another ratio.
+  // At the patch's rim, and behind occluders, a camera may see another ratio.
   const auto alike = size_t(
       std::count_if(dark.begin(), dark.end(), [&](int value) { return std::abs(value - own_dark) <= kShadowSpread; }));
   return alike >= 2 && 2 * alike >= dark.size();
@@ -252,7 +253,7 @@ Support SupportFinder::supportOf(size_t camera, const std::vector<cv::Mat>& mask
   Support out{cv::Mat(own.grid, CV_16S, cv::Scalar(-2)), cv::Mat(own.grid, CV_32F, cv::Scalar(kNone))};
   if (search.others.empty()) return out;
   const cv::Mat near = grown(own_mask, kReach);
-  // The fine search is worth it round the camera's own mask, and in blocks where a coarse one found something.
+  // The fine search runs around the camera's own mask, and in blocks where a coarse one found something.
   cv::Mat worth(own.grid, CV_8U, cv::Scalar(0)), blocks(own.grid, CV_8U, cv::Scalar(0)), spread;
   cv::parallel_for_(cv::Range(0, own.grid.height), [&](const cv::Range& rows) {
     for (int y = rows.start; y < rows.end; ++y)

@@ -9,7 +9,8 @@
 namespace fourdvt::mattes {
 namespace {
 
-constexpr std::array<uint8_t, 3> kBehind{214, 60, 190};  // colour behind the performer: shows holes and fringes
+constexpr std::array<uint8_t, 3> kBehind{214, 60, 190};  // colour behind the performer, which makes holes and fringes
+                                                         // visible
 
 std::array<int, 3> tintOf(uint8_t dropped) {
   if (dropped == 255) return {255, 40, 40};

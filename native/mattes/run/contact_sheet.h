@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One cell of a camera's contact sheet: the picture with its matte's outline and what was dropped, and the performer
-// alone. Does NOT read or write files.
+// One cell of a camera's contact sheet: the picture with its matte's outline and removed parts, and the performer
+// alone. In memory only.
 #pragma once
 
 #include "base/image.h"
@@ -10,8 +10,8 @@ namespace fourdvt::mattes {
 
 inline constexpr int kCellHeight = 400;  // pixels
 
-// RGB, two pictures one above the other, each kCellHeight high. Outline green; dropped because other cameras contradict
-// it: red; because it lies on the floor: blue; for another reason: yellow.
+// RGB, two pictures one above the other, each kCellHeight high. Outline green; removed parts by reason: contradicted by
+// other cameras red, on the floor blue, other yellow.
 Image contactCell(const Image& picture, const CameraMatte& matte);
 
 }  // namespace fourdvt::mattes

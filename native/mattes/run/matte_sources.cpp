@@ -19,7 +19,7 @@ struct Instant {
   uint32_t frame;
 };
 
-// Spread evenly over all sequences.
+// Samples spread evenly over all sequences.
 std::vector<Instant> samplesOf(const capture::Capture& capture) {
   std::vector<Instant> all, out;
   for (const capture::CaptureSequence& s : capture.sequences)
@@ -58,7 +58,7 @@ void tell(const MattesEnvironment& environment, const std::string& stage) {
   if (environment.progress) environment.progress({stage, 0, 0, 0, 0});
 }
 
-// Backgrounds of the cameras that have no plates. All cameras help to find the performer.
+// Estimates backgrounds of the cameras without plates. All cameras help to find the performer.
 Status addClipPlates(const capture::Capture& capture, const MattesEnvironment& environment,
                      std::vector<MatteSource>& sources, const std::vector<bool>& wanted) {
   const std::vector<Instant> samples = samplesOf(capture);

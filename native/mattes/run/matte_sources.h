@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sources of mattes, one a camera: mattes that the capture has, a key against plates, or plates that
-// are made from the clips (clip_plates.h). Does NOT make mattes.
+// Sources of mattes, one per camera: mattes of the capture, a key against plates, or plates estimated from the clips
+// (clip_plates.h).
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@
 
 namespace fourdvt::mattes {
 
-// One camera's plates, if mattes have to be made of any sequence.
+// One camera's plates, if any sequence lacks mattes.
 struct MatteSource {
   std::optional<PlateKey> key;               // plates of the capture
   std::optional<BackgroundModel> from_clip;  // else
@@ -25,14 +25,14 @@ struct MatteSource {
 // True where the capture lacks a camera's mattes in a sequence.
 Result<bool> lacksMattes(const capture::CaptureSequence& sequence, const capture::CaptureCamera& camera,
                          const OpenVideo& open_video);
-// The same of a camera and any sequence.
+// Returns true where the capture lacks a camera's mattes in any sequence.
 Result<bool> lacksMattes(const capture::Capture& capture, const capture::CaptureCamera& camera,
                          const OpenVideo& open_video);
-// True where mattes must be made together: some camera has neither mattes nor a backdrop for a colour key, or there are
-// hints.
+// Returns true where mattes must be made jointly: some camera has neither mattes nor a backdrop for a colour key, or
+// there are hints.
 Result<bool> wantsMattes(const capture::Capture& capture, const OpenVideo& open_video);
 
-// One source a camera. Errors: FileUnreadable, FrameSize, InvalidArgument (too few frames to find a background in),
+// One source per camera. Errors: FileUnreadable, FrameSize, InvalidArgument (too few frames to estimate a background),
 // Interrupted, those of pictures.
 Result<std::vector<MatteSource>> openSources(const capture::Capture& capture, const MattesEnvironment& environment);
 

@@ -21,8 +21,8 @@
 namespace fourdvt::mattes {
 namespace {
 
-constexpr uint32_t kShownFrames = 6;          // of a sequence, in its contact sheets
-constexpr const char* kVersion = "mattes 1";  // raise it when the same options give other mattes
+constexpr uint32_t kShownFrames = 6;          // frames per sequence in its contact sheets
+constexpr const char* kVersion = "mattes 1";  // to be raised when the same options give other mattes
 const capture::FolderWriter kWriter{"mattes", kReportJson, "reconstruct.json"};
 
 // `count` frames spread evenly, all if there are fewer.
@@ -54,7 +54,7 @@ class Run {
   Result<MattesSummary> run() {
     MattesSummary out;
     FOURDVT_TRY(platform::makeFolder(work_ + "/mattes"));
-    for (const capture::CaptureSequence& s : capture_.sequences) {  // mistakes in hints stop the run before any work
+    for (const capture::CaptureSequence& s : capture_.sequences) {  // errors in hints stop the run before any work
       FOURDVT_ASSIGN(auto strokes, readStrokes(capture_, s));
       strokes_.push_back(std::move(strokes));
       std::vector<bool>& lacking = lacking_.emplace_back();
@@ -81,7 +81,7 @@ class Run {
     return spread(s.frame_count, options_.preview > 0 ? uint32_t(options_.preview) : s.frame_count);
   }
   std::string sourcesPath() const { return work_ + "/mattes/sources.bin"; }
-  // Sources that an earlier run, or this one, made mattes from.
+  // Sources of the mattes that an earlier run, or this one, made.
   std::vector<std::string> sourceNames() const {
     auto kept = store::load<std::vector<std::string>>(sourcesPath());
     auto out = kept ? kept.take() : std::vector<std::string>();
@@ -92,12 +92,12 @@ class Run {
   std::string figuresPath(const capture::CaptureSequence& s, uint32_t frame) const {
     return work_ + "/mattes/" + s.name + "/" + capture::frameName(frame) + ".bin";
   }
-  // A preview's mattes lie apart, so that nobody takes its folder for a capture.
+  // Mattes of a preview are kept apart, so that its folder cannot be mistaken for a capture.
   std::string mattesFolder(const capture::CaptureSequence& s, size_t camera) const {
     const std::string stem = capture::matteStem(capture_.cameras[camera].pinhole.name);
     return part_ + "/" + (options_.preview > 0 ? "preview/" : "") + s.name + "/" + stem;
   }
-  // Mattes are numbered as the camera's pictures are.
+  // Path of a matte, numbered like the camera's pictures.
   std::string mattePath(const capture::CaptureSequence& s, size_t camera, uint32_t frame) const {
     const uint32_t number = s.pictureOf(capture_.cameras[camera].pinhole.name, frame);
     return mattesFolder(s, camera) + "/" + capture::frameName(number) + ".png";
@@ -110,7 +110,7 @@ class Run {
   const Strokes& strokesOf(const capture::CaptureSequence& s) const {
     return strokes_[size_t(&s - capture_.sequences.data())];
   }
-  // [camera] true: it has no mattes of its own.
+  // [camera] true: no mattes of its own.
   const std::vector<bool>& lackingOf(const capture::CaptureSequence& s) const {
     return lacking_[size_t(&s - capture_.sequences.data())];
   }
@@ -125,7 +125,7 @@ class Run {
     joint.alone = options_.alone;
     joint.background_unseen =
         std::any_of(sources_.begin(), sources_.end(), [](const MatteSource& s) { return s.from_clip.has_value(); });
-    if (joint.background_unseen) joint.demanded_nats = 0;  // colours alone hold little against it
+    if (joint.background_unseen) joint.demanded_nats = 0;  // colours alone are weak evidence against the demand
     joint_ = std::make_unique<JointMattes>(capture_.cameras, capture_.ground_y_m, joint);
     watch_ = {};
     return {};
@@ -135,7 +135,7 @@ class Run {
     for (size_t c = 0; c < capture_.cameras.size(); ++c) {
       FOURDVT_TRY(platform::makeFolder(cellsFolder() + "/" + s.name + "/" + capture_.cameras[c].pinhole.name));
       if (!lackingOf(s)[c]) continue;
-      // A folder of this name without mattes was linked: nothing is written into the capture.
+      // A folder of this name without mattes may be a link: nothing is written into the capture.
       std::error_code none;
       if (std::filesystem::is_symlink(mattesFolder(s, c), none)) std::filesystem::remove(mattesFolder(s, c), none);
       FOURDVT_TRY(platform::makeFolder(mattesFolder(s, c)));
@@ -143,7 +143,7 @@ class Run {
     return platform::makeFolder(work_ + "/mattes/" + s.name);
   }
 
-  // Figures of a frame whose mattes are all there.
+  // Figures of a frame; nullopt unless all its mattes exist.
   std::optional<std::vector<CameraFigures>> keptFigures(const capture::CaptureSequence& s, uint32_t frame,
                                                         const std::vector<bool>& lacking) const {
     std::error_code none;
@@ -184,12 +184,13 @@ class Run {
     return out;
   }
 
-  // The first frame of each sequence in which enough cameras see something is judged.
+  // Judges the first frame of each sequence in which enough cameras see something.
   Status checkAgreement(const capture::CaptureSequence& s, uint32_t frame, const MattesFrame& made) {
     if (options_.alone || options_.any_silhouettes || agreed_ == s.name) return {};
     std::vector<cv::Mat> masks;
     size_t seeing = 0;
-    // Together they would agree on what is left. Keys against plates from clips are too rough to be judged.
+    // Uses the cameras' own keys: joint mattes would agree with one another. Keys against plates from clips are too
+    // rough to be judged.
     for (size_t c = 0; c < made.mattes.size(); ++c) {
       const CameraMatte& m = made.mattes[c];
       masks.push_back(sources_[c].from_clip ? cv::Mat(matrixOf(m.matte) >= 128) : m.own);

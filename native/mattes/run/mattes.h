@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mattes for a capture: every camera that has none gets them, made with the help of the others (joint_mattes.h).
-//   pictures, plates or clips, hints → SEQUENCE/maskNN/000000.png … in a capture folder of links, and a report
-// One frame is in memory at a time. Frames are kept as they are finished; nothing is put into place before all are.
+// Mattes for a capture: makes those of every camera without any, jointly with the others (joint_mattes.h).
+//    pictures, plates or clips, hints → SEQUENCE/maskNN/000000.png … in a capture folder of links, and a report
+// One frame is in memory at a time. Finished frames are kept; the result is put into place when all are done.
 #pragma once
 
 #include <map>
@@ -19,14 +19,14 @@ inline constexpr const char* kGivenMattes = "the capture's mattes";
 
 // One camera in one frame.
 struct CameraFigures {
-  double shift_pixels = 0, gain = 1, residual_levels = 0;  // of plate to picture, see PlateFit
+  double shift_pixels = 0, gain = 1, residual_levels = 0;  // plate to picture, see PlateFit
   double supported = 1, kept = 1;                          // see CameraMatte
-  double share = 0;                                        // of the picture that is performer
+  double share = 0;                                        // share of the picture that the performer covers
 };
 struct SequenceFigures {
   std::string name;
-  std::vector<std::vector<CameraFigures>> frames;  // [frame][camera]; of a preview, only its frames
-  std::vector<uint32_t> numbers;                   // of the frames
+  std::vector<std::vector<CameraFigures>> frames;  // [frame][camera]; of a preview only its frames
+  std::vector<uint32_t> numbers;                   // frame numbers
 };
 
 struct MattesSummary {
@@ -37,13 +37,12 @@ struct MattesSummary {
   std::vector<std::string> warnings;  // one line each
 };
 
-// The command. Errors: those of openCapture and of pictures; InvalidArgument (hints, folders, silhouettes that no
-// common volume explains, naming sequence and frame); WriteFailed; Interrupted.
+// Runs `fourdvt mattes`. Errors: those of openCapture and of pictures; InvalidArgument (hints, folders, silhouettes
+// that no common volume explains, naming sequence and frame); WriteFailed; Interrupted.
 Result<MattesSummary> makeMattes(const MattesOptions& options, const MattesEnvironment& environment);
 
-// Its part that makes mattes of `capture` into a folder that is linked to it: SEQUENCE/maskNN/000000.png in
-// `part_folder`, with the report; what is kept of finished frames in `work_folder`. Goes on where an earlier call
-// stopped.
+// Makes the mattes of `capture` in a folder linked to it: SEQUENCE/maskNN/000000.png in `part_folder`, with the report;
+// finished frames' figures in `work_folder`. Resumes where an earlier call stopped.
 Result<MattesSummary> addMattes(const capture::Capture& capture, const std::string& part_folder,
                                 const std::string& work_folder, const MattesOptions& options,
                                 const MattesEnvironment& environment);

@@ -15,9 +15,9 @@ struct MattesOptions {
   std::string capture_folder, folder;  // read, written
   std::vector<std::string> sequences;  // empty: all
   std::vector<std::string> leave_out;  // cameras
-  bool alone = false;                  // every camera for itself
-  bool any_silhouettes = false;        // go on although no common volume explains the silhouettes
-  int preview = 0;                     // so many frames of every sequence, and no capture; 0: all of them
+  bool alone = false;                  // every camera by itself
+  bool any_silhouettes = false;        // continue although no common volume explains the silhouettes
+  int preview = 0;                     // frames per sequence, without a capture; 0: all frames
   int jobs = 0;                        // threads; 0: one per core
   bool resume = false;
 };
@@ -31,7 +31,7 @@ struct MattesProgress {
 struct MattesEnvironment {
   OpenVideo open_video;
   std::function<void(const MattesProgress&)> progress;
-  const std::atomic<bool>* stop = nullptr;  // set by Ctrl-C: finish the frame, keep what is finished
+  const std::atomic<bool>* stop = nullptr;  // set by Ctrl-C: finishes the frame and keeps finished work
 };
 
 }  // namespace fourdvt::mattes

@@ -16,11 +16,11 @@ namespace {
 
 using report::fixedText, report::Json, report::Values;
 
-constexpr double kContradicted = 0.15;  // of a camera's own key, on average, from which on the report warns
+constexpr double kContradicted = 0.15;  // mean share of a camera's own key that triggers a warning
 constexpr double kShift_pixels = 3;
 constexpr size_t kColumns = 10;  // cells side by side in a contact sheet
 
-// A camera's figure over the frames of a sequence.
+// Statistics of a camera's figure over the frames of a sequence.
 struct Spread {
   double mean = 0, low = 1e30, high = -1e30;
   uint32_t low_frame = 0;
@@ -59,7 +59,7 @@ report::Table cameraTable(const capture::Capture& capture, const SequenceFigures
       rows);
 }
 
-// The cells of one camera side by side; empty without any.
+// Cells of one camera side by side; empty without any.
 Result<Image> sheetOf(const std::string& folder, const std::string& title) {
   const auto files = capture::sortedEntries(folder);
   if (files.empty()) return Image();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The report of made mattes: mattes.html with a contact sheet a camera, and mattes.json.
+// Report on computed mattes: mattes.html with a contact sheet per camera, and mattes.json.
 #pragma once
 
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace fourdvt::mattes {
 
-// One line for each camera whose mattes deserve a look.
+// One line per camera whose mattes should be inspected.
 std::vector<std::string> warningsOf(const capture::Capture& capture, const MattesSummary& summary);
 
-// `cells_folder`/SEQUENCE/CAMERA/000000.png are the contact sheets' cells. Errors: WriteFailed, FileUnreadable.
+// Reads the contact sheets' cells from `cells_folder`/SEQUENCE/CAMERA/000000.png. Errors: WriteFailed, FileUnreadable.
 Status writeReport(const std::string& folder, const std::string& cells_folder, const capture::Capture& capture,
                    const MattesOptions& options, const MattesSummary& summary);
 

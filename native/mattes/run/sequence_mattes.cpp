@@ -25,7 +25,7 @@ Result<SequenceMattes> SequenceMattes::open(const capture::Capture& capture, con
   return out;
 }
 
-// Hints travel with the picture: every frame from the last strokes before `frame` on is read.
+// First frame to read: hints are tracked from the last strokes before `frame`.
 uint32_t SequenceMattes::firstToRead(size_t camera, uint32_t frame) const {
   if (!hints_[camera].idle()) return next_;
   const auto& strokes = strokes_[camera];
@@ -73,7 +73,7 @@ Status SequenceMattes::checkPlates(const MattesFrame& frame) {
   for (size_t i = 0; i < frame.mattes.size(); ++i) {
     const auto& key = (*sources_)[i].key;
     if (!made(i) || !key) continue;
-    // The camera's own key: others would hide that its plate does not fit.
+    // Uses the camera's own key: joint mattes would hide a plate that does not fit.
     const cv::Mat& own = frame.mattes[i].own;
     Image key_alone(own.cols, own.rows, 1);
     std::copy(own.begin<uint8_t>(), own.end<uint8_t>(), key_alone.pixels.begin());

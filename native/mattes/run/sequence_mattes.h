@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The mattes of one sequence, frame by frame: reads pictures, hints and given mattes as filmed, and makes the mattes of
-// all cameras together. One frame is in memory. Does NOT write files.
+// Mattes of one sequence, frame by frame: reads pictures, hints and given mattes as filmed, and makes the mattes of all
+// cameras jointly. Holds one frame in memory and writes no files.
 #pragma once
 
 #include <optional>
@@ -20,12 +20,12 @@ struct MattesFrame {
 
 class SequenceMattes {
  public:
-  // All arguments outlive it. Errors: those of pictures.
+  // All arguments must outlive the result. Errors: those of pictures.
   static Result<SequenceMattes> open(const capture::Capture& capture, const capture::CaptureSequence& sequence,
                                      const std::vector<MatteSource>& sources, const JointMattes& joint,
                                      const Strokes& strokes, const OpenVideo& open_video);
-  // Frames in ascending order. Hints of the frames in between are followed. Errors: those of pictures; FileUnreadable
-  // where a plate does not fit the first picture that is keyed.
+  // Makes frames in ascending order; hints of skipped frames are tracked. Errors: those of pictures; FileUnreadable
+  // where a plate does not fit the first keyed picture.
   Result<MattesFrame> make(uint32_t frame);
   bool made(size_t camera) const {
     return !pictures_[camera].hasMattes();
