@@ -11,17 +11,17 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr double kSameAngle = 2e-3;  // of a rotation matrix's elements: a tenth of a degree
-constexpr double kSamePlace = 2e-3;  // of the distance between the cameras that are farthest apart
-constexpr double kSameLens = 1e-6;   // of the focal length
+constexpr double kSameAngle = 2e-3;  // tolerance of a rotation matrix's elements: a tenth of a degree
+constexpr double kSamePlace = 2e-3;  // share of the distance between the cameras that are farthest apart
+constexpr double kSameLens = 1e-6;   // share of the focal length
 
 using Parts = std::vector<std::string>;
 
 struct Group {
   Parts folder;
-  std::string stem;             // of its only picture, or what the names of several in a row have in common
+  std::string stem;             // stem of its only picture, or the common part of the stems of several
   std::vector<size_t> members;  // indices of pictures
-  bool by_folder = false;       // the folder holds its pictures alone
+  bool by_folder = false;       // the folder contains this group alone
 };
 
 Parts partsOf(const std::string& path) {
@@ -48,7 +48,7 @@ bool hasLetter(const std::string& text) {
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 
-// "cam00_0017" without its last number; all of it if there is none.
+// "cam00_0017" without its last number; the whole stem without one.
 std::string withoutLastNumber(const std::string& stem) {
   size_t end = stem.size();
   while (end > 0 && !isDigit(stem[end - 1])) --end;
@@ -76,16 +76,16 @@ bool sameCamera(const CaptureCamera& a, const CaptureCamera& b, double extent) {
   return glm::length(p.centreInWorld() - q.centreInWorld()) <= kSamePlace * extent && lens <= kSameLens * p.fx;
 }
 
-// Files are cameras and folders are not in "top/cam1.png", "top/cam2.png", "below/cam1.png" ….
+// Returns true if files name cameras and folders do not: "top/cam1.png", "top/cam2.png", "below/cam1.png" ….
 bool namesCameras(std::string file) {
   std::transform(file.begin(), file.end(), file.begin(), [](unsigned char c) { return std::tolower(c); });
   return file.find("cam") != std::string::npos;
 }
 
-// Cameras that have pictures of the same two names or more, each with another pose, move.
+// Error for moving cameras: pictures of at least two equal names, each with another pose.
 Status refuseMotion(const std::map<Parts, std::vector<size_t>>& folders, const std::vector<ListedPicture>& pictures,
                     const std::vector<Parts>& parts, double extent) {
-  std::map<std::string, size_t> named;  // by file name: in how many folders
+  std::map<std::string, size_t> named;  // file name → number of folders
   for (const Parts& path : parts) ++named[path.back()];
   for (const auto& [folder, members] : folders) {
     if (folder.empty() || namesCameras(parts[members[0]].back())) continue;
@@ -103,7 +103,7 @@ Status refuseMotion(const std::map<Parts, std::vector<size_t>>& folders, const s
   return {};
 }
 
-// Name without the number of a picture in a series: "cam00" of "cam00_0001". The whole name where nothing parts them.
+// Name without the number of a picture in a series: "cam00" of "cam00_0001"; the whole name without a separator.
 std::string seriesName(const std::string& stem) {
   std::string name = withoutLastNumber(stem);
   const size_t number = name.find('#');
@@ -114,13 +114,13 @@ std::string seriesName(const std::string& stem) {
   return name.empty() || name.size() == length ? stem : name;
 }
 
-// The pictures of one folder: those of one camera together, in a list that keeps their order.
+// Groups the pictures of one folder by camera, in list order.
 void groupFolder(const Parts& folder, const std::vector<size_t>& members, const std::vector<ListedPicture>& pictures,
                  const std::vector<Parts>& parts, double extent, std::vector<Group>& out) {
   const bool one_camera = !folder.empty() && std::all_of(members.begin(), members.end(), [&](size_t i) {
     return sameCamera(pictures[members[0]].camera, pictures[i].camera, extent);
   });
-  std::map<std::string, std::vector<size_t>> series;  // by name without its last number: groups in `out`
+  std::map<std::string, std::vector<size_t>> series;  // name without its last number → groups in `out`
   for (const size_t i : members) {
     const std::string& file = parts[i].back();
     const std::string stem = file.substr(0, file.rfind('.'));
@@ -153,9 +153,9 @@ Parts withoutCommonEnds(const Parts& folder, const std::vector<Group>& groups) {
 
 bool distinct(const Parts& names) { return std::set<std::string>(names.begin(), names.end()).size() == names.size(); }
 
-// Sets the groups' names, and by_folder of those whose folder names them.
+// Sets the groups' names, and by_folder of those named by their folder.
 Parts namesOf(std::vector<Group>& groups) {
-  std::map<Parts, std::pair<size_t, bool>> in_folder;  // groups, and whether one of them has several pictures
+  std::map<Parts, std::pair<size_t, bool>> in_folder;  // number of groups; true if one of them has several pictures
   for (const Group& group : groups) {
     auto& [count, series] = in_folder[group.folder];
     ++count;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cameras of a calibration that lists pictures: names them by the pictures' paths, and makes several pictures of one
-// camera that stands still one camera. Does NOT look for files.
+// Cameras of a calibration that lists pictures: names cameras by the pictures' paths, and merges several pictures of
+// one static camera. Uses paths only, no files.
 #pragma once
 
 #include <string>
@@ -12,23 +12,23 @@
 namespace fourdvt::capture {
 
 struct ListedPicture {
-  CaptureCamera camera;  // its name is not used
+  CaptureCamera camera;  // name unused
   std::string path;      // as listed: "rig1/cam00/image0001.jpg"; '/' or '\'
-  std::string where;     // begins messages: "images.txt:3: "
+  std::string where;     // prefix of messages: "images.txt:3: "
 };
 
 struct ListedCamera {
   CaptureCamera camera;
-  std::string pictures;  // the listed path of its picture, or their folder where that names the camera
+  std::string pictures;  // listed path of its picture, or their folder where that names the camera
   bool folder = false;   // `pictures` is a folder
   size_t first = 0;      // index of its first picture in the list
 };
 
-// Pictures in one folder with one pose and lens are one camera at several instants, if their names differ in a number
-// alone. The folders name the cameras where each camera has its own ("cam00/000000.png": cam00): by the parts of the
-// path that differ ("rig1/cam00/image0001.jpg" and so on: cam00). Else the file's name without extension does, unless
-// it is a number alone. Errors: CameraPose (two cameras of one name, names that cannot name files, folders in which a
-// camera moves from picture to picture).
+// Merges pictures and names cameras. Pictures in one folder with one pose and lens are one camera at several instants
+// if their names differ in a number alone. Folders name the cameras where each camera has its own ("cam00/000000.png":
+// cam00): by the parts of the path that differ ("rig1/cam00/image0001.jpg" and so on: cam00). Else the file's name
+// without extension does, unless it is a number alone. Errors: CameraPose (two cameras of one name, names that are
+// invalid file names, folders in which a camera moves between pictures).
 Result<std::vector<ListedCamera>> camerasOfPictures(const std::vector<ListedPicture>& pictures);
 
 }  // namespace fourdvt::capture

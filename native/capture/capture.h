@@ -3,7 +3,7 @@
 // have one topology in all frames, or another one in every frame ("topology": "per-frame"), or there are none.
 //
 // mattes::openCapture checks everything that can be checked without decoding whole videos, before any long work starts;
-// mattes::FrameReader then reads frames. Does NOT key. Errors name the file and the remedy.
+// mattes::FrameReader then reads frames. Keying is in native/mattes. Errors name the file and the remedy.
 #pragma once
 
 #include <map>
@@ -41,40 +41,40 @@ struct Distortion {
   }
 };
 
-// Need of a reader: mattes (or plates to make them from), or colour alone.
+// Mattes required (or plates to make them from), or colour alone.
 enum class MatteNeed { Required, None };
 
-// Pictures that a camera is calibrated for, where files mark theirs as turned or mirrored.
+// Orientation of the pictures that a camera is calibrated for, where files mark theirs as rotated or mirrored.
 enum class Orientation {
-  BySize,  // those of the calibrated size; an error where both are
+  BySize,  // the one of the calibrated size; an error where both match
   Marked,  // as players show them
-  Stored,  // as they lie in the file
+  Stored,  // as stored in the file
 };
 
 struct CaptureCamera {
   PinholeCamera pinhole;  // after undistortion; name as in images.txt without extension
-  Distortion distortion;  // what the reader removes
+  Distortion distortion;  // lens distortion, removed by the reader
   Orientation orientation = Orientation::BySize;
 };
 
-// What surface a capture has, in all its sequences alike.
+// Kind of a capture's meshes, equal in all sequences.
 enum class CaptureMeshes {
   ConstantTopology,  // one mesh with UVs that moves
-  PerFrame,          // every frame has vertices and faces of its own; UVs are not read
+  PerFrame,          // vertices and faces of their own in every frame; UVs are not read
   None,
 };
 
-// Meshes that a caller can work with.
+// Meshes that a caller requires.
 enum class MeshNeed {
-  ConstantTopology,  // refuses the others, and says what helps
+  ConstantTopology,  // refuses the others, with a remedy
   AnySurface,        // refuses captures without meshes
-  Nothing,           // accepts all, and looks at no mesh: what it opens has none, so that broken files do no harm
+  Nothing,           // accepts all and reads none: the opened capture has no meshes, and broken files do no harm
 };
 
-// Sound that was recorded with a sequence, or a single sound.
+// Sound recorded with a sequence, or a single sound.
 struct CaptureSound {
   std::string path;     // absolute: a sound file, or a video with sound
-  double offset_s = 0;  // its beginning is heard so much later than picture 0 is seen; of a video: its own picture 0
+  double offset_s = 0;  // delay of its beginning relative to picture 0; of a video: relative to its own picture 0
 };
 
 struct CaptureSequence {
@@ -83,28 +83,27 @@ struct CaptureSequence {
   bool loop = false;
   glm::dvec3 root_velocity_mps{0};
   std::string folder;  // absolute
-  // Its meshes are one file a frame, one animated glTF file, or one packed int16 file with a declared scale; neither if
-  // it has none.
-  std::string mesh_pattern;      // absolute, one %d or %0Nd for the number; none where one file is all; empty if packed
-  uint32_t first_mesh = 0;       // added to first_frame + f: number in the name of a frame's file
+  // Meshes are one file per frame, one animated glTF file, or one packed int16 file with a declared scale; or none.
+  std::string mesh_pattern;      // absolute, one %d or %0Nd for the number; none for a single file; empty if packed
+  uint32_t first_mesh = 0;       // added to first_frame + f: number in the file name of frame f
   std::string packed_positions;  // absolute path or empty
   double packed_units_per_metre = 0;
   std::vector<uint32_t> test_frames;  // held-out frames, may be empty
-  // Frame 0 is this number of pictures, mesh files and held-out pictures: those before it are left out.
+  // Number of frame 0 in pictures, mesh files and held-out pictures; earlier ones are skipped.
   uint32_t first_frame = 0;
-  // By camera's name: picture number first_frame + f + offset shows the instant of frame f. Cameras that are not named
-  // are on time. Fractions are kept, but the nearest picture is what is read.
+  // camera's name → offset: picture number first_frame + f + offset shows the instant of frame f. Missing cameras have
+  // offset 0. Fractions are kept; the nearest picture is read.
   std::map<std::string, double> offset_frames;
   std::optional<CaptureSound> sound;
   double offsetOf(const std::string& camera) const;
-  // Number of a camera's picture for a frame; a loop goes on with its first picture.
+  // Number of a camera's picture for a frame; a loop wraps around to its first picture.
   uint32_t pictureOf(const std::string& camera, uint32_t frame) const;
 };
 
-// The parameter that a bake measures from the feet where members give no value: metres a second.
+// Parameter that a bake measures from the feet where members give no value: metres per second.
 inline constexpr const char* kMeasuredParameter = "speed_mps";
 
-// Captured motions that are one motion with a parameter, e.g. walk and run by speed ("classes" in capture.json).
+// Motion class: captured motions with a common parameter, e.g. walk and run by speed ("classes" in capture.json).
 struct CaptureClass {
   struct MemberOf {
     std::string sequence;
@@ -112,17 +111,17 @@ struct CaptureClass {
   };
   std::string name;
   std::vector<std::string> parameters;   // 1 or 2 names, e.g. "speed_mps"
-  std::vector<MemberOf> members;         // 2…4; all loops, or none
-  std::optional<CaptureSound> footstep;  // one step, to be heard whenever a foot comes down
+  std::vector<MemberOf> members;         // 2 to 4; all loops, or none
+  std::optional<CaptureSound> footstep;  // one step, played at each footfall
 };
 
-inline constexpr const char* kHintsFolder = "hints";  // of a capture: mattes' strokes painted by hand
+inline constexpr const char* kHintsFolder = "hints";  // folder of a capture with hand-painted strokes for mattes
 
-// What stands behind the object where it is keyed against plates of the empty studio.
+// Background behind the object for keying against plates of the empty studio.
 enum class BackgroundKind {
-  FromPlate,  // told from each camera's plate: a saturated backdrop of one hue is a chroma key's
-  Chroma,     // a backdrop of one colour that the object has not
-  Natural,    // anything that stands still
+  FromPlate,  // detected from each camera's plate: a saturated backdrop of one hue is a chroma key's
+  Chroma,     // a backdrop of one colour that is absent from the object
+  Natural,    // any static background
 };
 
 struct Capture {
@@ -130,53 +129,53 @@ struct Capture {
   double fps = 0;
   double metres_per_unit = 1;
   double ground_y_m = 0;
-  std::vector<CaptureCamera> cameras;  // ring, in images.txt order
+  std::vector<CaptureCamera> cameras;  // images.txt order
   std::vector<CaptureSequence> sequences;
-  std::vector<CaptureClass> classes;  // those whose members are all among `sequences`
-  std::string cameras_folder;         // cameras.txt and images.txt
+  std::vector<CaptureClass> classes;  // those whose members are all in `sequences`
+  std::string cameras_folder;         // contains cameras.txt and images.txt
   std::string background_folder;      // plates of the empty studio, for cameras without mattes
   BackgroundKind background_kind = BackgroundKind::FromPlate;
-  std::optional<BoundingBox> room;  // metres; the plates show its inside
+  std::optional<BoundingBox> room;  // metres; its inside is visible in the plates
   CaptureMeshes meshes = CaptureMeshes::ConstantTopology;
   MeshTopology topology;                          // constant over all sequences; empty without constant topology
-  std::shared_ptr<const SurfaceOffsets> offsets;  // added to every mesh frame that is read; null: none
+  std::shared_ptr<const SurfaceOffsets> offsets;  // added to every mesh frame; null: none
   const CaptureSequence* find(const std::string& name) const;
 };
 
-// Reads the COLMAP model in `folder`: cameras.txt and images.txt, or else cameras.bin and images.bin. Models:
-// SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, OPENCV_FISHEYE, SIMPLE_RADIAL_FISHEYE,
-// RADIAL_FISHEYE, THIN_PRISM_FISHEYE, FOV; none of them has skew. Translations stay in the capture's units: scale them
-// with scaleToMetres. Poses of rigs and frames go before those of images; images are cameras as in camera_names.h.
+// Reads the COLMAP model in `folder`: cameras.txt and images.txt, or else cameras.bin and images.bin. Models, all
+// without skew: SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, OPENCV_FISHEYE,
+// SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE, THIN_PRISM_FISHEYE, FOV. Translations stay in the capture's units: scale them
+// with scaleToMetres. Poses of rigs and frames override those of images; images become cameras as in camera_names.h.
 // Errors: FileMissing, CameraModel, CameraPose.
 Result<std::vector<CaptureCamera>> readColmapCameras(const std::string& folder);
-// The same from files in memory; messages name `path` as the folder.
+// Reads the model from files in memory; messages name `path` as the folder.
 Result<std::vector<CaptureCamera>> parseColmapText(std::string_view cameras_text, std::string_view images_text,
                                                    const std::string& path);
 Result<std::vector<CaptureCamera>> parseColmapBinary(std::string_view cameras_bytes, std::string_view images_bytes,
                                                      const std::string& path);
 void scaleToMetres(std::vector<CaptureCamera>& cameras, double metres_per_unit);
-// The texts of cameras.txt and images.txt for cameras in metres: what readColmapCameras reads. COLMAP has no word for
-// skew: capture.json has ("calibration": {"skew": …}).
+// Texts of cameras.txt and images.txt that readColmapCameras reads back, for cameras in metres. Skew is not part of
+// COLMAP's models; it is stored in capture.json ("calibration": {"skew": …}).
 struct ColmapText {
   std::string cameras, images;
 };
 ColmapText colmapText(const std::vector<CaptureCamera>& cameras, double metres_per_unit);
 
-// The held-out cameras, folder cameras_test: test pictures exist of them, and no bake sees them. In metres.
-// Errors: those of readColmapCameras.
+// Held-out cameras, folder cameras_test: they have test pictures and are excluded from bakes. In metres. Errors: those
+// of readColmapCameras.
 Result<std::vector<PinholeCamera>> readTestCameras(const Capture& capture);
 
-// Everything but the pictures: see mattes/frame_reader.h. `only` limits the sequences that are checked and returned
-// (empty: all). Of meshes of per-frame topology it checks that every file is there, and reads the first. Errors of a
-// need that is not met: FileMissing (no meshes), MeshTopology.
+// Opens a capture except its pictures: see mattes/frame_reader.h. `only` limits the sequences that are checked and
+// returned (empty: all). Meshes of per-frame topology: checks that every file exists, and reads the first. Errors if
+// `need` is not met: FileMissing (no meshes), MeshTopology.
 Result<Capture> openDescription(const std::string& folder, const std::vector<std::string>& only, MeshNeed need);
 
 // Positions of one frame of a capture of constant topology, with the capture's offsets. Errors: FileMissing,
-// MeshTopology (file named, or the capture has no constant topology), MeshNotFinite, MeshIndex.
+// MeshTopology (names the file, or the capture has no constant topology), MeshNotFinite, MeshIndex.
 Result<Positions> readMeshFrame(const Capture& capture, const CaptureSequence& sequence, uint32_t frame);
 
-// The surface of one frame, whatever meshes the capture has. Errors: those of readMeshFrame and readMeshFile
-// (mesh_file.h); FileMissing if the capture has none.
+// Surface of one frame, for any kind of meshes. Errors: those of readMeshFrame and readMeshFile (mesh_file.h);
+// FileMissing without meshes.
 Result<TriangleMesh> readSurfaceFrame(const Capture& capture, const CaptureSequence& sequence, uint32_t frame);
 
 struct UvMesh {
@@ -184,8 +183,8 @@ struct UvMesh {
   Positions positions;
 };
 // Parses OBJ text: splits polygons into triangles (polygon.h) and flips the UVs to a top-left origin. `path` is for
-// messages. `split_as`: the mesh at another instant, whose polygons are split in the same way; null: by their own
-// shape. Errors: MeshNoUvs, MeshNotFinite, MeshIndex, MeshUvRange, Unsupported (a face of too many corners).
+// messages. `split_as`: the mesh at another instant, whose triangulation is reused; null: polygons are split by their
+// own shape. Errors: MeshNoUvs, MeshNotFinite, MeshIndex, MeshUvRange, Unsupported (a face with too many corners).
 Result<UvMesh> parseObj(std::string_view text, const std::string& path, const MeshTopology* split_as = nullptr);
 
 }  // namespace fourdvt::capture

@@ -17,7 +17,7 @@ namespace {
 using Json = nlohmann::json;
 constexpr double kMaxFrames = 10'000'000, kMaxUnits = 1e6, kMinUnitsPerMetre = 1e-3, kMaxOffset_ms = 1e8;
 
-// The value of `key`; null if there is none or if `node` is no object.
+// Value of `key`; null if missing or if `node` is no object.
 const Json& member(const Json& node, const char* key) {
   static const Json null;
   if (!node.is_object()) return null;
@@ -65,8 +65,8 @@ class Parser {
     return {ErrorId::CaptureJson, file_ + ": " + what + "; see the sample capture's capture.json"};
   }
 
-  // A capture of foreign origin must not name other files of its reader. Links in the folder are followed: its owner
-  // made them.
+  // Refuses paths outside the capture: a foreign capture must not name other files of its reader. Links in the folder
+  // are followed: its owner made them.
   Result<std::string> inside(const std::string& what, const std::string& given) const {
     const std::filesystem::path path = std::filesystem::path(given).lexically_normal();
     if (!path.is_absolute() && (path.empty() || *path.begin() != "..")) return folder_ + "/" + given;
@@ -74,7 +74,7 @@ class Parser {
                  "): move the files inside, or link to them there");
   }
 
-  // {"cam00": 0.3}: what COLMAP's models cannot say.
+  // Skew, {"cam00": 0.3}, which COLMAP's models lack.
   Status skew(const Json& node) {
     if (node.is_null()) return {};
     const Error wrong =
@@ -97,7 +97,7 @@ class Parser {
         "they lie in the file)");
   }
 
-  // {"cam03": -1.5}: of the whole capture, or of one sequence, which goes before.
+  // Offsets, {"cam03": -1.5}, of the whole capture or of one sequence, which takes precedence.
   Status offsets(const Json& node, std::map<std::string, double>& out) const {
     if (node.is_null()) return {};
     const Error wrong = error("\"offset_frames\" must be numbers by camera, in frames, like {\"cam03\": -1.5}");
@@ -109,8 +109,8 @@ class Parser {
     return {};
   }
 
-  // A path, or {"plates": path, "kind": "chroma" | "natural"}. The path is "FOLDER/camNN.png", or
-  // "FOLDER/camNN/%06d.png" for several plates; only the folder counts.
+  // Background: a path, or {"plates": path, "kind": "chroma" | "natural"}. The path is "FOLDER/camNN.png", or
+  // "FOLDER/camNN/%06d.png" for several plates; only the folder is used.
   Status background(const Json& node) {
     const Json& given = node.is_object() ? member(node, "plates") : node;
     const Json& kind = member(node, "kind");
@@ -155,7 +155,7 @@ class Parser {
     return {};
   }
 
-  // {"min": [x, y, z], "max": [x, y, z]}; after the units are known.
+  // Room, {"min": [x, y, z], "max": [x, y, z]}; requires the units.
   Status room(const Json& node) {
     if (node.is_null()) return {};
     BoundingBox box;
@@ -216,7 +216,7 @@ class Parser {
     return {};
   }
 
-  // A path, or {"file": path, "offset_ms": number}.
+  // Sound: a path, or {"file": path, "offset_ms": number}.
   Result<std::optional<CaptureSound>> sound(const std::string& what, const Json& node) const {
     if (node.is_null()) return std::optional<CaptureSound>();
     const std::string file = text(node.is_object() ? member(node, "file") : node);
@@ -230,7 +230,7 @@ class Parser {
     return std::optional(std::move(out));
   }
 
-  // "footsteps" of a class, once the classes are known to be objects.
+  // Reads "footsteps" of the classes, which must be objects.
   Status footsteps(const Json& classes) {
     for (CaptureClass& c : out_.capture.classes)
       for (const Json& node : classes) {
@@ -299,7 +299,7 @@ class Parser {
   std::string folder_, file_;
   DeclaredCapture out_;
   std::set<std::string> names_;
-  std::map<std::string, double> offset_frames_;  // of the whole capture
+  std::map<std::string, double> offset_frames_;  // defaults of the whole capture
 };
 
 }  // namespace

@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 constexpr size_t kMaxParameters = 2;
 constexpr double kMaxValue = 1e6;
 
-// The value of the key; null if there is none or if the node is no object.
+// Value of the key; null if missing or if the node is no object.
 Json valueAt(const Json& node, const char* key) {
   const auto it = node.is_object() ? node.find(key) : node.end();
   return it == node.end() ? Json() : *it;
@@ -22,7 +22,7 @@ Json valueAt(const Json& node, const char* key) {
 
 std::string textOf(const Json& node) { return node.is_string() ? node.get<std::string>() : std::string(); }
 
-// A number or a list of them; false for anything else.
+// Reads a number or a list of numbers; false for anything else.
 bool readNumbers(const Json& node, std::vector<double>& out) {
   const Json list = node.is_array() ? node : Json::array({node});
   for (const Json& value : list) {

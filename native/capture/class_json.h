@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The "classes" of capture.json: motions that are one motion with a parameter. Does NOT measure parameters.
+// "classes" of capture.json: motions with a common parameter, as declared.
 #pragma once
 
 #include <cstddef>
@@ -11,14 +11,13 @@
 
 namespace fourdvt::capture {
 
-inline constexpr size_t kMinMembers = 2, kMaxMembers = 4;  // of a class
+inline constexpr size_t kMinMembers = 2, kMaxMembers = 4;  // members per class
 
-// `list`: the value of "classes", null if there is none. `file`: path of capture.json, for messages. Errors:
-// CaptureJson.
+// `list`: value of "classes", null without one. `file`: path of capture.json, for messages. Errors: CaptureJson.
 Result<std::vector<CaptureClass>> parseClasses(const nlohmann::json& list,
                                                const std::vector<DeclaredSequence>& sequences, const std::string& file);
 
-// The value of "classes" that parseClasses reads as these, without footsteps.
+// Value of "classes" from which parseClasses reads `classes`, without footsteps.
 nlohmann::ordered_json classesJson(const std::vector<CaptureClass>& classes);
 
 }  // namespace fourdvt::capture

@@ -12,11 +12,11 @@ namespace {
 
 struct Clip {
   std::string path;
-  size_t first = 0;  // number of the picture of frame 0
+  size_t first = 0;  // number of frame 0's picture
   PictureClock clock;
 };
 
-// Empty of a source that cannot list: its pictures are counted when they are read.
+// Listing of a video's pictures; empty for sources without one, whose pictures are counted on reading.
 Result<VideoListing> listed(const PicturePlace& place, const CaptureSequence& sequence, const std::string& camera,
                             const OpenVideo& open_video) {
   FOURDVT_ASSIGN(const auto video, open_video(place.path, 3));
@@ -28,7 +28,7 @@ Result<VideoListing> listed(const PicturePlace& place, const CaptureSequence& se
   return needed.tooFew(place.path, std::to_string(listing.value().pictures) + " frames" + why);
 }
 
-// Steps between the pictures of frame f-1 and f.
+// Steps between the pictures of frames f-1 and f.
 int64_t stepsTo(const Clip& clip, size_t frame) {
   return clip.clock.instants[clip.first + frame] - clip.clock.instants[clip.first + frame - 1];
 }
@@ -42,7 +42,7 @@ Error lacksPicture(const Clip& clip, size_t frame, const std::string& other, dou
               "), or import the clips again, which cuts the take there"};
 }
 
-// All clips must step alike from frame to frame.
+// Error unless all clips step alike from frame to frame.
 Status checkInStep(const std::vector<Clip>& clips, uint32_t frames, double fps) {
   for (uint32_t frame = 1; frame < frames; ++frame) {
     const auto less = [&](const Clip& a, const Clip& b) { return stepsTo(a, frame) < stepsTo(b, frame); };
@@ -64,7 +64,7 @@ Status checkClips(const Capture& capture, const CaptureSequence& sequence, const
       FOURDVT_ASSIGN(const VideoListing listing, listed(place, sequence, name, open_video));
       auto clock = clockOf(listing.times_s);
       const uint32_t first = sequence.pictureOf(name, 0), last = sequence.pictureOf(name, sequence.frame_count - 1);
-      if (clock && last == first + sequence.frame_count - 1)  // not of a loop that begins elsewhere
+      if (clock && last == first + sequence.frame_count - 1)  // no loop that begins elsewhere
         clips.push_back({place.path, first, std::move(*clock)});
     }
     if (mattes == MatteNeed::None) continue;

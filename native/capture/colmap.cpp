@@ -42,7 +42,7 @@ Result<std::map<int64_t, ColmapIntrinsics>> parseCameras(std::string_view text, 
   return cameras;
 }
 
-// One image line behind its number: QW QX QY QZ TX TY TZ CAMERA_ID NAME, where NAME may have blanks.
+// Parses an image line behind its number: QW QX QY QZ TX TY TZ CAMERA_ID NAME, where NAME may contain blanks.
 Result<ListedPicture> parseImage(std::string_view line, const std::map<int64_t, ColmapIntrinsics>& cameras,
                                  const std::array<double, 7>* by_rig, const std::string& where) {
   Fields fields(line);
@@ -61,7 +61,7 @@ Result<ListedPicture> parseImage(std::string_view line, const std::map<int64_t, 
   return ListedPicture{std::move(camera), std::string(fields.rest()), where};
 }
 
-// A POINTS2D line holds triples of numbers and nothing else; an image line ends in a name.
+// Detects a POINTS2D line, which contains triples of numbers only; an image line ends in a name.
 bool isPointsLine(std::string_view line) {
   size_t words = 0;
   for (std::string_view word = takeWord(line); !word.empty(); word = takeWord(line), ++words)
@@ -69,7 +69,7 @@ bool isPointsLine(std::string_view line) {
   return words % 3 == 0;
 }
 
-// The smallest model that holds these coefficients, which it takes in this order behind fx fy cx cy.
+// Smallest model for these coefficients, and the coefficients in its order behind fx fy cx cy.
 std::pair<const char*, std::vector<double>> modelAndCoefficients(const Distortion& d) {
   if (d.fov != 0) return {"FOV", {d.fov}};
   if (d.fisheye && (d.p1 != 0 || d.p2 != 0 || d.sx1 != 0 || d.sy1 != 0))
@@ -179,7 +179,8 @@ ColmapText colmapText(const std::vector<CaptureCamera>& cameras, double metres_p
     out.cameras += "\n";
     out.images +=
         printed("%zu %.15f %.15f %.15f %.15f %.12f %.12f %.12f %zu ", c + 1, q.w, q.x, q.y, q.z, t.x, t.y, t.z, c + 1);
-    const bool has_point = p.name.find('.') != std::string::npos;  // what stands behind one is left out as an extension
+    const bool has_point = p.name.find('.') != std::string::npos;  // parts behind a dot would be removed as an
+                                                                   // extension
     out.images += p.name + (has_point ? ".png\n\n" : "\n\n");
   }
   return out;

@@ -9,7 +9,7 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr uint64_t kPointBytes = 24;  // x, y, number of the point in space
+constexpr uint64_t kPointBytes = 24;  // x, y, index of the 3D point
 constexpr uint64_t kMaxSideRead = 1 << 20;
 
 Result<std::map<uint32_t, ColmapIntrinsics>> binaryIntrinsics(std::string_view text, const std::string& file) {

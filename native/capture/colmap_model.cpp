@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kMaxSide = 32768;   // pixels
 constexpr double kMaxFov = 3.14;  // radians
-constexpr double kNoFov = 1e-6;   // radians: below it, the lens is a pinhole's
+constexpr double kNoFov = 1e-6;   // radians: below it the lens is a pinhole
 
 ColmapIntrinsics oneFocal(const double* p, const Distortion& d) { return {0, 0, p[0], p[0], p[1], p[2], d}; }
 ColmapIntrinsics twoFocals(const double* p, const Distortion& d) { return {0, 0, p[0], p[1], p[2], p[3], d}; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts common to COLMAP's text and binary models: camera models, cameras from their numbers, lists of pictures.
+// Common parts of COLMAP's text and binary models: camera models, cameras from numbers, lists of pictures.
 #pragma once
 
 #include <array>
@@ -32,34 +32,33 @@ struct ColmapModel {
   ColmapIntrinsics (*make)(const double* parameters);
 };
 
-// `where` begins the messages: file and place. Errors: CameraModel.
+// Looks up a model by name. `where`: prefix of messages, file and place. Errors: CameraModel.
 Result<const ColmapModel*> colmapModel(std::string_view name, const std::string& where);
 Result<const ColmapModel*> colmapModel(int number, const std::string& where);
 
 Error colmapPoseError(const std::string& where, const std::string& what);
 
-// Errors: CameraPose (a size that no picture has, numbers that are not finite, focal lengths that are not positive).
+// Errors: CameraPose (an implausible size, numbers that are not finite, focal lengths that are not positive).
 Result<ColmapIntrinsics> makeIntrinsics(const ColmapModel& model, int width, int height, const double* parameters,
                                         const std::string& where);
 
-// A file that is cut off or of another kind.
+// Error for a file that is truncated or of another kind.
 Error colmapCutOff(const std::string& file);
 
-// `pose`: QW QX QY QZ TX TY TZ. The camera has no name. Errors: CameraPose.
+// `pose`: QW QX QY QZ TX TY TZ. The camera's name is empty. Errors: CameraPose.
 Result<CaptureCamera> makeColmapCamera(const ColmapIntrinsics& intrinsics, const std::array<double, 7>& pose,
                                        const std::string& where);
 
-// Refuses paths that lead out of the folder of images. Errors: CameraPose.
+// Refuses paths that lead out of the image folder. Errors: CameraPose.
 Status checkListedPath(std::string_view path, const std::string& where);
 
-// The images of a model, in the order of the file. Poses in `rigs` go before the images' own. Errors: CameraModel,
-// CameraPose.
+// Images of a model, in file order. Poses in `rigs` override the images' own. Errors: CameraModel, CameraPose.
 Result<std::vector<ListedPicture>> colmapTextPictures(std::string_view cameras_text, std::string_view images_text,
                                                       const RigPoses& rigs, const std::string& path);
 Result<std::vector<ListedPicture>> colmapBinaryPictures(std::string_view cameras_bytes, std::string_view images_bytes,
                                                         const RigPoses& rigs, const std::string& path);
 
-// The cameras of readColmapCameras, with the pictures that the model lists. Errors: its own.
+// Cameras of readColmapCameras with the pictures that the model lists. Errors: those of readColmapCameras.
 Result<std::vector<ListedCamera>> readColmapListed(const std::string& folder);
 
 }  // namespace fourdvt::capture

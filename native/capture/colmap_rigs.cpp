@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Layouts as COLMAP's documentation has them ("Output Format"):
-//   rig: number, count of sensors, kind and number of the reference; of each other sensor kind, number, whether a pose
-//   follows, and it; frame: number, rig, pose of the rig, count of data, and of each kind and number of the sensor and
-//   number of the image. Kinds are words in the text, and 0 is a camera in the binary form.
+// Rigs and frames of COLMAP, by its documentation ("Output Format"):
+//    rig: number, count of sensors, kind and number of the reference; for each other sensor its kind, number, pose flag
+//    and pose; frame: number, rig, pose of the rig, count of data, and for each datum kind and number of the sensor and
+//    number of the image. Kinds are words in the text; 0 is a camera in the binary form.
 #include "capture/colmap_rigs.h"
 
 #include <glm/gtc/quaternion.hpp>
@@ -16,7 +16,7 @@ namespace fourdvt::capture {
 namespace {
 
 using Pose = std::array<double, 7>;
-using Sensor = std::pair<bool, uint64_t>;  // true for a camera; and its number
+using Sensor = std::pair<bool, uint64_t>;  // true for a camera; number
 
 struct Rig {
   std::optional<Sensor> reference;
@@ -24,7 +24,7 @@ struct Rig {
 };
 using Rigs = std::map<uint64_t, Rig>;
 
-// First `b`, then `a`.
+// Composition: first `b`, then `a`.
 Pose composed(const Pose& a, const Pose& b) {
   const glm::dquat first = glm::normalize(glm::dquat(b[0], b[1], b[2], b[3]));
   const glm::dquat second = glm::normalize(glm::dquat(a[0], a[1], a[2], a[3]));
@@ -33,7 +33,7 @@ Pose composed(const Pose& a, const Pose& b) {
   return {q.w, q.x, q.y, q.z, t.x, t.y, t.z};
 }
 
-// An image of `sensor`, where `frame` is the rig's pose.
+// Adds an image of `sensor`; `frame`: the rig's pose.
 void addImage(const Rig& rig, const Sensor& sensor, const Pose& frame, uint64_t image, RigPoses& out) {
   if (!sensor.first) return;
   if (rig.reference == sensor) out[image] = frame;
@@ -103,7 +103,7 @@ Result<RigPoses> parseRigsText(std::string_view rigs_text, std::string_view fram
   for (std::string_view line; lines.next(line);) {
     const std::string where = atLine(path + "/frames.txt", lines.number());
     Fields fields(line);
-    fields.number<uint64_t>();  // the frame's
+    fields.number<uint64_t>();  // frame number
     const auto rig = rigs.find(fields.number<uint64_t>());
     const Pose pose = nextPose(fields);
     const auto data = fields.number<uint64_t>();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rigs and frames of COLMAP 3.12 and later: poses of images by the rig that took them, which go before those in
-// images.txt or images.bin.
+// Rigs and frames of COLMAP 3.12 and later: poses of images by their rig, which override those in images.txt or
+// images.bin.
 #pragma once
 
 #include <array>
@@ -13,13 +13,12 @@
 
 namespace fourdvt::capture {
 
-// QW QX QY QZ TX TY TZ, world to camera, by image number. An image of a camera that has no pose in its rig is not in
-// it.
+// image number → QW QX QY QZ TX TY TZ, world to camera. Contains no images of cameras without a pose in their rig.
 using RigPoses = std::map<uint64_t, std::array<double, 7>>;
 
-// Texts of rigs.txt and frames.txt; messages name `path` as their folder. Errors: CameraPose.
+// Parses texts of rigs.txt and frames.txt; messages name `path` as their folder. Errors: CameraPose.
 Result<RigPoses> parseRigsText(std::string_view rigs, std::string_view frames, const std::string& path);
-// The same of rigs.bin and frames.bin.
+// Parses rigs.bin and frames.bin in the same way.
 Result<RigPoses> parseRigsBinary(std::string_view rigs, std::string_view frames, const std::string& path);
 
 }  // namespace fourdvt::capture

@@ -17,10 +17,10 @@ enum class Interpolation { Step, Linear, CubicSpline };
 
 std::string seconds(double s) { return printed("%.4g s", s); }
 
-// One property of one node over time: `width` numbers a key.
+// One property of one node over time: `width` numbers per key.
 class Channel {
  public:
-  // False if the keys are not finite and in order, or their values are too few.
+  // Returns false if the keys are not finite and ascending, or have too few values.
   bool set(const GltfNumbers& times, const GltfNumbers& values, Interpolation interpolation, uint64_t components) {
     times_ = times, values_ = values, interpolation_ = interpolation, components_ = components;
     const uint64_t rows = times.count() * parts();
@@ -34,14 +34,14 @@ class Channel {
   double begin() const { return time(0); }
   double end() const { return time(times_.count() - 1); }
 
-  // The numbers at an instant. `turns`: they are a quaternion.
+  // Numbers at an instant. `turns`: they are a quaternion.
   std::vector<double> at(double t, bool turns) const {
     uint64_t low = 0, high = times_.count() - 1;
     if (t <= time(low)) return values(low, 0);
     if (t >= time(high)) return values(high, 0);
     while (high - low > 1) (time((low + high) / 2) <= t ? low : high) = (low + high) / 2;
     const double step = time(high) - time(low), share = (t - time(low)) / step;
-    // Times are stored as floats, instants are not: one that is a little before a key is the key's.
+    // Key times are stored as floats, instants are not: an instant slightly before a key takes the key's value.
     if (interpolation_ == Interpolation::Step) return values(time(high) - t < kRounding_s ? high : low, 0);
     const std::vector<double> from = values(low, 0), to = values(high, 0);
     if (interpolation_ == Interpolation::CubicSpline)
@@ -56,7 +56,7 @@ class Channel {
   uint64_t parts() const { return interpolation_ == Interpolation::CubicSpline ? 3 : 1; }
   double time(uint64_t key) const { return times_.at(key, 0); }
 
-  // `part` -1: the tangent that leads to a key; 1: the one that leaves it; 0: its value.
+  // `part` -1: the in-tangent of a key; 1: its out-tangent; 0: its value.
   std::vector<double> values(uint64_t key, int part) const {
     const uint64_t row = key * parts() + (parts() == 3 ? static_cast<uint64_t>(part + 1) : 0);
     std::vector<double> out;
@@ -85,7 +85,7 @@ class Channel {
 
   GltfNumbers times_, values_;
   Interpolation interpolation_ = Interpolation::Linear;
-  uint64_t components_ = 1, elements_ = 1;  // numbers of an element of the values; elements a key
+  uint64_t components_ = 1, elements_ = 1;  // numbers per element of the values; elements per key
 };
 
 struct MovedProperty {
@@ -159,7 +159,7 @@ class PoseReader {
     return pose;
   }
 
-  // Null if there is none.
+  // The selected animation; null without one.
   Result<const Json*> chosen() const {
     const Json& all = gltfMember(bytes_.root(), "animations");
     if (!all.is_array() || all.empty()) return static_cast<const Json*>(nullptr);
@@ -183,7 +183,7 @@ class PoseReader {
       const Json& path = gltfMember(target, "path");
       const auto property = std::find_if(std::begin(kProperties), std::end(kProperties),
                                          [&](const MovedProperty* p) { return path == p->name; });
-      if (!node || property == std::end(kProperties)) continue;  // an extension's: no node moves
+      if (!node || property == std::end(kProperties)) continue;  // belongs to an extension: moves no node
       if (*node >= poses_.size()) return bytes_.error("an animation moves a node that is missing (damaged)");
       out.push_back({*node, *property, {}});
       FOURDVT_TRY(read(gltfEntry(animation, "samplers", gltfNumber(channel, "sampler")), out.back()));
@@ -208,7 +208,7 @@ class PoseReader {
     return {};
   }
 
-  // Error for a take that is longer than its animation, and for a file of one frame that moves on.
+  // Error for a take longer than its animation, and for a file of one frame whose animation continues.
   Status checkLength(double length_s) const {
     const bool checked = instant_.frame_s > 0;
     if (checked && instant_.whole_take && instant_.time_s > length_s + instant_.frame_s / 2) {

@@ -13,7 +13,7 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr uint64_t kMaxBytes = uint64_t{1} << 30;  // 1 GiB, of one buffer
+constexpr uint64_t kMaxBytes = uint64_t{1} << 30;  // 1 GiB per buffer
 constexpr uint64_t kInt8 = 5120, kUInt8 = 5121, kInt16 = 5122, kUInt16 = 5123, kUInt32 = 5125, kFloat = 5126;
 
 uint64_t componentBytes(uint64_t type) {
@@ -44,7 +44,7 @@ int hexDigit(char c) {
   return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
 }
 
-// "a%20b" → "a b".
+// Decodes percent escapes: "a%20b" → "a b".
 std::string percentDecoded(std::string_view text) {
   std::string out;
   for (size_t i = 0; i < text.size(); ++i) {
@@ -56,7 +56,7 @@ std::string percentDecoded(std::string_view text) {
   return out;
 }
 
-// By character; 64: no digit.
+// Values by character; 64: no digit.
 constexpr std::array<uint8_t, 256> base64Digits() {
   std::array<uint8_t, 256> digits{};
   digits.fill(64);
@@ -65,7 +65,7 @@ constexpr std::array<uint8_t, 256> base64Digits() {
   return digits;
 }
 
-// False if the text is no base64.
+// Returns false for invalid base64.
 bool base64Decoded(std::string_view text, std::string& out) {
   constexpr auto kDigits = base64Digits();
   while (text.ends_with('=')) text.remove_suffix(1);
@@ -141,7 +141,7 @@ double GltfNumbers::Elements::at(uint64_t i, int c, bool normalized) const {
 
 double GltfNumbers::at(uint64_t i, int c) const {
   uint64_t low = 0, high = sparse_count_;
-  while (low < high) {  // the first index that is not below i
+  while (low < high) {  // binary search for the first index not below i
     const uint64_t middle = (low + high) / 2;
     if (sparse_indices_.at(middle, 0, false) < static_cast<double>(i))
       low = middle + 1;
@@ -163,7 +163,7 @@ Result<GltfBytes> GltfBytes::open(std::string_view json, std::string_view glb_bu
   GltfBytes bytes(path);
   bytes.glb_buffer_ = glb_buffer;
   bytes.size_ = json.size() + glb_buffer.size();
-  constexpr int kMaxDepth = 64;  // whoever writes a part of it anew recurses
+  constexpr int kMaxDepth = 64;  // maximum nesting: JSON writers recurse
   bool deep = false;
   const auto shallow = [&](int depth, Json::parse_event_t, const Json&) { return !(deep |= depth > kMaxDepth); };
   bytes.root_ = Json::parse(json.begin(), json.end(), shallow, false);
@@ -210,7 +210,7 @@ Result<GltfNumbers> GltfBytes::accessor(std::optional<uint64_t> index, const cha
   }
   if (overlay.is_null()) return out;
   FOURDVT_ASSIGN(const bool fits, sparse(overlay, components, out));
-  if (!fits || out.count_ > size_) return broken;  // zeros that are not stored are as many as vertices that are
+  if (!fits || out.count_ > size_) return broken;  // implicit zeros count as stored ones
   return out;
 }
 
@@ -280,7 +280,7 @@ Status GltfBytes::load(const std::string& uri, std::string& out) {
     if (name.empty() || name.is_absolute() || leaves || uri.find("://") != std::string::npos)
       return unsupported("names a buffer outside its folder; export it as .glb");
     std::error_code failed;
-    const std::filesystem::path real = std::filesystem::canonical(path_, failed);  // a link's buffers lie there
+    const std::filesystem::path real = std::filesystem::canonical(path_, failed);  // buffers lie beside a link's target
     const std::filesystem::path file = (failed ? std::filesystem::path(path_) : real).parent_path() / name;
     const uint64_t bytes = std::filesystem::file_size(file, failed);
     if (!failed && bytes > kMaxBytes) return unsupported("has a buffer larger than 1 GiB; reduce the mesh's triangles");

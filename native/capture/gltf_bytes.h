@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bytes of a glTF 2.0 file: its JSON, its buffers and its accessors, all bounds checked. Does NOT know meshes.
+// Bytes of a glTF 2.0 file: its JSON, buffers and accessors, all bounds checked.
 #pragma once
 
 #include <array>
@@ -16,16 +16,16 @@ namespace fourdvt::capture {
 
 using Json = nlohmann::json;
 
-// The value of `key`; null if there is none or if `node` is no object.
+// Value of `key`; null if missing or if `node` is no object.
 const Json& gltfMember(const Json& node, const char* key);
-// Entry `index` of the list root[key]; null if there is none.
+// Entry `index` of the list root[key]; null if missing.
 const Json& gltfEntry(const Json& root, const char* key, std::optional<uint64_t> index);
-// A whole number from 0 that is exact as a double; nullopt for anything else.
+// Non-negative integer that is exact as a double; nullopt for anything else.
 std::optional<uint64_t> gltfNumber(const Json& node, const char* key);
-// `out` numbers in a list; false if it is none of as many finite ones.
+// Reads a list of exactly `count` finite numbers; false for anything else.
 bool gltfNumbers(const Json& node, size_t count, double* out);
 
-// Numbers in a buffer, borrowed from the GltfBytes.
+// View of numbers in a buffer, borrowed from the GltfBytes.
 class GltfNumbers {
  public:
   uint64_t count() const { return count_; }
@@ -36,23 +36,23 @@ class GltfNumbers {
   friend class GltfBytes;
   struct Elements {
     const uint8_t* data = nullptr;
-    uint64_t stride = 0, type = 0;  // the component type by its number in glTF
+    uint64_t stride = 0, type = 0;  // component type by its glTF number
     double at(uint64_t i, int c, bool normalized) const;
   };
-  Elements elements_;  // no data: zeros
+  Elements elements_;  // null data: zeros
   uint64_t count_ = 0, sparse_count_ = 0;
-  Elements sparse_indices_, sparse_values_;  // elements, in ascending order, that are other than elements_ has them
+  Elements sparse_indices_, sparse_values_;  // indices, ascending, and values of the sparse elements
   bool normalized_ = false;
 };
 
 class GltfBytes {
  public:
-  // `path` is for messages, and for the folder of the files that the JSON names. `glb_buffer` must outlive this.
+  // `path`: for messages, and for the folder of files named by the JSON. `glb_buffer` must outlive the result.
   static Result<GltfBytes> open(std::string_view json, std::string_view glb_buffer, const std::string& path);
 
   const Json& root() const { return root_; }
   const std::string& path() const { return path_; }
-  // Bytes of the file and of the buffers that were used so far.
+  // Bytes of the file and of the buffers used so far.
   uint64_t size() const { return size_; }
   Error error(const std::string& what) const;        // FileUnreadable
   Error unsupported(const std::string& what) const;  // Unsupported
@@ -61,7 +61,7 @@ class GltfBytes {
   Result<GltfNumbers> accessor(std::optional<uint64_t> index, const char* type, const char* what);
 
  private:
-  // `count` elements of a buffer view, at byteOffset of `source`. False if they do not fit.
+  // Reads `count` elements of a buffer view, at byteOffset of `source`. False if they do not fit.
   Result<bool> elements(const Json& source, uint64_t count, uint64_t components, uint64_t type,
                         GltfNumbers::Elements& out);
   Result<bool> sparse(const Json& node, uint64_t components, GltfNumbers& out);
@@ -72,7 +72,7 @@ class GltfBytes {
   std::string path_;
   Json root_;
   std::string_view glb_buffer_;
-  std::vector<std::optional<std::string>> buffers_;  // those that were used and are not in the GLB
+  std::vector<std::optional<std::string>> buffers_;  // used buffers outside the GLB
   uint64_t size_ = 0;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// glTF 2.0 and GLB: the triangles of the default scene, moved by its nodes, its skins and its morph targets, as they
-// are at one instant of its animation.
+// glTF 2.0 and GLB: triangles of the default scene at one instant of its animation, moved by nodes, skins and morph
+// targets.
 #include <algorithm>
 #include <deque>
 #include <glm/glm.hpp>
@@ -21,10 +21,11 @@ constexpr uint32_t kGlbVersion = 2, kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4
 constexpr uint64_t kTriangles = 4, kStrip = 5, kFan = 6;
 constexpr uint32_t kNoVertex = 0xffffffff;
 
-// Numbers of equal vertices of one node. glTF parts a vertex at seams of UVs and normals, but it moves as one.
+// Welds equal vertices of one node. glTF splits a vertex at seams of UVs and normals, but it moves as one.
 class Welder {
  public:
-  // The number of a vertex that is the same at every instant, else `number`, which is kept. The shape is borrowed.
+  // Returns the number of a vertex that is the same at every instant, else adds and returns `number`. The shape is
+  // borrowed.
   uint32_t add(const GltfShape& shape, uint64_t vertex, uint32_t number) {
     const glm::dvec3 rest = shape.rest(vertex);
     const uint64_t hash = fnv1a(std::span(reinterpret_cast<const uint8_t*>(&rest), sizeof rest));
@@ -67,12 +68,12 @@ class GltfParser {
   }
 
  private:
-  struct Group {  // vertices that primitives share
+  struct Group {  // vertices shared by primitives
     uint32_t first = 0;
     uint64_t count = 0;
   };
 
-  // The nodes of the default scene; without scenes, those that are nobody's child.
+  // Pushes the nodes of the default scene; without scenes, the root nodes.
   Status pushRoots() {
     const Json& scenes = gltfMember(root_, "scenes");
     if (scenes.is_array() && !scenes.empty())
@@ -89,7 +90,7 @@ class GltfParser {
     return {};
   }
 
-  // Backwards, so that the first of the list is the next to be visited.
+  // Pushes in reverse order, so that the first of the list is visited next.
   Status push(const Json& parent, const char* key, const glm::dmat4& world_from_parent) {
     const Json& list = gltfMember(parent, key);
     if (list.is_null()) return {};
@@ -102,7 +103,7 @@ class GltfParser {
     return {};
   }
 
-  // Until the node is visited, its transform is its parent's.
+  // Stores the parent's transform until the node is visited.
   Status pushNode(uint64_t node, const glm::dmat4& world_from_parent) {
     if (seen_[node]) return bytes_.error("its nodes do not form a tree");
     seen_[node] = true;
@@ -117,7 +118,7 @@ class GltfParser {
     const Json& mesh = gltfEntry(root_, "meshes", gltfNumber(node, "mesh"));
     if (!mesh.is_object()) return bytes_.error("a mesh is missing (damaged)");
     FOURDVT_ASSIGN(const auto weights, weightsOf(mesh, poses_[index]));
-    FOURDVT_ASSIGN(const auto joints, jointsOf(node));  // none: moved by the node
+    FOURDVT_ASSIGN(const auto joints, jointsOf(node));  // empty: moved by the node
     std::map<std::string, Group> groups;
     std::deque<GltfShape> shapes;
     Welder welder;
@@ -125,7 +126,7 @@ class GltfParser {
       FOURDVT_TRY(bytes_.checkExtensions(primitive));
       const Json& mode_given = gltfMember(primitive, "mode");
       const uint64_t mode = mode_given.is_null() ? kTriangles : gltfNumber(primitive, "mode").value_or(0);
-      if (mode < kTriangles || mode > kFan) continue;  // points and lines
+      if (mode < kTriangles || mode > kFan) continue;  // skips points and lines
       const auto [group, is_new] =
           groups.try_emplace(gltfMember(primitive, "attributes").dump() + gltfMember(primitive, "targets").dump());
       if (is_new) {
@@ -149,7 +150,7 @@ class GltfParser {
     return weights;
   }
 
-  // Transforms of a skin's joints, from the pose that it is bound in to the world; none without a skin.
+  // Transforms of a skin's joints, from the bind pose to the world; empty without a skin.
   Result<std::vector<glm::dmat4>> jointsOf(const Json& node) {
     std::vector<glm::dmat4> out;
     if (gltfMember(node, "skin").is_null()) return out;
@@ -173,7 +174,8 @@ class GltfParser {
     return out;
   }
 
-  // No single mesh has more vertices or faces than its file has bytes; a mesh that many nodes show might.
+  // Limits vertices and faces to the file's bytes, which any single mesh meets; a mesh that many nodes instance may
+  // not.
   Status checkSize(uint64_t vertices, uint64_t faces) const {
     if (vertices <= bytes_.size() && faces <= bytes_.size()) return {};
     return bytes_.unsupported("repeats its meshes too many times; export them as one mesh");
@@ -241,8 +243,8 @@ class GltfParser {
   std::vector<GltfPose> poses_;
   std::vector<bool> seen_;
   std::vector<uint64_t> todo_;
-  std::vector<glm::dmat4> world_from_node_;  // of the scene's nodes
-  std::vector<uint32_t> vertex_of_;          // of what the file counts as vertices
+  std::vector<glm::dmat4> world_from_node_;  // nodes of the scene
+  std::vector<uint32_t> vertex_of_;          // vertex of the file's vertex
   GltfSurface out_;
 };
 
@@ -261,7 +263,7 @@ Result<GltfSurface> parseGlb(std::string_view bytes, const std::string& path, co
   ByteReader reader({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
   reader.u32();  // "glTF"
   const uint32_t version = reader.u32();
-  reader.u32();  // the file's length: the chunks have their own
+  reader.u32();  // length of the file; the chunks have their own
   if (reader.ok() && version != kGlbVersion)
     return Error{ErrorId::Unsupported, path + ": is GLB version " + std::to_string(version) + "; export as glTF 2.0"};
   if (!reader.ok()) return truncated;

@@ -29,7 +29,7 @@ uint64_t addPictures(uint64_t hash, const PicturePlace& place, const CaptureSequ
   return hash;
 }
 
-// A glTF, and the buffer that has its name.
+// Hashes a glTF and the buffer of its name.
 uint64_t addMesh(uint64_t hash, const fs::path& path) {
   hash = addFile(hash, path.string());
   if (path.extension() != ".gltf") return hash;
@@ -44,7 +44,7 @@ uint64_t addMeshes(uint64_t hash, const CaptureSequence& sequence, uint32_t firs
   return hash;
 }
 
-// Files that lie in a folder, not those in folders below it.
+// Hashes files directly in a folder.
 uint64_t addFolder(uint64_t hash, const std::string& folder) {
   for (const fs::path& file : sortedEntries(folder))
     if (isFile(file.string())) hash = addFile(hash, file.string());
@@ -90,7 +90,7 @@ uint64_t soundDigest(const Capture& capture) {
 uint64_t commonInputDigest(const Capture& capture) {
   uint64_t hash = addFile(kFnv1aStart, capture.folder + "/capture.json");
   for (const std::string& folder : {capture.cameras_folder, capture.background_folder}) hash = addFolder(hash, folder);
-  for (const CaptureCamera& camera : capture.cameras)  // several plates of one camera
+  for (const CaptureCamera& camera : capture.cameras)  // several plates per camera
     hash = addFolder(hash, capture.background_folder + "/" + camera.pinhole.name);
   return hash;
 }

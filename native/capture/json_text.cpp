@@ -53,7 +53,7 @@ Result<Json> parseJsonText(std::string_view text, const std::string& path, Error
   } catch (const Json::parse_error& error) {
     const size_t at = error.byte > 0 ? error.byte - 1 : 0;
     return Error{id, atLine(path, lineOfByte(text, at)) + reasonAt(text, at)};
-  } catch (const Json::exception&) {  // a number out of range
+  } catch (const Json::exception&) {  // out of range
     return Error{id, path + ": not valid JSON; check its numbers"};
   }
 }

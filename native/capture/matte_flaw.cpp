@@ -8,7 +8,7 @@ namespace fourdvt::capture {
 namespace {
 
 constexpr double kBorderShare = 0.85, kPictureShare = 0.5, kLeftOutShare = 0.001;
-constexpr double kLabelledShare = 0.001;  // of the picture; compression alone lifts fewer pixels off 0
+constexpr double kLabelledShare = 0.001;  // share of the picture; compression alone lifts fewer pixels off 0
 constexpr int kMostLabels = 8;
 
 struct Kept {
@@ -29,7 +29,7 @@ Kept keptBy(const Image& matte) {
 
 bool isNearlyAll(const Kept& kept) { return kept.border >= kBorderShare && kept.picture > kPictureShare; }
 
-// Nothing counts as the object, though a few dark values stand out from 0.
+// Detects label pictures: no value counts as the object, but a few dark values differ from 0.
 bool isLabels(const Image& matte) {
   std::array<size_t, 256> count{};
   for (const uint8_t value : matte.pixels) ++count[value];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mattes that cannot be meant: white and black are swapped, everything is the object, or a label picture. Judged by one
-// matte; does NOT read files.
+// Detects mattes that are wrong as a whole: white and black swapped, everything kept, or a label picture. Judged by one
+// matte in memory.
 #pragma once
 
 #include <string>
@@ -10,20 +10,21 @@
 
 namespace fourdvt::capture {
 
-// A matte that keeps most of the picture and nearly all of its border, as it does where a plate does not fit.
+// Returns true for a matte that keeps most of the picture and nearly all of its border, as with a plate that does not
+// fit.
 bool keepsTheBorder(const Image& matte);
 
 enum class MatteFlaw {
   None,
-  Covered,  // all of the picture is kept, or all but specks: there is no outline
-  Swapped,  // keeps the border all round and leaves out what lies within: object and background are swapped
-  Labels,   // a label picture: a few values, all of them dark, as 0 and 1
+  Covered,  // keeps all of the picture, or all but specks: no outline
+  Swapped,  // keeps the border all round and removes the inside: object and background are swapped
+  Labels,   // a label picture: a few values, all of them dark, such as 0 and 1
 };
 
-// None for a matte that keeps nothing, too.
+// Returns None also for a matte that keeps nothing.
 MatteFlaw flawOf(const Image& matte);
 
-// FileUnreadable; the message names the file and the remedy.
+// Error FileUnreadable; the message names the file and the remedy.
 Error flawedMattes(MatteFlaw flaw, const std::string& path, const std::string& camera);
 
 }  // namespace fourdvt::capture

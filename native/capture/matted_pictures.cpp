@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kWithAlpha = 4;  // channels
 
-// The frames of a sequence that are looked at where one alone decides too much.
+// Frames of a sequence that are inspected where a single one is inconclusive.
 std::array<uint32_t, 3> spreadFrames(const CaptureSequence& sequence) {
   const uint32_t last = std::max(1u, sequence.frame_count) - 1;
   return {0, last / 2, last};
@@ -36,9 +36,9 @@ bool isConstant(const Image& matte) {
   return std::all_of(matte.pixels.begin(), matte.pixels.end(), [&](uint8_t v) { return v == matte.pixels[0]; });
 }
 
-// False for JPEG, and PNG of grey or RGB; true for what only decoding can show.
+// Returns false for JPEG, and PNG of grey or RGB; true where only decoding can decide.
 bool pictureMayHaveAlpha(const std::string& path) {
-  constexpr size_t kColourType = 25;  // in PNG's IHDR
+  constexpr size_t kColourType = 25;  // offset in PNG's IHDR
   char head[kColourType + 1] = {};
   std::ifstream(path, std::ios::binary).read(head, sizeof head);
   const std::string_view begin(head, sizeof head);
@@ -46,7 +46,7 @@ bool pictureMayHaveAlpha(const std::string& path) {
   return !begin.starts_with("\x89PNG") || (head[kColourType] != 0 && head[kColourType] != 2);
 }
 
-// Errors: those of pictures.
+// Tests the header of the first picture, or of the video. Errors: those of pictures.
 Result<bool> mayHaveAlpha(const PicturePlace& place, const CaptureSequence& sequence, const CaptureCamera& camera,
                           const OpenVideo& open_video) {
   if (place.numbered) return pictureMayHaveAlpha(framePath(place.path, sequence.pictureOf(camera.pinhole.name, 0)));
@@ -109,7 +109,7 @@ Result<MattedPictures::Pair> MattedPictures::read(uint32_t frame) {
   return out;
 }
 
-// An object may fill the picture for a while: then other frames decide.
+// Tries other frames if the object fills the picture for a while.
 Status MattedPictures::judge(uint32_t frame, const Image& matte) {
   if (isConstant(matte) && matte.pixels[0] == 0) return {};
   judged_ = true;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera's colour pictures over one sequence with the mattes that came with them: files of their own (maskNN), or
-// else the alpha of the colour pictures, where it is not constant. Does NOT key or undistort.
+// Colour pictures of a camera over one sequence with their mattes: matte files (maskNN), or else the alpha of the
+// colour pictures where it is not constant. Pictures stay distorted; keying is in native/mattes.
 #pragma once
 
 #include <optional>
@@ -10,11 +10,11 @@
 
 namespace fourdvt::capture {
 
-// Place of a camera's own mattes.
+// Source of a camera's own mattes.
 enum class MatteOrigin { None, Files, ColourAlpha };
 
-// Looks into colour pictures that may have an alpha channel: at the first one, the one in the middle and the last one.
-// Errors: CameraMissingVideo, those of pictures.
+// Checks colour pictures that may have an alpha channel: the first, middle and last one. Errors: CameraMissingVideo,
+// those of pictures.
 Result<MatteOrigin> matteOrigin(const CaptureSequence& sequence, const CaptureCamera& camera,
                                 const OpenVideo& open_video);
 
@@ -23,15 +23,15 @@ class MattedPictures {
   // `check_files`: see PictureStream::open. Errors: those of matteOrigin, of PictureStream::open.
   static Result<MattedPictures> open(const CaptureSequence& sequence, const CaptureCamera& camera,
                                      const OpenVideo& open_video, MatteNeed need, bool check_files = true);
-  // False: the camera has none, or they were not required.
+  // False: no mattes, or not required.
   bool hasMattes() const { return origin_ != MatteOrigin::None; }
   struct Pair {
     Image colour;  // RGB
     Image matte;   // one channel; empty without mattes
   };
-  // Frames in ascending order are quick. The first matte that is not empty is judged: it is refused if no other one of
-  // three that are spread over the sequence is better. Errors: those of PictureStream::read; FrameSize; FileUnreadable
-  // (mattes that cannot be meant, see matte_flaw.h).
+  // Reads a frame; ascending order is fast. The first matte that is not empty is judged, and refused if none of three
+  // others spread over the sequence is better. Errors: those of PictureStream::read; FrameSize; FileUnreadable (flawed
+  // mattes, see matte_flaw.h).
   Result<Pair> read(uint32_t frame);
   const std::string& path() const { return colour_.path(); }
 
@@ -47,7 +47,7 @@ class MattedPictures {
   OpenVideo open_video_;
   MatteOrigin origin_;
   PictureStream colour_;
-  std::optional<PictureStream> mattes_;  // files of their own
+  std::optional<PictureStream> mattes_;  // matte files
   bool judged_ = false;
 };
 
