@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells mesh files apart by their first bytes, checks what all kinds have in common, and writes PLY.
+// Detects the kind of mesh files by their first bytes, checks what all kinds have in common, and writes PLY.
 #include "capture/mesh_file.h"
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;  // 1 GiB; a frame of 10 million triangles has a fifth of it
+constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;  // 1 GiB; a frame of 10 million triangles takes a fifth of it
 
 struct Kind {
   const char* name;
@@ -42,14 +42,14 @@ constexpr std::pair<std::string_view, const char*> kOtherKinds[] = {
     {".abc", "Alembic"}, {".usd", "USD"},       {".usda", "USD"}, {".usdc", "USD"}, {".usdz", "USD"},   {".fbx", "FBX"},
     {".stl", "STL"},     {".blend", "Blender"}, {".ma", "Maya"},  {".mb", "Maya"},  {".dae", "COLLADA"}};
 
-// In lower case, with its dot.
+// Extension in lower case, with its dot.
 std::string extensionOf(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return extension;
 }
 
-// Kind by the first bytes; null if they leave it open. An OBJ begins with anything.
+// Kind by the first bytes; null if they are inconclusive. An OBJ has no fixed beginning.
 const Kind* kindOfBytes(std::string_view bytes) {
   if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return &kPly;
   if (bytes.starts_with("glTF")) return &kGlb;
@@ -73,7 +73,7 @@ Status checkMesh(const TriangleMesh& mesh, const std::string& path) {
   return {};
 }
 
-// The kind that the path names, if the bytes do not contradict it.
+// Kind by the path, unless the bytes contradict it.
 Result<const Kind*> kindOf(std::string_view bytes, const std::string& path) {
   if (bytes.empty()) return Error{ErrorId::FileUnreadable, path + ": the file is empty; export the mesh again"};
   const std::string extension = extensionOf(path);
@@ -129,7 +129,7 @@ std::string otherMeshKind(const std::string& name) {
 }
 
 std::optional<glm::vec2> inTile(const glm::dvec2& given) {
-  constexpr float kSlack = 1e-4f;  // exporters round; UVs this far outside are clamped
+  constexpr float kSlack = 1e-4f;  // tolerates rounding by exporters; UVs this far outside are clamped
   const glm::vec2 uv(given), clamped = glm::clamp(uv, 0.0f, 1.0f);
   if (!glm::all(glm::lessThanEqual(glm::abs(uv - clamped), glm::vec2(kSlack)))) return std::nullopt;
   return clamped;

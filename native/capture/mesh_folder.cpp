@@ -15,7 +15,7 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr size_t kMaxDigits = 9;  // a longer number is no frame's
+constexpr size_t kMaxDigits = 9;  // longer numbers are no frame numbers
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 
@@ -31,11 +31,11 @@ std::set<std::string> fileNames(const std::string& folder) {
 
 // Files that differ in one number only.
 struct Numbered {
-  size_t files = 0, digits = kMaxDigits;  // digits: the least; longer numbers are not padded
+  size_t files = 0, digits = kMaxDigits;  // digits: the minimum; longer numbers are unpadded
   uint32_t smallest = 0xffffffff, largest = 0;
 };
 
-// [what stands before the number, what stands behind it]
+// [part before the number, part behind it]
 using NumberedFiles = std::map<std::pair<std::string, std::string>, Numbered>;
 
 void addName(const std::string& name, NumberedFiles& out) {
@@ -55,7 +55,8 @@ void addName(const std::string& name, NumberedFiles& out) {
   }
 }
 
-// Numbers that all fit the frames are the frames' own: then a missing first file is a missing frame 0.
+// Number of frame 0's file: 0 if all numbers are valid frame numbers (a missing first file is then a missing frame 0),
+// else the first number.
 uint32_t firstNumber(const Numbered& files, uint32_t frame_count) {
   return files.files == 0 || files.largest < frame_count ? 0 : files.smallest;
 }
@@ -75,7 +76,8 @@ Error noMeshes(const std::string& folder, const std::set<std::string>& names) {
                                     "null into the sequence in capture.json"};
 }
 
-// Series that could each be the sequence's meshes: those of enough files, which one file is never, else of the most.
+// Series that could each be the sequence's meshes: those with enough files (never a single file), else those with the
+// maximum count.
 std::vector<const NumberedFiles::value_type*> candidates(const NumberedFiles& numbered, size_t frames) {
   size_t most = 0;
   for (const auto& series : numbered) most = std::max(most, series.second.files);

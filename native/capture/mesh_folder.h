@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the mesh files of a sequence by the numbers in their names. Does NOT read meshes.
+// Finds the mesh files of a sequence by the numbers in their names, without reading them.
 #pragma once
 
 #include <string>
@@ -8,20 +8,19 @@
 
 namespace fourdvt::capture {
 
-// True if a file of the folder is a mesh: .obj, .ply, .glb or .gltf.
+// True if the folder contains a mesh: .obj, .ply, .glb or .gltf.
 bool holdsMeshes(const std::string& folder);
 
 // Sets the sequence's mesh_pattern and first_mesh from the files of `folder` that end in .obj, .ply, .glb or .gltf:
-// numbered files, whatever stands before and after the number, or the only file, of a sequence of one frame or of
-// glTF. Errors: FileMissing (no such folder, no meshes in it), InvalidArgument (several candidates, one still mesh for
-// several frames), Unsupported (meshes of another kind alone).
+// numbered files with any prefix and suffix, or the only file, for a sequence of one frame or for glTF. Errors:
+// FileMissing (no such folder, no meshes in it), InvalidArgument (several candidates, one static mesh for several
+// frames), Unsupported (meshes of unsupported kinds only).
 Status findMeshFiles(const std::string& folder, CaptureSequence& sequence);
 
-// Sets first_mesh for the mesh_pattern that the sequence has: 0 if the numbers are the frames', else the first number
-// that there is.
+// Sets first_mesh for the sequence's mesh_pattern: 0 if the numbers are the frames', else the first existing number.
 void findFirstMesh(CaptureSequence& sequence);
 
-// Error FileMissing that names the first frame without a file and says how many have none.
+// Error FileMissing with the first frame without a file and the count of missing files.
 Status checkMeshFiles(const CaptureSequence& sequence);
 
 }  // namespace fourdvt::capture

@@ -6,7 +6,8 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr float kGrowth = 5, kSpan = 0.05f, kShortest = 1e-6f;  // a shorter edge is a point that may open
+constexpr float kGrowth = 5, kSpan = 0.05f, kShortest = 1e-6f;  // ratio; shares of the mesh's size: span, and edge
+                                                                // length below which a degenerate edge may open
 
 // Diagonal of the bounding box.
 float sizeOf(const Positions& positions) {

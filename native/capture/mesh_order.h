@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds frames of a mesh whose faces stay while its vertices change places, by their edges.
+// Detects, by edge lengths, frames of a mesh whose vertices are permuted while its faces stay.
 #pragma once
 
 #include <vector>
@@ -10,20 +10,20 @@ namespace fourdvt::capture {
 
 class EdgeLengths {
  public:
-  // Lengths of the faces' edges at one instant.
+  // Measures the faces' edges at one instant.
   EdgeLengths(const std::vector<glm::uvec3>& faces, const Positions& positions);
-  // Share of edges that are over five times as long at another instant, for the mesh's size, and span a twentieth of
-  // it: about 0 for a surface that moves, about 1 for one whose vertices are shuffled.
+  // Share of edges that, relative to the mesh's size, are over five times as long at another instant and span a
+  // twentieth of it: about 0 for a moving surface, about 1 for shuffled vertices.
   double grown(const Positions& positions) const;
 
  private:
   struct Edge {
     uint32_t a, b;
-    float length;  // of the mesh's size
+    float length;  // relative to the mesh's size
   };
   std::vector<Edge> edges_;
 };
 
-inline constexpr double kMostGrown = 0.05;  // more is no motion of a surface
+inline constexpr double kMostGrown = 0.05;  // maximum share for a moving surface
 
 }  // namespace fourdvt::capture

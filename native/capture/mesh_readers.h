@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One reader for each kind of mesh file, behind parseMesh, which checks what they return: indices may be out of range
-// and positions not finite. `path` is for messages.
+// One reader per kind of mesh file, behind parseMesh, which checks their results: indices may be out of range and
+// positions not finite. `path` is for messages.
 #pragma once
 
 #include <optional>
@@ -19,20 +19,20 @@ inline constexpr const char* kNoUvs =
     "\"topology\": \"per-frame\" and bake with --appearance cameras";
 inline constexpr const char* kUvsOutside = "texture coordinates must lie in [0,1]; pack the UVs into one tile";
 
-// A texture coordinate that lies in [0,1], but for what exporters round; else nullopt.
+// Clamps a texture coordinate that lies in [0,1] up to rounding; else nullopt.
 std::optional<glm::vec2> inTile(const glm::dvec2& uv);
 
 Result<TriangleMesh> parsePly(std::string_view bytes, const std::string& path);
 
-// A glTF file's surface at an instant. With UVs, vertices that are parted at seams of UVs alone are one.
+// Surface of a glTF file at an instant. With UVs, vertices split at seams of UVs alone are merged.
 struct GltfSurface {
   TriangleMesh mesh;
-  std::vector<glm::vec2> uvs;        // empty without UVs, and so is what follows
-  std::vector<glm::uvec3> face_uvs;  // one a face; indices into uvs where the face's own are in range
+  std::vector<glm::vec2> uvs;        // empty without UVs, as is face_uvs
+  std::vector<glm::uvec3> face_uvs;  // one per face; indices into uvs where the face's own are in range
 };
 Result<GltfSurface> parseGlb(std::string_view bytes, const std::string& path, const MeshInstant& instant,
                              bool with_uvs);
-// Reads the buffers that the JSON names from the folder of `path`, and from nowhere else.
+// Parses glTF JSON. Buffers named by the JSON are read from the folder of `path` only.
 Result<GltfSurface> parseGltf(std::string_view json, const std::string& path, const MeshInstant& instant,
                               bool with_uvs);
 

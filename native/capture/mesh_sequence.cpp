@@ -14,11 +14,11 @@
 namespace fourdvt::capture {
 namespace {
 
-// The lines of an OBJ text that are the same in all frames of one topology, and its positions.
+// Lines of an OBJ text that are equal in all frames of one topology, and its positions.
 struct ObjOutline {
   size_t faces = 0;
   uint64_t connectivity = kFnv1aStart;  // hash of the vt and f lines
-  bool plain = true;                    // the v lines begin with finite numbers, and no line is continued
+  bool plain = true;                    // v lines begin with finite numbers, and no line is continued
   Positions positions;
   bool hasFacesOf(const ObjOutline& other) const {
     return plain && faces == other.faces && connectivity == other.connectivity &&
@@ -66,7 +66,7 @@ Status checkPacked(const Capture& capture, const CaptureSequence& sequence) {
   const uint64_t size = std::filesystem::file_size(sequence.packed_positions, failed);
   if (failed) return missing(sequence.packed_positions);
   const uint64_t frames = uint64_t{sequence.first_frame} + sequence.frame_count;
-  const bool cut = sequence.first_frame > 0 || !sequence.offset_frames.empty();  // of the clip, only a part is used
+  const bool cut = sequence.first_frame > 0 || !sequence.offset_frames.empty();  // only a part of the clip is used
   const uint64_t expected = frames * capture.topology.vertex_count * 6;
   if (size == expected || (cut && size > expected)) return {};
   return otherTopology(sequence.packed_positions, "holds " + std::to_string(size) + " bytes instead of " +

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Wavefront OBJ: positions, wedge UVs if they are wanted, polygons. Everything else in the file is skipped.
+// Wavefront OBJ: positions, wedge UVs if required, polygons. Everything else in the file is skipped.
 
 #include "capture/capture.h"
 #include "capture/mesh_readers.h"
@@ -110,7 +110,7 @@ class ObjParser {
     return {};
   }
 
-  // The triangles that `split_as` has here; false if they are not of this polygon's corners.
+  // Reuses the triangles of `split_as`; false if they do not fit this polygon's corners.
   bool splitAsBefore() {
     const size_t first = mesh_.topology.face_vertices.size(), count = corners_.size() - 2;
     if (!split_as_ || count == 1 || split_as_->face_vertices.size() < first + count) return false;
@@ -129,7 +129,7 @@ class ObjParser {
     return true;
   }
 
-  // "vertex/uv" or "vertex/uv/normal"; without UVs also "vertex" and "vertex//normal".
+  // Parses "vertex/uv" or "vertex/uv/normal"; without UVs also "vertex" and "vertex//normal".
   Status parseCorner(std::string_view word, Corner& out) const {
     const size_t slash = word.find('/');
     const std::string_view tail = slash == std::string_view::npos ? std::string_view() : word.substr(slash + 1);
@@ -142,7 +142,7 @@ class ObjParser {
     return {};
   }
 
-  // OBJ counts from 1; negative indices count back from the last element read.
+  // Resolves an index. OBJ counts from 1; negative indices count back from the last element read.
   static bool resolve(std::string_view word, size_t so_far, size_t size, uint32_t& out) {
     const auto index = toNumber<int64_t>(word);
     if (!index || *index == 0) return false;
@@ -158,9 +158,9 @@ class ObjParser {
   int line_ = 0;                  // named in messages; 0: the whole file
   size_t vertices_so_far_ = 0, uvs_so_far_ = 0;
   UvMesh mesh_;
-  std::vector<Corner> corners_;        // of one face
-  std::vector<glm::vec3> places_;      // of its corners
-  std::vector<glm::uvec3> triangles_;  // between them
+  std::vector<Corner> corners_;        // corners of one face
+  std::vector<glm::vec3> places_;      // positions of its corners
+  std::vector<glm::uvec3> triangles_;  // triangles of its corners
 };
 
 }  // namespace

@@ -53,7 +53,7 @@ Status keepOnly(const std::vector<std::string>& only, DeclaredCapture& declared)
   return {};
 }
 
-// Finds out what meshes a sequence has, and completes its mesh_pattern if that is of use.
+// Determines the kind of a sequence's meshes, and completes its mesh_pattern where used.
 Result<CaptureMeshes> resolveMeshes(bool per_frame, MeshNeed need, DeclaredSequence& declared) {
   if (declared.without_meshes) return CaptureMeshes::None;
   CaptureSequence& sequence = declared.sequence;
@@ -122,8 +122,8 @@ Status checkTopology(const std::vector<DeclaredSequence>& declared, Capture& cap
   return {};
 }
 
-// Checks of meshes of per-frame topology that the files are there, and that one file of all frames is long enough:
-// reading the first frame parses the first one.
+// Checks for meshes of per-frame topology that the files exist and that a single file of all frames is long enough:
+// reading the first frame parses the file.
 Status checkMeshes(const std::vector<DeclaredSequence>& declared, Capture& capture) {
   if (capture.meshes == CaptureMeshes::ConstantTopology) return checkTopology(declared, capture);
   if (capture.meshes == CaptureMeshes::PerFrame) {
@@ -151,10 +151,10 @@ Status applySkew(const std::map<std::string, double>& skew, Capture& capture) {
   return {};
 }
 
-// Offsets must name cameras, be shorter than the clip, and leave a picture for frame 0.
+// Checks that offsets name cameras, are shorter than the clip, and leave a picture for frame 0.
 Status checkOffsets(const Capture& capture, const CaptureSequence& sequence) {
   const std::string where = capture.folder + "/capture.json: \"offset_frames\" of \"" + sequence.name + "\"";
-  int64_t lacking = 0;  // pictures before the first one
+  int64_t lacking = 0;  // missing pictures before the first one
   std::string of_first;
   for (const auto& entry : sequence.offset_frames) {
     const std::string& name = entry.first;
@@ -213,7 +213,7 @@ Result<std::vector<PinholeCamera>> readTestCameras(const Capture& capture) {
 Result<Capture> openDescription(const std::string& folder, const std::vector<std::string>& only, MeshNeed need) {
   std::error_code failed;
   std::filesystem::path path = std::filesystem::absolute(folder, failed).lexically_normal();
-  if (!path.has_filename()) path = path.parent_path();  // a slash at the end
+  if (!path.has_filename()) path = path.parent_path();  // trailing slash
   const std::string absolute = path.string();
   FOURDVT_ASSIGN(auto declared, readDeclaration(failed ? folder : absolute));
   FOURDVT_TRY(keepOnly(only, declared));

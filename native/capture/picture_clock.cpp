@@ -10,7 +10,7 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr double kMostGaps = 0.1;  // of the pictures
+constexpr double kMostGaps = 0.1;  // share of the pictures
 
 double medianInterval(const std::vector<double>& times_s) {
   std::vector<double> intervals;
@@ -20,7 +20,7 @@ double medianInterval(const std::vector<double>& times_s) {
   return *middle;
 }
 
-// Half the range of the pictures' distances from their instants, in steps.
+// Half the range of the pictures' deviations from their instants, in steps.
 double mostOff(const std::vector<double>& times_s, const PictureClock& clock) {
   double least = 0, most = 0;
   for (size_t i = 0; i < times_s.size(); ++i) {
@@ -64,7 +64,7 @@ std::vector<ClockGap> gapsOf(const PictureClock& clock, size_t begin, size_t end
 std::string constantRateCommand(const std::string& path, double fps) {
   const std::string rate = printed("%.6g", fps);
   const std::filesystem::path file(path);
-  const bool webm = file.extension() == ".webm";  // which may have alpha
+  const bool webm = file.extension() == ".webm";  // may have alpha
   const std::string name = file.filename().string(),
                     made = file.stem().string() + "_" + rate + (webm ? ".webm" : ".mp4");
   return std::string("ffmpeg -noautorotate ") + (webm ? "-c:v libvpx-vp9 " : "") + "-i " + name + " -vf fps=" + rate +

@@ -52,7 +52,8 @@ std::string matteStem(const std::string& camera_name) {
 
 namespace {
 
-// A matte as 8-bit grey: its alpha where it has one that is not opaque throughout, as background removers write it.
+// Decodes a matte to 8-bit grey: its alpha unless that is opaque throughout, as background removers write it, else
+// grey.
 cv::Mat decodeMatte(const cv::Mat& encoded) {
   cv::Mat decoded = cv::imdecode(encoded, cv::IMREAD_UNCHANGED);
   if (decoded.channels() == 1 && decoded.depth() == CV_8U) return decoded;

@@ -9,14 +9,14 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr uint32_t kMaxPlates = 100;  // more do not make the mean better, and each costs memory while it is read
+constexpr uint32_t kMaxPlates = 100;  // more plates hardly improve the mean, and each takes memory while it is read
 
 bool exists(const std::string& path) {
   std::error_code ignored;
   return std::filesystem::is_regular_file(path, ignored);
 }
 
-// One file, or the numbered ones; the one that is missed if there are none.
+// Paths of one file, or of the numbered ones; the expected path if there are none.
 std::vector<std::string> platePaths(const std::string& stem) {
   if (exists(stem + ".png")) return {stem + ".png"};
   for (const char* extension : {".png", ".jpg"}) {

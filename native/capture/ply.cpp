@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// PLY: the position of every element "vertex", the polygons of every element "face" and the strips of every element
-// "tristrips", ASCII or binary of either byte order. Other elements and properties are stepped over; faces in an
-// element of another name are an error.
+// PLY: position of every element "vertex", polygons of every element "face" and strips of every element "tristrips",
+// ASCII or binary of either byte order. Other elements and properties are skipped; faces in an element of another name
+// are an error.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -20,7 +20,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr uint32_t kNoCorner = 0xffffffff;  // no vertex's number
+constexpr uint32_t kNoCorner = 0xffffffff;  // invalid index
 
 enum class Format { Ascii, LittleEndian, BigEndian };
 enum class Type { Int8, UInt8, Int16, UInt16, Int32, UInt32, Float, Double };
@@ -28,7 +28,7 @@ enum class Type { Int8, UInt8, Int16, UInt16, Int32, UInt32, Float, Double };
 struct Property {
   std::string_view name;
   Type type = Type::Float;
-  std::optional<Type> count_type;  // of a list
+  std::optional<Type> count_type;  // list properties only
 };
 
 struct Element {
@@ -65,16 +65,17 @@ size_t sizeOf(Type type) {
   return kSizes[static_cast<size_t>(type)];
 }
 
-// The numbers behind the header, one after the other. After the first failure ok() is false and all are 0.
+// Reads the numbers behind the header in order. After the first failure ok() is false and all are 0.
 class Numbers {
  public:
   Numbers(std::string_view bytes, Format format)
       : format_(format), text_(bytes), bytes_({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}) {}
   bool ok() const { return ok_; }
   bool atEnd() const { return at_end_; }
-  // ASCII: what is left, the word that failed first.
+  // ASCII: the remaining text, from the word that failed first.
   std::string_view left() const { return text_; }
-  // No number takes less than its size, or in ASCII a digit and what parts it from the next.
+  // Returns false if `count` numbers exceed the remaining bytes: each takes its size, or in ASCII a digit and a
+  // separator.
   bool holds(uint64_t count, Type type) const {
     return format_ == Format::Ascii ? count <= (text_.size() + 1) / 2 : count <= bytes_.remaining() / sizeOf(type);
   }
@@ -136,7 +137,7 @@ class Numbers {
   }
 
   Format format_;
-  std::string_view text_;  // ASCII: what is left
+  std::string_view text_;  // ASCII: remaining text
   ByteReader bytes_;       // binary
   bool ok_ = true, at_end_ = false;
 };
@@ -190,7 +191,7 @@ class PlyParser {
     return has_format ? Status() : error("the PLY's header does not say its format");
   }
 
-  // A line that is ended: where the file is cut off inside its header, the rest is no line.
+  // Takes a complete line: in a file truncated inside its header, the rest is no line.
   bool takeHeaderLine(std::string_view& line) {
     return rest_.find_first_of("\r\n") != rest_.npos && takeLine(rest_, line);
   }
@@ -308,13 +309,13 @@ class PlyParser {
     return {};
   }
 
-  // A fan until the positions are known.
+  // Adds a fan until the positions are known.
   void addPolygon() {
     polygons_.add(mesh_.faces.size(), corners_);
     for (size_t i = 2; i < corners_.size(); ++i) mesh_.faces.emplace_back(corners_[0], corners_[i - 1], corners_[i]);
   }
 
-  // -1 parts strips; a triangle with a vertex twice only joins two parts of one.
+  // Adds strips: -1 separates them; degenerate triangles only join parts of a strip.
   void addStrips() {
     size_t begin = 0;
     for (size_t i = 0; i < corners_.size(); ++i) {
@@ -331,7 +332,7 @@ class PlyParser {
   Header header_;
   TriangleMesh mesh_;
   LatePolygons polygons_;
-  std::vector<uint32_t> corners_;  // of one list
+  std::vector<uint32_t> corners_;  // corners of one list
 };
 
 }  // namespace

@@ -11,7 +11,7 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr double kFlat = 1e-6;  // of the polygon's area: a triangle that is turned over by less has no side
+constexpr double kFlat = 1e-6;  // share of the polygon's area; smaller flipped triangles have no orientation
 
 // Twice the area, along the mean normal, by Newell's method.
 glm::dvec3 areaOf(std::span<const glm::vec3> corners) {
@@ -26,7 +26,7 @@ void addFan(size_t corners, std::vector<glm::uvec3>& triangles) {
   for (uint32_t i = 2; i < corners; ++i) triangles.emplace_back(0, i - 1, i);
 }
 
-// True if no triangle is turned over.
+// Returns true if no triangle is flipped.
 bool facesOneWay(std::span<const glm::vec3> corners, std::span<const glm::uvec3> triangles, const glm::dvec3& area) {
   const double least = -kFlat * glm::dot(area, area);
   return std::all_of(triangles.begin(), triangles.end(), [&](const glm::uvec3& t) {
@@ -42,7 +42,7 @@ FlatLoop inPlane(std::span<const glm::vec3> corners, const glm::dvec3& area) {
                            : size.y <= size.z                   ? glm::dvec3(0, 1, 0)
                                                                 : glm::dvec3(0, 0, 1);
   const glm::dvec3 right = glm::normalize(glm::cross(least, normal)), up = glm::cross(normal, right);
-  std::map<std::tuple<float, float, float>, uint32_t> first;  // corner at a place
+  std::map<std::tuple<float, float, float>, uint32_t> first;  // position → corner
   FlatLoop loop;
   for (uint32_t i = 0; i < corners.size(); ++i) {
     const glm::vec3& p = corners[i];

@@ -15,7 +15,7 @@ namespace {
 constexpr size_t kMostProfileBytes = 4 << 20;
 constexpr std::string_view kExif("Exif\0\0", 6), kIcc("ICC_PROFILE\0", 12), kPng("\x89PNG\r\n\x1a\n", 8);
 
-// Whole number of `bytes` bytes at `at`; 0 beyond the end.
+// Unsigned integer of `bytes` bytes at `at`; 0 beyond the end.
 uint32_t number(std::string_view data, size_t at, int bytes, bool big_endian) {
   if (at > data.size() || data.size() - at < size_t(bytes)) return 0;
   uint32_t out = 0;
@@ -26,14 +26,14 @@ uint32_t number(std::string_view data, size_t at, int bytes, bool big_endian) {
   return out;
 }
 
-// The eight orientations of EXIF, 1 to 8.
+// Marks by EXIF orientation, 1 to 8.
 PictureMarks marksOfOrientation(uint32_t orientation) {
   constexpr std::array<PictureMarks, 8> kMarks{
       {{false, 0}, {true, 0}, {false, 2}, {true, 2}, {true, 3}, {false, 1}, {true, 1}, {false, 3}}};
   return orientation >= 1 && orientation <= 8 ? kMarks[orientation - 1] : PictureMarks();
 }
 
-// EXIF is a TIFF file of tags: the first list has the orientation, tag 0x112, as 16 bits.
+// Marks of EXIF data, a TIFF file of tags: the first list has the orientation, tag 0x112, as 16 bits.
 PictureMarks marksOfExif(std::string_view tiff) {
   const bool big = tiff.starts_with("MM");
   if (!big && !tiff.starts_with("II")) return {};
@@ -49,12 +49,12 @@ PictureMarks marksOfExif(std::string_view tiff) {
 
 StillMarks marksOfJpeg(std::string_view file) {
   StillMarks out;
-  std::map<uint32_t, std::string_view> parts;  // of the profile, by number
+  std::map<uint32_t, std::string_view> parts;  // index → part of the profile
   size_t at = 2;
   while (at + 4 <= file.size() && file[at] == '\xff') {
     const auto marker = static_cast<uint8_t>(file[at + 1]);
     const size_t length = number(file, at + 2, 2, true);
-    if (marker == 0xda || marker == 0xd9 || length < 2 || length > file.size() - at - 2) break;  // the pixels follow
+    if (marker == 0xda || marker == 0xd9 || length < 2 || length > file.size() - at - 2) break;  // pixels follow
     const std::string_view data = file.substr(at + 4, length - 2);
     if (marker == 0xe1 && data.starts_with(kExif)) out.marks = marksOfExif(data.substr(kExif.size()));
     if (marker == 0xe2 && data.starts_with(kIcc) && data.size() > kIcc.size() + 2)
@@ -65,7 +65,7 @@ StillMarks marksOfJpeg(std::string_view file) {
   return out;
 }
 
-// A PNG's profile: its name, a zero, the method (0), and the deflated bytes.
+// Inflates a PNG's profile: its name, a zero, the method (0), and the deflated bytes.
 std::string inflatedProfile(std::string_view chunk) {
   const size_t name = chunk.find('\0');
   if (name == std::string_view::npos || chunk.size() < name + 2) return {};
@@ -123,7 +123,7 @@ Transform transformOf(const Profile& from, int channels) {
                                       cmsFLAGS_NOCACHE | cmsFLAGS_COPY_ALPHA));
 }
 
-// The largest change of a colour, over a grid of them.
+// Maximum change of a colour over a grid.
 int largestChange(const Transform& transform) {
   constexpr int kSteps = 9;
   std::array<uint8_t, kSteps * kSteps * kSteps * 3> in{}, out{};

@@ -28,7 +28,7 @@ std::vector<float> offsetsAt(const SurfaceOffsets& offsets, const std::string& s
   if (found == offsets.slow.end()) return offsets.constant_m;
   const SlowOffsets& slow = found->second;
   const size_t count = slow.frames.size();
-  // The listed frames on either side; on a loop the last one leads to the first.
+  // The listed frames on either side; on a loop the last one precedes the first.
   const size_t after = std::upper_bound(slow.frames.begin(), slow.frames.end(), frame) - slow.frames.begin();
   size_t a = after == 0 ? 0 : after - 1, b = std::min(after, count - 1);
   double share = 0;

@@ -8,7 +8,7 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr size_t kMaxQuoted = 40;  // bytes of a word in a message
+constexpr size_t kMaxQuoted = 40;  // bytes of a quoted word in a message
 
 std::string quoted(std::string_view word) {
   std::string out = "\"";
@@ -16,7 +16,7 @@ std::string quoted(std::string_view word) {
   return out + (word.size() > kMaxQuoted ? "...\"" : "\"");
 }
 
-// Ends the line before a comment that stands behind a blank.
+// Ends the line before a comment that follows a blank.
 std::string_view withoutComment(std::string_view line, char comment) {
   for (size_t at = line.find(comment); at != std::string_view::npos; at = line.find(comment, at + 1))
     if (at > 0 && (line[at - 1] == ' ' || line[at - 1] == '\t')) return line.substr(0, at);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lines, words and numbers of text files, and why a word is no number: what every reader of text is made of.
+// Lines, words and numbers of text files, and diagnostics for malformed numbers; common to all text readers.
 // Independent of the locale. Lines end in LF, CRLF or CR; a byte order mark before the text is skipped; words are
-// parted by spaces and tabs. Texts are borrowed.
+// separated by spaces and tabs. Texts are borrowed.
 #pragma once
 
 #include <charconv>
@@ -16,12 +16,12 @@ namespace fourdvt::capture {
 // Whole file as text; nullopt if it cannot be opened or read.
 std::optional<std::string> readText(const std::string& path);
 
-// A text without the byte order mark (UTF-8) that some editors put before it.
+// Text without the byte order mark (UTF-8) that some editors prepend.
 inline std::string_view skipByteOrderMark(std::string_view text) {
   return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
 }
 
-// Takes the next line off `text` (without its end); false at the end.
+// Takes the next line off `text`, without its end; false at the end of the text.
 inline bool takeLine(std::string_view& text, std::string_view& line) {
   if (text.empty()) return false;
   size_t end = 0;
@@ -42,10 +42,10 @@ inline std::string_view takeWord(std::string_view& line) {
   return word;
 }
 
-// Without the blanks at both ends.
+// Text without the blanks at both ends.
 std::string_view trimmed(std::string_view text);
 
-// The whole word as a number ("nan" and "inf" count as numbers), else nullopt.
+// Whole word as a number ("nan" and "inf" count as numbers), else nullopt.
 template <class T>
 std::optional<T> toNumber(std::string_view word) {
   if (!word.empty() && word.front() == '+') word.remove_prefix(1);
@@ -57,24 +57,24 @@ std::optional<T> toNumber(std::string_view word) {
 
 // Returns true for "1,5" and the like: a number with a decimal comma.
 bool hasDecimalComma(std::string_view word);
-// The reason why a word is no finite number, with the remedy: "1,5" has a decimal comma (write 1.5, not 1,5).
+// Reason for a word that is no finite number, with the remedy: "1,5" has a decimal comma (write 1.5, not 1,5).
 std::string numberProblem(std::string_view word);
 
-// Remark for a list that has too many numbers: "1,5" in it is two of them. Empty if `count` is at most `wanted`.
+// Remark on a list with too many numbers, where "1,5" counts as two. Empty if `count` is at most `wanted`.
 std::string tooManyNumbers(size_t count, size_t wanted);
 
-// Number of the line, from 1, in which this byte of the text lies.
+// Line number, from 1, of a byte of the text.
 int lineOfByte(std::string_view text, size_t byte);
 
-// Beginning of a message about line `number` of a file: "path:number: ".
+// Prefix of a message about line `number` of a file: "path:number: ".
 std::string atLine(const std::string& path, int number);
 
-// The words of one line, one after the other.
+// Words of one line, in order.
 class Fields {
  public:
   explicit Fields(std::string_view line) : rest_(line) {}
   std::string_view word() { return takeWord(rest_); }
-  // The next word, which must be a finite number: else 0, and problem() has the reason.
+  // Returns the next word as a finite number; otherwise 0, and problem() gives the reason.
   template <class T>
   T number() {
     const std::string_view given = word();
@@ -85,9 +85,9 @@ class Fields {
     if (problem_.empty()) problem_ = numberProblem(given);
     return {};
   }
-  // The rest of the line, blanks within it included.
+  // Rest of the line, including blanks within it.
   std::string_view rest() const { return trimmed(rest_); }
-  // The reason why the first word that is no number is none; empty if all were.
+  // Reason for the first word that is no number; empty if all were.
   const std::string& problem() const { return problem_; }
 
  private:
@@ -95,20 +95,20 @@ class Fields {
   std::string problem_;
 };
 
-// A text's lines that hold something.
+// Non-empty lines of a text.
 class TextLines {
  public:
   struct Rules {
-    char comment = '#';           // begins a line that is passed over; 0: nothing does
-    bool comment_behind = false;  // also behind a blank, where it ends the line
-    bool continued = false;       // a line that ends in a backslash goes on in the next one
-    bool blank_lines = false;     // lines of blanks are returned, too
+    char comment = '#';           // begins a skipped line; 0: none
+    bool comment_behind = false;  // also ends a line behind a blank
+    bool continued = false;       // a trailing backslash continues the line
+    bool blank_lines = false;     // returns blank lines, too
   };
   TextLines(std::string_view text, Rules rules) : rest_(skipByteOrderMark(text)), rules_(rules) {}
   explicit TextLines(std::string_view text) : TextLines(text, Rules()) {}
-  // Takes the next line; false at the end of the text. It is valid until the next call.
+  // Takes the next line; false at the end of the text. Valid until the next call.
   bool next(std::string_view& line);
-  // Number of the line that next() returned, from 1; of a continued one that of its beginning.
+  // Number of the line that next() returned, from 1; for a continued line, that of its beginning.
   int number() const { return number_; }
 
  private:

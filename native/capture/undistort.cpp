@@ -35,7 +35,7 @@ glm::dvec2 throughLens(const Distortion& d, const glm::dvec2& point) {
           y * radial + d.p1 * (r2 + 2 * y * y) + 2 * d.p2 * x * y};
 }
 
-// OpenCV's maps have neither skew nor every fisheye. Beyond ±1e6 pixels nothing is read.
+// Remap of the lens, with skew and every fisheye model, which OpenCV's maps lack. Clamped to ±1e6 pixels.
 cv::Mat lensMap(const CaptureCamera& camera) {
   cv::Mat map(camera.pinhole.height, camera.pinhole.width, CV_32FC2);
   for (int j = 0; j < map.rows; ++j) {
@@ -69,7 +69,7 @@ Undistorter::Undistorter(const CaptureCamera& camera) {
     cv::convertMaps(lensMap(camera), cv::noArray(), maps_->xy, maps_->fraction, CV_16SC2);
     return;
   }
-  // OpenCV puts the first pixel's centre at 0, COLMAP at 0.5.
+  // OpenCV's first pixel centre is at 0, COLMAP's at 0.5.
   const cv::Matx33d intrinsics(p.fx, 0, p.cx - 0.5, 0, p.fy, p.cy - 0.5, 0, 0, 1);
   const cv::Vec<double, 8> coefficients(d.k1, d.k2, d.p1, d.p2, d.k3, d.k4, d.k5, d.k6);
   cv::initUndistortRectifyMap(intrinsics, coefficients, cv::noArray(), intrinsics, {p.width, p.height}, CV_16SC2,
@@ -102,7 +102,7 @@ glm::dvec2 pinholePixel(const CaptureCamera& camera, const glm::dvec2& filmed_pi
     if (glm::length(off) < kEnough) return at;
     const glm::dmat2 slope((filmedPixel(camera, at + glm::dvec2(kStep, 0)) - here) / kStep,
                            (filmedPixel(camera, at + glm::dvec2(0, kStep)) - here) / kStep);
-    if (!(glm::determinant(slope) > 1e-3)) break;  // the lens's formula turns back here
+    if (!(glm::determinant(slope) > 1e-3)) break;  // the lens formula is not monotonic beyond this point
     at += glm::inverse(slope) * off;
   }
   return glm::dvec2(std::numeric_limits<double>::quiet_NaN());

@@ -10,13 +10,13 @@
 
 namespace fourdvt::capture {
 
-// The pixel at which the lens images what the camera's pinhole shows at `pinhole_pixel`.
+// Distorts: maps a pixel of the camera's pinhole to the pixel of the filmed picture.
 glm::dvec2 filmedPixel(const CaptureCamera& camera, const glm::dvec2& pinhole_pixel);
 
-// The inverse: the pinhole's pixel that the lens images at `filmed_pixel`. NaN where the lens's formula has none.
+// Undistorts: maps a pixel of the filmed picture to the pinhole's. NaN where the lens formula has no inverse.
 glm::dvec2 pinholePixel(const CaptureCamera& camera, const glm::dvec2& filmed_pixel);
 
-// Between a picture's pixels: Fine suits pictures that are kept; Fast is twice as quick and softens a little.
+// Interpolation between pixels: Fine for pictures that are kept; Fast is twice as quick and slightly softer.
 enum class LensFilter { Fine, Fast };
 
 class Undistorter {
@@ -25,13 +25,13 @@ class Undistorter {
   ~Undistorter();
   Undistorter(Undistorter&&) noexcept;
   Undistorter& operator=(Undistorter&&) noexcept;
-  // Turns a captured picture into what the pinhole camera would see. Beyond the captured picture, colour (3 channels)
-  // repeats the border and a matte (1 channel) is 0.
+  // Resamples a captured picture to the pinhole camera. Beyond the captured picture, colour (3 channels) repeats the
+  // border and a matte (1 channel) is 0.
   Image apply(Image picture, LensFilter filter = LensFilter::Fine) const;
 
  private:
   struct Maps;
-  std::unique_ptr<Maps> maps_;  // null if there is no distortion
+  std::unique_ptr<Maps> maps_;  // null without distortion
 };
 
 }  // namespace fourdvt::capture

@@ -16,13 +16,13 @@ struct Size {
 
 std::string text(const Size& size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
 
-// Wide pixels make the picture wider, narrow ones make it higher: nothing is thrown away.
+// Size after stretching: wide pixels widen the picture, narrow ones heighten it, so that no detail is lost.
 Size stretched(const Size& size, double pixel_aspect) {
   if (pixel_aspect >= 1) return {static_cast<int>(std::lround(size.width * pixel_aspect)), size.height};
   return {size.width, static_cast<int>(std::lround(size.height / pixel_aspect))};
 }
 
-// The size of a stored picture by these marks.
+// Size of a stored picture with these marks.
 Size shownSize(const Image& stored, const PictureMarks& marks) {
   const Size size = stretched({stored.width, stored.height}, marks.pixel_aspect);
   return marks.swapsSides() ? Size{size.height, size.width} : size;
@@ -34,7 +34,7 @@ PictureMarks without(PictureMarks marks, bool turn, bool stretch) {
   return marks;
 }
 
-// Marks of which the picture gets the camera's size, turned or not; unstretched goes before.
+// Marks with which the picture gets the camera's size, turned or not; unstretched takes precedence.
 std::optional<PictureMarks> fitting(const Image& stored, const PictureMarks& marks, const CaptureCamera& camera,
                                     bool turn) {
   const Size wanted{camera.pinhole.width, camera.pinhole.height};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures as they lie in their files → pictures as a camera is calibrated for: marks that turn or stretch a picture
-// belong to the calibration or not, which its size decides, or else the user.
+// Converts pictures as stored → pictures as a camera is calibrated for. The calibrated size, or else the user,
+// determines which of the marks that turn or stretch a picture apply.
 #pragma once
 
 #include <string>
@@ -12,19 +12,19 @@
 
 namespace fourdvt::capture {
 
-// Stretches, mirrors and turns a picture of any number of channels.
+// Stretches, mirrors and turns a picture with any number of channels.
 Image applyMarks(Image stored, const PictureMarks& marks);
 
-// Those of a picture's marks with which it has the size that the camera is calibrated for. `path` is for messages.
-// Errors: FrameSize (no choice of marks gives that size, or it is open whether the picture is to be turned).
+// Marks with which the picture has the camera's calibrated size. `path` is for messages. Errors: FrameSize (no choice
+// of marks gives that size, or the rotation is ambiguous).
 Result<PictureMarks> calibratedMarks(const Image& stored, const PictureMarks& marks, const CaptureCamera& camera,
                                      const std::string& path);
 
-// The picture with calibratedMarks applied. Errors: theirs.
+// Applies calibratedMarks. Errors: those of calibratedMarks.
 Result<Image> asCalibrated(Image stored, const PictureMarks& marks, const CaptureCamera& camera,
                            const std::string& path);
 
-// The error where `camera.orientation` does not decide on marks that turn a picture.
+// Error where `camera.orientation` leaves marks that turn a picture ambiguous.
 Error orientationIsOpen(const PictureMarks& marks, const CaptureCamera& camera, const std::string& path);
 
 }  // namespace fourdvt::capture
