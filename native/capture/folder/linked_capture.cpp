@@ -20,7 +20,7 @@ Status linkOne(const fs::path& from, const fs::path& to) {
   std::error_code failed, no_source, no_target;
   if (fs::exists(fs::symlink_status(to, failed))) return {};
   const fs::path source = fs::canonical(from, no_source), target = fs::canonical(to.parent_path(), no_target);
-  if (no_source) return {};  // a link into nowhere is nobody's picture
+  if (no_source) return {};  // dangling link: no picture
   if (const fs::path relative = source.lexically_relative(target); !no_target && !relative.empty()) {
     fs::create_symlink(relative, to, failed);
     if (!failed) return {};
@@ -32,16 +32,17 @@ Status linkOne(const fs::path& from, const fs::path& to) {
                                          failed.message() + "; check space and permissions"};
 }
 
-constexpr const char* kKeptCameras = "cameras_kept";  // a calibration of its own
+constexpr const char* kKeptCameras = "cameras_kept";  // folder of an own calibration
 
-// The report of an earlier command: written through a link, it would change that one's.
+// Detects the report of an earlier command, which writing through a link would change.
 bool isReport(const std::string& name) {
   for (const char* start : {"reconstruct.", "reconstruct-", "mattes.", "mattes-", "calibrate.", "calibrate-"})
     if (name.starts_with(start)) return true;
   return false;
 }
 
-// Whether the entry of a sequence's folder belongs to its meshes, as capture.json names them or at their usual place.
+// Returns true if the entry of a sequence's folder belongs to its meshes, as named in capture.json or at their default
+// place.
 bool isMesh(const fs::path& entry, const fs::path& folder, const Json& sequence) {
   if (entry.filename() == kMeshFolder) return true;
   const auto named = [&](const Json& node, const char* key) {
@@ -73,7 +74,7 @@ Status linkSequence(const fs::path& from, const fs::path& to, const Json& sequen
   return {};
 }
 
-// Leaves a file that has this text already as it is, with its time.
+// Writes a text; a file that already has it stays unchanged, with its time.
 Status writeText(const std::string& path, const std::string& text) {
   const auto found = platform::readText(path);
   if (found.ok() && found.value() == text) return {};
@@ -85,7 +86,7 @@ void dropNames(const std::vector<std::string>& names, Json& by_camera) {
   for (const std::string& name : names) by_camera.erase(name);
 }
 
-// The calibration of the cameras that `capture` still has, and its place in capture.json.
+// Writes the calibration of the cameras in `capture`, and its path in capture.json.
 Status writeKept(const Capture& capture, const std::string& to, const LinkOptions& options, Json& json) {
   if (options.leave_out.empty() && !options.own_calibration) return {};
   const std::string folder = to + "/" + kKeptCameras;
@@ -100,7 +101,7 @@ Status writeKept(const Capture& capture, const std::string& to, const LinkOption
   return {};
 }
 
-// Frames that remain keep their pictures: what has been held out is numbered from the new first frame.
+// Writes frame ranges. Remaining frames keep their pictures; held-out frames are renumbered from the new first frame.
 void writeTimes(const CaptureSequence& sequence, Json& json) {
   const int64_t given = json.value("first_frame", int64_t(0)), later = int64_t(sequence.first_frame) - given;
   json["frames"] = sequence.frame_count;

@@ -36,7 +36,7 @@ std::vector<std::string> filesOf(const std::string& folder, bool of_sequence) {
   return files;
 }
 
-// True where `inner` is `outer` or lies below it; both without links.
+// Returns true where `inner` is `outer` or lies below it; both without links.
 bool within(const fs::path& inner, const fs::path& outer) {
   const auto [a, b] = std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end());
   return a == outer.end();
@@ -52,7 +52,7 @@ std::string inputsKey(const Capture& capture) {
   const ColmapText cameras = colmapText(capture.cameras, capture.metres_per_unit);
   add(cameras.cameras);
   add(cameras.images);
-  for (const CaptureCamera& camera : capture.cameras)  // the texts cannot say it
+  for (const CaptureCamera& camera : capture.cameras)  // skew is missing from the texts
     if (camera.distortion.skew != 0) add(camera.pinhole.name + " " + std::to_string(camera.distortion.skew));
   add(std::to_string(int(capture.background_kind)) + " " + std::to_string(capture.ground_y_m));
   for (const std::string& folder : {capture.background_folder, capture.folder + "/" + kHintsFolder})
@@ -125,7 +125,7 @@ Status ResultFolder::open(const std::string& key, bool resume) const {
 bool ResultFolder::holds(const std::string& key) const { return store::keyOf(workFolder()) == key + signature(); }
 
 Status ResultFolder::place() const {
-  const std::string previous = workFolder() + "/previous." + platform::ownSuffix();  // nobody else removes it
+  const std::string previous = workFolder() + "/previous." + platform::ownSuffix();  // only this process removes it
   FOURDVT_TRY(platform::replaceFolder(partFolder(), target_, previous));
   platform::removeFolder(previous);
   return {};

@@ -41,7 +41,7 @@ bool isPlainFile(const fs::path& path) {
   return fs::is_regular_file(path, ignored);
 }
 
-// Sorted by name; folders or files of `folder`.
+// Folders or files of `folder`, sorted by name.
 std::vector<fs::path> listed(const fs::path& folder, bool folders) {
   std::vector<fs::path> out;
   std::error_code failed;
@@ -58,7 +58,7 @@ bool endsWith(const fs::path& path, std::initializer_list<const char*> endings) 
   return std::any_of(endings.begin(), endings.end(), [&](const char* e) { return name.ends_with(e); });
 }
 
-// Nothing: there is none of the kind. `note` gets why a file that might have been one is none.
+// Empty: no calibration of the kind. `note` receives the reason why a candidate is none.
 using Found = Result<std::optional<ImportedCalibration>>;
 const std::optional<ImportedCalibration> kNone;
 
@@ -68,7 +68,7 @@ Found readOne(const fs::path& file, Result<ImportedCalibration> (*parse)(const s
   return std::optional(std::move(out));
 }
 
-// The file itself, or those in the folder, with one of these endings.
+// The file itself, or those in the folder, with one of these extensions.
 std::vector<fs::path> filesWith(const fs::path& source, std::initializer_list<const char*> endings) {
   std::vector<fs::path> out;
   if (isPlainFile(source)) {
@@ -127,7 +127,7 @@ Found findEasyMocap(const fs::path& source, std::string&) {
   return kNone;
 }
 
-// Middlebury's NAME_par.txt.
+// Finds Middlebury's NAME_par.txt.
 Found findMiddlebury(const fs::path& source, std::string&) {
   for (const fs::path& file : filesWith(source, {"_par.txt"})) return readOne(file, parseMiddlebury);
   return kNone;
@@ -175,7 +175,7 @@ Found findQualisys(const fs::path& source, std::string&) {
   return kNone;
 }
 
-// Projects have other .toml files beside the calibration's, and may have it in a folder of its own.
+// Finds a .toml calibration among a project's other .toml files, perhaps in a folder of its own.
 Found findToml(const fs::path& source, std::string& note) {
   for (const char* inner : {"", "calibration", "calib"}) {
     if (isPlainFile(source) && *inner) continue;
@@ -190,8 +190,8 @@ Found findToml(const fs::path& source, std::string& note) {
 
 using NamedFiles = std::vector<std::pair<std::string, fs::path>>;
 
-// One file a camera: FOLDER/CAMERA/config.xml, or else FOLDER/CAMERA.xml, or else FOLDER/calibration/CAMERA.xml; or the
-// file itself.
+// One file per camera: FOLDER/CAMERA/config.xml, or else FOLDER/CAMERA.xml, or else FOLDER/calibration/CAMERA.xml; or
+// the file itself.
 std::vector<NamedFiles> filesByCamera(const fs::path& source, std::initializer_list<const char*> endings) {
   const auto namedIn = [&](const fs::path& folder) {
     NamedFiles out;
@@ -210,7 +210,7 @@ std::vector<NamedFiles> filesByCamera(const fs::path& source, std::initializer_l
   return out;
 }
 
-// All files must be cameras, or none.
+// Reads OpenCV cameras; either all files must be cameras, or none.
 Found openCvCameras(const fs::path& source, const NamedFiles& files, std::string& note) {
   ImportedCalibration out{"OpenCV FileStorage", source.string(), {}, {}, {}, {}, {}};
   std::optional<Error> failed;
@@ -255,7 +255,7 @@ struct CalibrationKind {
   Found (*find)(const fs::path& source, std::string& note);
 };
 
-// In the order in which they are looked for.
+// In search order.
 constexpr CalibrationKind kCalibrationKinds[] = {
     {"COLMAP (cameras.txt, cameras.bin)", findColmap},
     {"nerfstudio and Blender (transforms.json, transforms_train.json)", findNerfstudio},
@@ -270,7 +270,7 @@ constexpr CalibrationKind kCalibrationKinds[] = {
     {"projection matrices (CAMERA.txt)", findProjections},
 };
 
-// Blanks in names are made plain; files keep theirs.
+// Makes blanks in camera names plain; file names keep theirs.
 Status checkNames(ImportedCalibration& calibration) {
   std::set<std::string> names;
   for (ImportedCamera& imported : calibration.cameras) {

@@ -9,7 +9,7 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr double kMaxRotationError = 0.01;  // of the elements of R Rᵀ; files round to three digits and more
+constexpr double kMaxRotationError = 0.01;  // error of the elements of R Rᵀ; files round to three digits and more
 constexpr int kMaxImportedSide = 32768;     // pixels
 
 Error badNumbers(const std::string& where, const std::string& what) {

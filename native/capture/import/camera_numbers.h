@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera from the numbers that calibration files give, checked: what all readers of this folder end in.
+// Validated cameras from the numbers of calibration files; common to all readers of this folder.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -11,24 +11,24 @@
 
 namespace fourdvt::capture {
 
-constexpr double kFirstPixelAtZero = 0.5;  // what OpenCV's principal point lacks
+constexpr double kFirstPixelAtZero = 0.5;  // offset from OpenCV's principal point
 
-// The rotation about `vector` by its length in radians (Rodrigues).
+// Rotation about `vector` by its length in radians (Rodrigues).
 glm::dmat3 rotationOf(const glm::dvec3& vector);
-// From nine numbers, row by row.
+// Matrix from nine numbers, row by row.
 glm::dmat3 rowByRow(std::span<const double> nine);
 
-// `values` in OpenCV's order k1 k2 p1 p2 k3 k4 k5 k6, or k1 k2 k3 k4 of a fisheye; missing ones are 0. Further ones
-// (thin prism, tilt) must be 0. `where` begins the messages. Errors: CameraModel.
+// Distortion from `values` in OpenCV's order k1 k2 p1 p2 k3 k4 k5 k6, or k1 k2 k3 k4 of a fisheye; missing ones are 0.
+// Further ones (thin prism, tilt) must be 0. `where`: prefix of messages. Errors: CameraModel.
 Result<Distortion> distortionOf(std::span<const double> values, bool fisheye, const std::string& where);
 
-// OpenCV's camera matrix, nine numbers row by row, with any scale: sets focal lengths, principal point (`first_pixel`
-// is added to it) and skew. Errors: CameraPose.
+// Sets focal lengths, principal point (plus `first_pixel`) and skew from OpenCV's camera matrix, nine numbers row by
+// row, with any scale. Errors: CameraPose.
 Status setCameraMatrix(std::span<const double> nine, double first_pixel, CaptureCamera& camera,
                        const std::string& where);
 
-// Refuses numbers that are not finite, focal lengths that are not positive, and rotations that are none; makes the
-// rotation exactly orthogonal. Errors: CameraPose.
+// Sets a pose and makes its rotation exactly orthogonal. Refuses numbers that are not finite, focal lengths that are
+// not positive, and matrices that are no rotations. Errors: CameraPose.
 Status setPose(const glm::dmat3& rotation, const glm::dvec3& translation, CaptureCamera& camera,
                const std::string& where);
 Status checkCameraNumbers(const CaptureCamera& camera, const std::string& where);

@@ -23,7 +23,7 @@ std::vector<std::string> split(const std::string& text, char separator) {
   return out;
 }
 
-// SEQUENCE or SEQUENCE:VALUE/VALUE.
+// Parses SEQUENCE or SEQUENCE:VALUE/VALUE.
 Result<CaptureClass::MemberOf> parseMember(const std::string& text, const CaptureClass& owner) {
   const size_t colon = text.find(':');
   CaptureClass::MemberOf out{text.substr(0, colon), {}};
@@ -40,7 +40,7 @@ Result<CaptureClass::MemberOf> parseMember(const std::string& text, const Captur
   return out;
 }
 
-// Every member has a value of every parameter, or none has and the bake measures the only one.
+// Checks that every member has a value of every parameter, or that none has and the bake measures the only parameter.
 Status checkValues(const CaptureClass& given) {
   const auto bare = [](const CaptureClass::MemberOf& member) { return member.parameter.empty(); };
   const auto& members = given.members;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tables of comma-separated values: a line of names, then rows. Does NOT read cells that hold line ends.
+// Tables of comma-separated values: a line of names, then rows. Cells end with their line.
 #pragma once
 
 #include <map>
@@ -15,9 +15,9 @@ struct CsvTable {
   struct Row {
     std::map<std::string, std::string> cells;  // by column
     std::string where;                         // "path:line: "
-    // The cell, which must be a finite number. Errors: CameraPose.
+    // Cell as a finite number. Errors: CameraPose.
     Result<double> number(const std::string& column) const;
-    // 0 where there is no such column, or its cell is empty.
+    // Cell as a number; 0 for a missing column or an empty cell.
     Result<double> orZero(const std::string& column) const;
   };
   std::vector<std::string> columns;
@@ -25,9 +25,9 @@ struct CsvTable {
   bool has(std::initializer_list<const char*> names) const;
 };
 
-// Semicolons or tabs part the cells where the first line has them and no commas; cells may be in quotes. Lines before
-// the first one with several cells are skipped. Errors: CameraPose (a row with more cells than there are columns:
-// decimal commas make them).
+// Parses a table. Cells are separated by semicolons or tabs where the first line has them and no commas; cells may be
+// in quotes. Lines before the first one with several cells are skipped. Errors: CameraPose (more cells than columns in
+// a row, e.g. by decimal commas).
 Result<CsvTable> parseCsv(std::string_view text, const std::string& path);
 
 }  // namespace fourdvt::capture

@@ -21,12 +21,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kAssumedFps = 25;
-constexpr const char* kOnlyTake = "take";  // where no sequences are named
-constexpr double kLargeRig = 50;           // metres between cameras: the unit is hardly a metre
+constexpr const char* kOnlyTake = "take";  // default sequence
+constexpr double kLargeRig = 50;           // metres between cameras; larger rigs are probably not in metres
 
 std::string shortNumber(double value) { return printed("%.6g", value); }
 
-// Into metres, with Y up.
+// Converts to metres, with Y up.
 void turnAndScale(const glm::dmat3& turned_from_world, double metres_per_unit, ImportedCalibration& calibration) {
   for (ImportedCamera& imported : calibration.cameras) {
     glm::dmat4& pose = imported.camera.pinhole.cam_from_world;
@@ -94,7 +94,7 @@ std::vector<Take> takesOf(const ImportOptions& options) {
   return takes;
 }
 
-// Cameras that are called otherwise than their files are.
+// Notes cameras whose names differ from their files'.
 void noteNames(const ImportedCalibration& calibration, ImportSummary& summary) {
   std::string list;
   for (const ImportedCamera& imported : calibration.cameras) {
@@ -104,7 +104,7 @@ void noteNames(const ImportedCalibration& calibration, ImportSummary& summary) {
   if (!list.empty()) summary.done.push_back("names of files and cameras: " + list);
 }
 
-// Plates lie beside the calibration's pictures, or in one of the takes.
+// Imports plates, from beside the calibration's pictures or from one of the takes.
 Status importPlates(const ImportedCalibration& calibration, const std::vector<Take>& takes, const std::string& base,
                     const OpenVideo& open_video, const std::string& folder, ImportSummary& summary) {
   size_t found = 0;
@@ -125,7 +125,7 @@ Status importPlates(const ImportedCalibration& calibration, const std::vector<Ta
   return {};
 }
 
-// A line for each sequence and class, and one for what the meshes are.
+// Adds a line per sequence and class, and one for the meshes.
 void describeTakes(const ImportOptions& options, const std::vector<Take>& takes, ImportedMeshes meshes,
                    ImportSummary& summary) {
   for (const Take& take : takes) {
@@ -161,7 +161,7 @@ Status writeAll(const ImportOptions& options, const ImportedCalibration& calibra
   const std::string base = (fs::is_directory(source, failed) ? source : source.parent_path()).string();
   FOURDVT_TRY(importPlates(calibration, takes, base.empty() ? "." : base, open_video, part, summary));
   FOURDVT_TRY(writeDescription(calibration, takes, meshes, options.classes, fps, part));
-  fs::remove(options.folder, failed);  // an empty one
+  fs::remove(options.folder, failed);  // removes an empty folder
   fs::rename(part, options.folder, failed);
   if (!failed) return {};
   return Error{ErrorId::WriteFailed, options.folder + ": " + failed.message() + "; choose another folder"};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // fourdvt import: a capture folder from a calibration of another program and the pictures beside it. Pictures are
-// linked, never copied; clips of the empty studio are decoded to a few plates. Does NOT judge the calibration.
+// linked, never copied; clips of the empty studio are decoded to a few plates. Calibration accuracy is not checked.
 #pragma once
 
 #include <optional>
@@ -15,29 +15,29 @@ namespace fourdvt::capture {
 
 struct ImportOptions {
   std::string source;                     // folder, or a calibration file with the pictures beside it
-  std::string folder;                     // to write; must not exist, or be empty
-  std::optional<WorldAxis> up;            // none: what the format defines, else Y
-  std::optional<double> metres_per_unit;  // none: what the format defines, else 1
+  std::string folder;                     // output; must not exist, or be empty
+  std::optional<WorldAxis> up;            // none: as defined by the format, else Y
+  std::optional<double> metres_per_unit;  // none: as defined by the format, else 1
   bool cropped = false;                   // pictures may lack columns at the right and rows at the bottom
   Orientation orientation = Orientation::BySize;
-  double fps = 0;                  // 0: that of the videos, else 25
-  bool ignore_time_codes = false;  // videos begin together, whatever their time codes
-  // Name of each sequence, and its folder in `source`; none: one called "take", of `source` itself.
+  double fps = 0;                  // 0: rate of the videos, else 25
+  bool ignore_time_codes = false;  // videos begin together, regardless of time codes
+  // [name of a sequence, its folder in `source`]; empty: one called "take", of `source` itself
   std::vector<std::pair<std::string, std::string>> sequences;
   std::vector<std::string> loops;     // names of sequences that are loops
-  std::vector<CaptureClass> classes;  // of these sequences
-  std::string check() const;          // the problem, or empty
+  std::vector<CaptureClass> classes;  // classes of these sequences
+  std::string check() const;          // first problem, or empty
 };
 
 struct ImportSummary {
-  std::vector<std::string> done;      // findings and turns, a line each
+  std::vector<std::string> done;      // findings and rotations, one line each
   std::vector<std::string> warnings;  // gaps and assumptions, each with a remedy
-  std::vector<std::string> details;   // parts that are passed over without effect
+  std::vector<std::string> details;   // skipped parts without effect
 };
 
-// The folder appears when it is complete. Errors: those of readCalibration; CameraMissingVideo (no camera has
-// pictures), FrameSize (both sizes are named), VideoTooShort (no instant is in all clips), WriteFailed, InvalidArgument
-// (the folder is not empty), and those of findMeshes and of `open_video`.
+// Imports a capture; the folder appears when complete. Errors: those of readCalibration; CameraMissingVideo (no camera
+// has pictures), FrameSize (both sizes are named), VideoTooShort (no instant common to all clips), WriteFailed,
+// InvalidArgument (the folder is not empty), and those of findMeshes and of `open_video`.
 Result<ImportSummary> importCapture(const ImportOptions& options, const OpenVideo& open_video);
 
 }  // namespace fourdvt::capture

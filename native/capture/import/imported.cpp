@@ -36,7 +36,7 @@ std::string plainName(std::string name) {
 }
 
 glm::dmat3 turnToY(WorldAxis up) {
-  // Columns: where x, y and z go.
+  // Columns: images of x, y and z.
   switch (up) {
     case WorldAxis::X:
       return {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}};

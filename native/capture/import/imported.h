@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contents of a calibration file: cameras in the file's own world and unit, and both by its format's definition.
-//
-// The readers of this folder parse bytes in memory and turn every convention but these two into the capture's: x right,
-// y down, z forward, the first pixel's centre at 0.5. They do NOT look for pictures or other files. They read what
-// others wrote: whatever it is, they return an error that names the file.
+// Contents of a calibration file: cameras in the file's world and unit, and both as defined by its format.
+// Readers of this folder parse bytes in memory and convert every convention except world and unit to the capture's: x
+// right, y down, z forward, first pixel centre at 0.5. They open no other files, and return errors that name the file
+// for any malformed input.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -21,44 +20,44 @@ enum class WorldAxis { X, MinusX, Y, MinusY, Z, MinusZ };
 
 const char* axisName(WorldAxis axis);  // "-Z"
 std::optional<WorldAxis> axisNamed(std::string_view name);
-// The rotation that turns `up` into Y; the axes stay axes.
+// Rotation that turns `up` into Y and maps axes to axes.
 glm::dmat3 turnToY(WorldAxis up);
 
-// Parts of a lens that a calibration gives by the size of the pictures, and not the size.
+// Lens parameters that are relative to a picture size which the calibration lacks.
 struct RelativeLens {
   enum class Unit { Width, LongerSide };
   Unit unit = Unit::Width;
-  double focal = 0;                     // of the unit; 0: the camera has its focal lengths
-  double focal_y = 0;                   // of the height; 0: that of x
-  std::optional<glm::dvec2> principal;  // off the centre of the picture, of the unit; none: the camera has it
+  double focal = 0;                     // in units of the size; 0: the camera has focal lengths
+  double focal_y = 0;                   // in heights; 0: as x
+  std::optional<glm::dvec2> principal;  // offset from the picture's centre, in units of the size; none: the camera has
+                                        // a principal point
 };
 // Sets the camera's lens by its size.
 void setLens(const RelativeLens& lens, PinholeCamera& camera);
 
 struct ImportedCamera {
-  CaptureCamera camera;  // width and height 0 where the file does not give them
-  std::string pictures;  // file or folder that the calibration names, relative to it or absolute; mostly empty
-  std::string listed;    // the same, to be looked for where there is nothing called by the camera's name
-  std::string mattes;    // file or folder that the calibration names
-  // Names of its files, best first; none: the camera's. importCapture keeps the one that it finds, and names the camera
-  // by it.
+  CaptureCamera camera;  // width and height 0 if the file lacks them
+  std::string pictures;  // file or folder in the calibration, relative to it or absolute; mostly empty
+  std::string listed;    // fallback for `pictures` where nothing has the camera's name
+  std::string mattes;    // file or folder in the calibration
+  // Candidate file names, best first; empty: the camera's name. importCapture keeps the one that exists, and names the
+  // camera by it.
   std::vector<std::string> file_names;
-  std::optional<RelativeLens> relative;  // to be set once the size is known
+  std::optional<RelativeLens> relative;  // to be set when the size is available
   const std::string& fileName() const { return file_names.empty() ? camera.pinhole.name : file_names.front(); }
 };
 
-// A name that capture files can be called by: blanks and signs that shells and pages give a meaning become "_" ("cam
-// 00": "cam_00").
+// Name suitable for capture files: blanks and characters special to shells and URLs become "_" ("cam 00": "cam_00").
 std::string plainName(std::string name);
 
 struct ImportedCalibration {
-  std::string kind;  // for people: "Qualisys"
+  std::string kind;  // for display: "Qualisys"
   std::string path;  // file or folder that was read
   std::vector<ImportedCamera> cameras;
   std::optional<double> metres_per_unit;  // none: the format defines no unit
   std::optional<WorldAxis> up;            // none: the format defines no axis
-  std::vector<std::string> warnings;      // a line each
-  std::vector<std::string> details;       // what was passed over and does not matter, a line each
+  std::vector<std::string> warnings;      // one line each
+  std::vector<std::string> details;       // skipped contents without effect, one line each
 };
 
 }  // namespace fourdvt::capture

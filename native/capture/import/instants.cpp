@@ -13,7 +13,7 @@ namespace fourdvt::capture {
 namespace {
 
 constexpr double kDay_s = 24 * 3600;
-constexpr double kNotedOff = 0.1;  // steps that a picture lies off its instant
+constexpr double kNotedOff = 0.1;  // steps that a picture deviates from its instant
 
 std::string fileName(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
@@ -32,7 +32,7 @@ Error variableRate(const Clip& clip, double fps) {
                                        " ms apart); make it constant: " + constantRateCommand(clip.view.video, fps)};
 }
 
-// Instants of one video since its first picture.
+// Sets the instants of one video relative to its first picture.
 Status setVideoInstants(Clip& clip, double fps, ClipNotes& notes) {
   if (clip.listing.times_s.empty()) {
     showInOrder(clip);
@@ -48,7 +48,7 @@ Status setVideoInstants(Clip& clip, double fps, ClipNotes& notes) {
   return {};
 }
 
-// All videos must run at the rate of the first one: within half a frame at the end.
+// Checks that all videos run at the rate of the first one: within half a frame at the end.
 Status checkRates(const std::vector<Clip*>& videos) {
   const Clip* first = nullptr;
   for (const Clip* clip : videos) {
@@ -65,12 +65,12 @@ Status checkRates(const std::vector<Clip*>& videos) {
   return {};
 }
 
-// Frames that each video begins after the first one; empty where their time codes have no instant in common.
+// Start of each video relative to the first one, in frames; empty if their time codes have no common instant.
 std::vector<int64_t> timecodeStarts(const std::vector<Clip*>& videos) {
   std::vector<int64_t> starts;
   for (const Clip* clip : videos) {
     double later_s = *clip->listing.timecode_s - *videos[0]->listing.timecode_s;
-    later_s -= kDay_s * std::round(later_s / kDay_s);  // over midnight
+    later_s -= kDay_s * std::round(later_s / kDay_s);  // across midnight
     starts.push_back(std::llround(later_s / clip->step_s));
   }
   int64_t begin = INT64_MIN, end = INT64_MAX;
@@ -131,7 +131,7 @@ bool ascending(const std::vector<int64_t>& numbers) {
          std::adjacent_find(numbers.begin(), numbers.end(), std::greater_equal<int64_t>()) == numbers.end();
 }
 
-// Numbers that all folders share are frames; an instant is a number's place among those of all.
+// Pairs by numbers common to all folders; an instant is a number's rank among those of all.
 bool pairByNumber(const std::vector<Clip*>& folders) {
   std::map<int64_t, size_t> counts;
   size_t fewest = SIZE_MAX;
@@ -153,7 +153,7 @@ bool pairByNumber(const std::vector<Clip*>& folders) {
   return true;
 }
 
-// Time stamps that differ a little: each picture belongs to the nearest one of the folder that has most.
+// Pairs time stamps that differ a little: each picture belongs to the nearest one of the folder with the maximum count.
 bool pairByNearest(const std::vector<Clip*>& folders) {
   const Clip& longest = **std::max_element(folders.begin(), folders.end(), [](const Clip* a, const Clip* b) {
     return a->view.numbers.size() < b->view.numbers.size();
@@ -192,12 +192,12 @@ void setFolderInstants(const std::vector<Clip*>& folders, ClipNotes& notes) {
                            "alike if that is wrong");
 }
 
-// Number of the picture that each of a folder's mattes belongs to, by the numbers in their names.
+// Numbers of the pictures of a folder's mattes, by the numbers in their names.
 std::vector<int64_t> picturesOfMattes(const Clip& pictures, const Clip& mattes) {
   const std::vector<int64_t>&numbers = mattes.view.numbers, &own = pictures.view.numbers;
   std::vector<int64_t> out;
   if (!ascending(numbers)) return out;
-  if (own.empty()) {  // a video: its pictures are counted from 0 or from 1
+  if (own.empty()) {  // videos number pictures from 0 or from 1
     const int64_t last = int64_t(pictures.pictures()) - 1;
     const int64_t start = numbers.size() == pictures.pictures() ? numbers.front()
                           : numbers.back() == last              ? 0
@@ -214,7 +214,7 @@ std::vector<int64_t> picturesOfMattes(const Clip& pictures, const Clip& mattes) 
   return out;
 }
 
-// True where one list is the other one, shifted.
+// Returns true if the lists differ by a constant.
 bool differByAConstant(const std::vector<int64_t>& a, const std::vector<int64_t>& b) {
   if (a.size() != b.size()) return false;
   for (size_t i = 0; i < a.size(); ++i)
@@ -281,7 +281,7 @@ void setMatteInstants(const Clip& pictures, Clip& mattes, bool alike, ClipNotes&
   std::vector<int64_t> of = picturesOfMattes(pictures, mattes);
   if (of.empty())  // in order
     for (size_t i = 0; i < mattes.pictures(); ++i) of.push_back(int64_t(i));
-  std::map<int64_t, int64_t> instants;  // of pictures
+  std::map<int64_t, int64_t> instants;  // picture → instant
   for (const Shown& shown : pictures.shown) instants[int64_t(shown.picture)] = shown.instant;
   for (size_t i = 0; i < of.size(); ++i)
     if (const auto at = instants.find(of[i]); at != instants.end()) mattes.shown.push_back({at->second, i});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The instants that the pictures of a take's clips show, on one clock: from the time stamps and time codes of videos,
-// and from the numbers in the names of pictures.
+// Instants of a take's pictures on one clock: from time stamps and time codes of videos, and from numbers in the names
+// of pictures.
 #pragma once
 
 #include <map>
@@ -13,24 +13,24 @@
 namespace fourdvt::capture {
 
 struct Shown {
-  int64_t instant = 0;  // frames since an origin that all clips of a take have in common
-  size_t picture = 0;   // number in the video, or in View::pictures
+  int64_t instant = 0;  // frames since a common origin of the take's clips
+  size_t picture = 0;   // number in the video, or index into View::pictures
 };
 
-// A camera's pictures, or its mattes.
+// Pictures of a camera, or its mattes.
 struct Clip {
   std::string camera;
   View view;
-  VideoListing listing;      // of a video
+  VideoListing listing;      // video only
   std::vector<Shown> shown;  // ascending in both
-  double step_s = 0;         // of a video; 0: no time stamps
-  double fps = 0;            // of a video, by its header where that agrees with the time stamps; 0: unknown
+  double step_s = 0;         // video only; 0: no time stamps
+  double fps = 0;            // video only, by its header if that agrees with the time stamps; 0: unknown
   size_t pictures() const { return view.video.empty() ? view.pictures.size() : listing.pictures; }
-  // File of a picture, for people: "cam03/000003.jpg", "picture 3 of cam03.mp4".
+  // File of a picture, for display: "cam03/000003.jpg", "picture 3 of cam03.mp4".
   std::string nameOf(size_t picture) const;
 };
 
-// Rate of the first video, which all others must have; 0: there is none.
+// Rate of the first video, required of all others; 0: no videos.
 double commonRate(const std::vector<Clip>& clips);
 
 struct ClipNotes {
@@ -38,15 +38,15 @@ struct ClipNotes {
 };
 
 // Sets the instants of all cameras' pictures. Videos begin together, or by their time codes where all have one and
-// `time_codes`. Errors: FileUnreadable (a variable rate, or another one than the first video's), naming the command
-// that helps.
+// `time_codes` is set. Errors: FileUnreadable (a variable rate, or one that differs from the first video's), with the
+// command that helps.
 Status setInstants(std::vector<Clip>& clips, bool time_codes, ClipNotes& notes);
 
-// Returns true unless cameras differ in what lies between the first numbers of their pictures and their mattes.
+// Returns false if the offset between the first numbers of pictures and mattes differs between cameras.
 bool numberMattesAlike(const std::vector<Clip>& clips, const std::vector<Clip>& mattes);
 
-// Sets those of a camera's mattes from the instants of its pictures: by their numbers, or in order where all cameras
-// number their mattes `alike` and otherwise than their pictures.
+// Sets the instants of a camera's mattes from those of its pictures: by their numbers, or in order where all cameras
+// number their mattes `alike` and differently from their pictures.
 void setMatteInstants(const Clip& pictures, Clip& mattes, bool alike, ClipNotes& notes);
 
 }  // namespace fourdvt::capture

@@ -4,7 +4,7 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr size_t kMaxNamed = 40;  // keys in a line
+constexpr size_t kMaxNamed = 40;  // keys per line
 
 std::string listOf(const std::set<std::string>& keys) {
   std::string out;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keys of a calibration file that were not read: known ones become one warning, others a detail.
+// Unread keys of a calibration file: known ones become one warning, others a detail.
 #pragma once
 
 #include <set>
@@ -11,7 +11,7 @@ namespace fourdvt::capture {
 
 class KeyNotes {
  public:
-  // `read`: keys that the reader reads; `known`: keys of the format that bear on cameras or pictures and are not read.
+  // `read`: keys used by the reader; `known`: unread keys of the format that affect cameras or pictures.
   KeyNotes(std::set<std::string> read, std::set<std::string> known)
       : read_(std::move(read)), known_(std::move(known)) {}
   void see(const std::string& key);

@@ -17,9 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uint64_t kMaxDecodedPlates = 25;  // more than ten hardly change what is told from them
+constexpr uint64_t kMaxDecodedPlates = 25;  // more than ten hardly change the statistics
 
-// Relative, so that both folders can be moved together.
+// Makes a relative link, so that both folders can be moved together.
 Status linkFile(const fs::path& from, const fs::path& to) {
   std::error_code failed;
   const fs::path source = fs::canonical(from, failed);
@@ -36,8 +36,8 @@ std::string lowerEnding(const std::string& path) {
   return ending;
 }
 
-// Readers look for .png and .jpg, and decide by the content; and for number 0, so that the first picture also stands
-// for those before it, which are not read.
+// Links pictures. Readers open .png and .jpg by content, and require number 0, so that the first picture also replaces
+// earlier ones, which are not read.
 Status linkPictures(const View& view, const std::string& folder) {
   FOURDVT_TRY(platform::makeFolder(folder));
   const std::string first = lowerEnding(view.pictures.front());
@@ -54,7 +54,7 @@ Status linkView(const View& view, const std::string& stem) {
   return linkFile(view.video, stem + lowerEnding(view.video));
 }
 
-// Every how many-th picture is a plate.
+// Step between the pictures used as plates.
 uint64_t plateStep(uint64_t frames) {
   return std::max<uint64_t>(1, (frames + kMaxDecodedPlates - 1) / kMaxDecodedPlates);
 }

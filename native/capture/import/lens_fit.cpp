@@ -10,11 +10,11 @@ namespace fourdvt::capture {
 namespace {
 
 constexpr int kUnknowns = 6, kSamples = 100;
-constexpr double kRidge = 1e-13;  // keeps the equations solvable where a lower degree is enough
+constexpr double kRidge = 1e-13;  // keeps the equations regular where a lower degree suffices
 
 using Equations = std::array<std::array<double, kUnknowns + 1>, kUnknowns>;
 
-// Gauss's elimination with the largest pivot of each column.
+// Gaussian elimination with partial pivoting.
 std::array<double, kUnknowns> solved(Equations e) {
   for (int i = 0; i < kUnknowns; ++i) {
     int pivot = i;
@@ -43,7 +43,7 @@ double rational(const Distortion& d, double s) {
 LensFit fitBrown4(const Brown4& lens, double radius) {
   Distortion d{lens.k1, lens.k2, lens.p1, lens.p2, lens.k3};
   if (lens.k4 == 0) return {d, 0};
-  const double widest = radius * radius;  // of s; the unknowns are those of s / widest
+  const double widest = radius * radius;  // maximum of s; the unknowns are those of s / widest
   Equations equations{};
   for (int i = 1; i <= kSamples; ++i) {
     const double t = static_cast<double>(i) / kSamples, f = radial(lens, t * widest);

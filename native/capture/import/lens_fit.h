@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lenses with a fourth radial coefficient, which OpenCV's formula lacks.
+// Lens models with a fourth radial coefficient, which OpenCV's model lacks.
 #pragma once
 
 #include "capture/capture.h"
@@ -13,10 +13,10 @@ struct Brown4 {
 
 struct LensFit {
   Distortion distortion;
-  double residual = 0;  // largest distance to the given lens within the radius, in focal lengths
+  double residual = 0;  // maximum distance to the given lens within the radius, in focal lengths
 };
 
-// OpenCV's rational model that is nearest to the lens up to `radius` (of normalised coordinates); exact where k4 is 0.
+// Fits OpenCV's rational model to the lens up to `radius` (normalised coordinates); exact where k4 is 0.
 LensFit fitBrown4(const Brown4& lens, double radius);
 
 }  // namespace fourdvt::capture

@@ -12,13 +12,13 @@
 namespace fourdvt::capture {
 namespace {
 
-// Positions of a capture that are packed in one file, which its capture.json describes.
+// Returns true for a capture with packed positions in one file, described by its capture.json.
 bool holdsPackedPositions(const std::string& folder) {
   const auto entries = sortedEntries(folder);
   return std::any_of(entries.begin(), entries.end(), [](const auto& path) { return path.extension() == ".i16"; });
 }
 
-// Errors: those of findMeshFiles and checkMeshFiles.
+// Finds the meshes of one take. Errors: those of findMeshFiles and checkMeshFiles.
 Status findMeshesOf(Take& take, std::vector<std::string>& done, std::vector<std::string>& warnings) {
   const std::string folder = take.folder + "/mesh";
   std::error_code ignored;
@@ -34,7 +34,7 @@ Status findMeshesOf(Take& take, std::vector<std::string>& done, std::vector<std:
   CaptureSequence sequence;
   sequence.name = take.name;
   sequence.frame_count = take.frames;
-  sequence.first_frame = take.skipped;  // meshes begin with the first picture of all
+  sequence.first_frame = take.skipped;  // meshes begin with the first instant of all clips
   FOURDVT_TRY(findMeshFiles(folder, sequence));
   FOURDVT_TRY(checkMeshFiles(sequence));
   for (uint32_t frame = 0; frame < take.frames; ++frame) take.meshes.push_back(meshPath(sequence, frame));
@@ -45,7 +45,7 @@ Status findMeshesOf(Take& take, std::vector<std::string>& done, std::vector<std:
                    "there, or export one mesh a frame"};
 }
 
-// The topology of an OBJ with UVs.
+// Topology of an OBJ with UVs.
 std::optional<MeshTopology> topologyOf(const std::string& path) {
   if (!path.ends_with(".obj")) return std::nullopt;
   auto mesh = readObj(path);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Agisoft Metashape's camera export. With x = X/Z, y = Y/Z (of a fisheye (x, y) atan(r)/r), r² = x² + y² its manual has
-//   x' = x (1 + K1 r² + K2 r⁴ + K3 r⁶ + K4 r⁸) + P1 (r² + 2 x²) + 2 P2 x y, y' alike with P1 and P2 exchanged,
-//   u = w/2 + cx + x' f + x' B1 + y' B2, v = h/2 + cy + y' f; the first pixel's centre is at 0.5.
+// Agisoft Metashape's camera export. With x = X/Z, y = Y/Z (for a fisheye (x, y) atan(r)/r), r² = x² + y² the manual
+// defines
+//    x' = x (1 + K1 r² + K2 r⁴ + K3 r⁶ + K4 r⁸) + P1 (r² + 2 x²) + 2 P2 x y, y' alike with P1 and P2 exchanged,
+//    u = w/2 + cx + x' f + x' B1 + y' B2, v = h/2 + cy + y' f; the first pixel's centre is at 0.5.
 #include <cmath>
 #include <map>
 
@@ -16,7 +17,7 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr double kWorstFit_px = 0.1;  // pixels
+constexpr double kWorstFit_px = 0.1;
 
 Error badMetashape(const std::string& where, const std::string& what, ErrorId id = ErrorId::CameraPose) {
   return {id, where + what + "; export the cameras again"};
@@ -57,10 +58,10 @@ class MetashapeReader {
 
   Status addSensor(const pugi::xml_node& sensor) {
     const std::string where = placeOf(sensor, text_, path_);
-    pugi::xml_node lens;  // the adjusted one where there are two
+    pugi::xml_node lens;  // the adjusted one if there are two
     for (const pugi::xml_node& one : sensor.children("calibration"))
       if (!lens || std::string(one.attribute("class").as_string()) == "adjusted") lens = one;
-    if (!lens) return {};  // a sensor of no photo
+    if (!lens) return {};  // sensor without photos
     const std::string type = lens.attribute("type").as_string(sensor.attribute("type").as_string("frame"));
     if (type != "frame" && type != "fisheye" && type != "equidistant_fisheye") {
       return Error{ErrorId::CameraModel, where + "sensors of type \"" + type +
@@ -93,7 +94,7 @@ class MetashapeReader {
     return setMetashapeLens(n, type != "frame", where, camera);
   }
 
-  // Metashape's P1 is OpenCV's p2.
+  // Sets the lens. Metashape's P1 is OpenCV's p2.
   Status setMetashapeLens(std::map<std::string, double>& n, bool fisheye, const std::string& where,
                           CaptureCamera& camera) {
     const PinholeCamera& p = camera.pinhole;
@@ -117,7 +118,7 @@ class MetashapeReader {
     return checkCameraNumbers(camera, where.substr(0, where.size() - 2));
   }
 
-  // The transform of the chunk, or of its first component that has one.
+  // Reads the transform of the chunk, or of its first component with one.
   Status readWorld(const pugi::xml_node& chunk) {
     pugi::xml_node transform = chunk.child("transform");
     for (const pugi::xml_node& component : chunk.child("components").children("component"))
@@ -146,7 +147,7 @@ class MetashapeReader {
     return {};
   }
 
-  // Groups of cameras are folders of their names.
+  // Adds cameras; groups of cameras become folders of their names.
   Status addCameras(const pugi::xml_node& list, const std::string& folder, int depth = 0) {
     constexpr int kMaxDepth = 64;
     if (depth > kMaxDepth) {

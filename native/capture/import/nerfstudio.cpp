@@ -19,7 +19,7 @@ namespace {
 using Json = nlohmann::json;
 constexpr double kHalfTurn = 3.14159;  // radians
 
-// A frame's own value, or the one that all frames share.
+// Value of a frame, or else the value common to all frames.
 class FrameValues {
  public:
   FrameValues(const Json& frame, const Json& shared) : frame_(frame), shared_(shared) {}
@@ -37,7 +37,7 @@ class FrameValues {
     const Json* value = find(key);
     return value && value->is_string() ? value->get<std::string>() : std::string();
   }
-  // A key that is there holds a number.
+  // Returns true if each of the keys is missing or a number.
   bool holdsNumbers(std::initializer_list<const char*> keys) const {
     for (const char* key : keys)
       if (const Json* value = find(key); value && !value->is_number()) return false;
@@ -54,7 +54,7 @@ class FrameValues {
 };
 
 std::string withSlashes(std::string path) {
-  std::replace(path.begin(), path.end(), '\\', '/');  // as written on Windows
+  std::replace(path.begin(), path.end(), '\\', '/');  // Windows paths
   return path;
 }
 
@@ -77,7 +77,7 @@ Result<Distortion> nerfstudioLens(const FrameValues& values, const std::string& 
   return Distortion{k1, k2, values.orZero("p1"), values.orZero("p2"), k3};
 }
 
-// An angle of view in radians, as half of a side in focal lengths; nothing where there is none.
+// Half of a side in focal lengths from an angle of view in radians; empty without one.
 Result<double> focalOfAngle(const FrameValues& values, const char* key, const std::string& where) {
   const auto angle = values.number(key);
   if (!angle) return 0.0;
@@ -86,7 +86,7 @@ Result<double> focalOfAngle(const FrameValues& values, const char* key, const st
   return badFrame(where, std::string(key) + " must be an angle in radians, above 0 and below pi");
 }
 
-// Focal lengths and principal point, or how they follow from a size that is not given.
+// Sets focal lengths and principal point, absolute or relative to a missing size.
 Status nerfstudioFocals(const FrameValues& values, ImportedCamera& imported, const std::string& where) {
   if (!values.holdsNumbers({"w", "h", "fl_x", "fl_y", "cx", "cy", "k1", "k2", "k3", "k4", "p1", "p2"}))
     return badFrame(where, "w, h, fl_x, fl_y, cx, cy and coefficients must be numbers");
@@ -114,7 +114,7 @@ Status nerfstudioFocals(const FrameValues& values, ImportedCamera& imported, con
   return {};
 }
 
-// Columns of camera to world are the camera's axes and its position.
+// Sets the pose. Columns of camera to world are the camera's axes and its position.
 Status nerfstudioPose(const Json& frame, CaptureCamera& camera, const std::string& where) {
   const auto matrix = frame.find("transform_matrix");
   glm::dmat4 world_from_cam(1);
@@ -152,8 +152,8 @@ Result<ImportedCamera> nerfstudioCamera(const Json& frame, const Json& root, con
   return out;
 }
 
-// "mask_path" names the matte of one picture: the folder in which it lies holds those of the camera alone, or is that
-// of all cameras.
+// Folder of a camera's mattes. "mask_path" names the matte of one picture: its folder contains those of the camera
+// alone, or those of all cameras.
 std::string mattesOf(const std::vector<ImportedCamera>& frames, size_t first, bool folder) {
   const std::filesystem::path path = frames[first].mattes;
   const auto shares = [&](const ImportedCamera& other) {
@@ -167,7 +167,7 @@ std::string mattesOf(const std::vector<ImportedCamera>& frames, size_t first, bo
   return picture && own && path.has_parent_path() ? path.parent_path().string() : path.string();
 }
 
-// Frames of one camera at several instants become one.
+// Merges frames of one camera at several instants.
 Result<std::vector<ImportedCamera>> withoutInstants(const std::vector<ImportedCamera>& frames,
                                                     const std::string& path) {
   std::vector<ListedPicture> pictures;
@@ -184,7 +184,7 @@ Result<std::vector<ImportedCamera>> withoutInstants(const std::vector<ImportedCa
   return out;
 }
 
-// Keys that bear on cameras or pictures and are not read, and those that do not.
+// Notes unread keys: those that affect cameras or pictures, and others.
 void noteKeys(const Json& root, ImportedCalibration& out) {
   KeyNotes notes({"frames",
                   "file_path",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenCV's FileStorage, one file a camera. World to camera, as solvePnP returns it.
+// OpenCV's FileStorage, one file per camera. World to camera, as returned by solvePnP.
 #include "base/text.h"
 #include "capture/import/camera_numbers.h"
 #include "capture/import/readers.h"

@@ -13,7 +13,7 @@ namespace {
 
 constexpr size_t kNamedGaps = 3;
 
-using Pictures = std::map<int64_t, size_t>;  // by instant
+using Pictures = std::map<int64_t, size_t>;  // instant → picture
 
 Pictures picturesOf(const Clip& clip) {
   Pictures out;
@@ -22,9 +22,9 @@ Pictures picturesOf(const Clip& clip) {
 }
 
 struct Camera {
-  const Clip *colour = nullptr, *mattes = nullptr;  // mattes: null where it has none
+  const Clip *colour = nullptr, *mattes = nullptr;  // mattes: may be null
   Pictures pictures, matte_pictures;
-  // Two videos are read by one number.
+  // Returns true if picture and matte exist; two videos share one picture number.
   bool has(int64_t instant) const {
     const auto picture = pictures.find(instant);
     if (picture == pictures.end() || !mattes) return picture != pictures.end();
@@ -45,7 +45,7 @@ std::vector<Camera> camerasOf(const std::vector<Clip>& clips, const std::vector<
   return out;
 }
 
-// Instants at which at least one camera has a picture: frames follow each other there.
+// Instants at which at least one camera has a picture; frames are consecutive there.
 std::vector<int64_t> instantsOf(const std::vector<Camera>& cameras) {
   std::set<int64_t> out;
   for (const Camera& camera : cameras)
@@ -53,7 +53,7 @@ std::vector<int64_t> instantsOf(const std::vector<Camera>& cameras) {
   return {out.begin(), out.end()};
 }
 
-// The longest run of instants that no camera lacks.
+// Longest run of instants without a missing camera.
 std::vector<int64_t> longestStretch(const std::vector<Camera>& cameras, const std::vector<int64_t>& instants) {
   size_t begin = 0, best = 0, most = 0;
   for (size_t i = 0; i < instants.size(); ++i) {
@@ -67,7 +67,7 @@ std::vector<int64_t> longestStretch(const std::vector<Camera>& cameras, const st
 
 std::string seconds(double value) { return printed("%.3f s", value); }
 
-// Those that all cameras have reached, and none has passed for good.
+// Instants between the latest beginning and the earliest end of all cameras.
 std::vector<int64_t> commonSpan(const std::vector<Camera>& cameras, std::vector<int64_t> instants) {
   int64_t begin = INT64_MIN, end = INT64_MAX;
   for (const Camera& camera : cameras) {
@@ -81,11 +81,11 @@ std::vector<int64_t> commonSpan(const std::vector<Camera>& cameras, std::vector<
 
 class Report {
  public:
-  // `instants`: those that all cameras have reached.
+  // `instants`: common span of all cameras.
   Report(const std::vector<Camera>& cameras, const std::vector<int64_t>& instants, double fps, ClipNotes& notes)
       : cameras_(cameras), instants_(instants), fps_(fps), notes_(notes) {}
 
-  // Warns of pictures and mattes that a camera lacks in the time that all have filmed.
+  // Warns of missing pictures and mattes within the common span.
   void lacking() const {
     for (const Camera& camera : cameras_) {
       std::vector<std::string> lost, without;
@@ -137,7 +137,7 @@ class Report {
     return std::filesystem::path(clip.view.first()).parent_path().string();
   }
 
-  // By time and the picture before it; in a folder by the name that another folder has for it.
+  // Names a lost picture by time and the previous picture; in a folder by its name in another folder.
   std::string nameLost(const Camera& camera, int64_t instant) const {
     const auto after = std::prev(camera.pictures.upper_bound(instant));
     if (camera.colour->step_s > 0)
@@ -166,14 +166,14 @@ class Report {
   ClipNotes& notes_;
 };
 
-// Number that the take's reader gives to the stretch's first picture: that of a video, else 0.
+// Number that readers of the take give to the stretch's first picture: the video's own, else 0.
 size_t baseOf(const Camera& camera, int64_t begin) {
   if (!camera.colour->view.video.empty()) return camera.pictures.at(begin);
   if (camera.mattes && !camera.mattes->view.video.empty()) return camera.matte_pictures.at(begin);
   return 0;
 }
 
-// Leaves the pictures of the stretch in a folder's view, numbered from `base`.
+// Keeps the stretch's pictures in a folder's view, numbered from `base`.
 void keepStretch(const Pictures& pictures, const std::vector<int64_t>& stretch, size_t base, View& view) {
   if (!view.video.empty()) return;
   View kept;
@@ -196,7 +196,7 @@ void setTake(const std::vector<Camera>& cameras, const std::vector<int64_t>& str
   }
 }
 
-// Pairs are right where no camera has an instant's picture, but time goes on by more than a frame.
+// Notes intervals above one frame within which no camera has a picture; pairs stay right.
 void noteJumps(const Camera& camera, const std::vector<int64_t>& stretch, const std::string& take, ClipNotes& notes) {
   std::string first;
   size_t more = 0;

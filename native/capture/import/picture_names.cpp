@@ -6,11 +6,11 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr size_t kMostDigits = 18;       // that an int64_t holds
-constexpr size_t kDigitsOfSeconds = 9;   // at least: seconds since 1970, from 2001 on
+constexpr size_t kMostDigits = 18;       // capacity of an int64_t
+constexpr size_t kDigitsOfSeconds = 9;   // minimum: seconds since 1970, from 2001 on
 constexpr size_t kDigitsOfFraction = 9;  // nanoseconds
 
-// A name cut into digits and what stands between them.
+// Name cut into digits and the parts between them.
 struct NameParts {
   std::vector<std::string> digits;
   std::vector<std::string> between;  // one more than digits
@@ -67,7 +67,8 @@ std::vector<size_t> varyingGroups(const std::vector<NameParts>& names) {
   return out;
 }
 
-// Group `g` is the fraction of the seconds before it: after a point, or in digits of milli-, micro- or nanoseconds.
+// Returns true if group `g` is the fraction of the seconds before it: after a point, or in digits of milli-, micro- or
+// nanoseconds.
 bool isFraction(const std::vector<NameParts>& names, size_t g, bool seconds_vary) {
   if (g == 0 || !allHave(names, g, 1, kDigitsOfFraction)) return false;
   const bool of_clock = allHave(names, g - 1, kDigitsOfSeconds, kDigitsOfSeconds + 1);
@@ -79,11 +80,11 @@ bool isFraction(const std::vector<NameParts>& names, size_t g, bool seconds_vary
 
 int64_t nanoseconds(const std::string& seconds, std::string fraction) {
   fraction.resize(kDigitsOfFraction, '0');
-  const uint64_t whole = static_cast<uint64_t>(numberOf(seconds));  // beyond the year 2262 it wraps
+  const uint64_t whole = static_cast<uint64_t>(numberOf(seconds));  // wraps beyond the year 2262
   return static_cast<int64_t>((whole * 1'000'000'000u + static_cast<uint64_t>(numberOf(fraction))) & INT64_MAX);
 }
 
-// All groups, of which each has as many digits in every name, as one number.
+// All groups as one number; each group has equally many digits in every name.
 std::vector<int64_t> joined(const std::vector<NameParts>& names, const std::vector<size_t>& groups) {
   size_t digits = 0;
   for (const size_t g : groups) {

@@ -18,11 +18,11 @@ Error badProjection(const std::string& path, const std::string& what) {
 
 struct Numbers {
   std::vector<double> values;
-  std::string problem;  // of the first word that is no number
-  int line = 0;         // its line
+  std::string problem;  // first malformed number
+  int line = 0;         // line of `problem`
 };
 
-// A first word "CONTOUR" is passed over.
+// Parses numbers; skips a first word "CONTOUR".
 Numbers numbersOf(std::string_view text) {
   Numbers out;
   if (text.size() > kMaxProjectionText) return {{}, "more than 4096 bytes", 1};
@@ -41,7 +41,7 @@ Numbers numbersOf(std::string_view text) {
   return out;
 }
 
-// The rows of K R, from the last to the first, are orthogonalised: r3 ∥ m3, r2 ∥ m2 − (m2·r3) r3, r1 what is left.
+// Orthogonalises the rows of K R from the last to the first: r3 ∥ m3, r2 ∥ m2 − (m2·r3) r3, r1 the remainder.
 Status decompose(const glm::dmat3& given, glm::dvec3 last, CaptureCamera& camera, const std::string& path) {
   glm::dmat3 rows = glm::transpose(given);  // rows[i]: row i
   const double scale = glm::length(rows[2]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Qualisys .qca.txt: r11…r33 are the camera's axes as rows, which looks along -z with y up; its position is in the
-// world.
+// Qualisys .qca.txt: r11…r33 are the axes of the camera, which views along -z with y up, as rows; its position is in
+// world coordinates.
 #include <array>
 #include <cmath>
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kPerPixel = 64;
 
-// Reads attributes of one element, and keeps what is wrong with the first that is missing or no number.
+// Reads attributes of one element, and keeps the error of the first missing or malformed one.
 class Attributes {
  public:
   explicit Attributes(const pugi::xml_node& node) : node_(node) {}
@@ -35,7 +35,7 @@ class Attributes {
   std::string problem_;
 };
 
-// The picture's size is its field of view's; pixels are counted from the field's left top.
+// Sets the lens. The picture's size is its field of view's; pixels are counted from the field's top left.
 void setQualisysLens(Attributes& field, Attributes& lens, CaptureCamera& camera) {
   const double left = field["left"], top = field["top"];
   PinholeCamera& p = camera.pinhole;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// RealityCapture: focal length and principal point are of a picture whose longer side is 36 mm, radial coefficients are
-// Brown's, of r² to r⁸. The table has the camera's place and angles in degrees: world from camera (x right, y up, z
-// back) is Rz(-heading) Rx(pitch) Ry(roll). The XMP files have world to camera (x right, y down, z forward) row by row.
+// RealityCapture: focal length and principal point refer to a picture whose longer side is 36 mm; radial coefficients
+// are Brown's, for r² to r⁸. The table has the camera's position and angles in degrees: world from camera (x right, y
+// up, z back) is Rz(-heading) Rx(pitch) Ry(roll). XMP files have world to camera (x right, y down, z forward) row by
+// row.
 #include <cmath>
 
 #include "capture/import/camera_numbers.h"
@@ -18,7 +19,7 @@ namespace {
 constexpr double kFilm = 36, kWorstFit_focals = 1e-4;  // millimetres; focal lengths
 const double kRadians = std::acos(-1.0) / 180;
 
-// `focal` and `principal` in longer sides.
+// `focal` and `principal`: in longer sides.
 Status setRealityLens(double focal, const glm::dvec2& principal, const Brown4& lens, const std::string& where,
                       ImportedCamera& out) {
   if (!(focal > 0))
@@ -70,7 +71,7 @@ Result<ImportedCamera> csvCamera(const CsvTable::Row& row) {
   return out;
 }
 
-// An attribute "xcr:NAME" of the description, or the text of its child of that name.
+// Attribute "xcr:NAME" of the description, or the text of its child of that name.
 std::string xcr(const pugi::xml_node& description, const char* name) {
   const std::string whole = std::string("xcr:") + name;
   if (const auto attribute = description.attribute(whole.c_str())) return attribute.as_string();

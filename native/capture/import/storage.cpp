@@ -16,10 +16,10 @@ namespace {
 
 constexpr size_t kMaxNumbers = 64;
 constexpr size_t kMaxTexts = 1024;
-constexpr size_t kMaxStorageBytes = 4 << 20;  // yaml-cpp keeps a hundred times as much
+constexpr size_t kMaxStorageBytes = 4 << 20;  // yaml-cpp takes a hundred times as much memory
 constexpr int kMaxNesting = 3;
 
-// The words of the node, of its <data>, or of its list of <_>; nothing if other elements lie in it.
+// Words of the node, of its <data>, or of its list of <_>; nullopt if it contains other elements.
 std::optional<std::vector<std::string>> xmlWords(const pugi::xml_node& node, int nesting = 0) {
   if (nesting > kMaxNesting) return std::nullopt;
   if (nesting == 0 && node.child("data")) return xmlWords(node.child("data"), 1);
@@ -53,7 +53,7 @@ bool yamlWords(const YAML::Node& node, int nesting, std::vector<std::string>& ou
   return true;
 }
 
-// OpenCV's "%YAML:1.0" is no directive of YAML's.
+// Removes OpenCV's "%YAML:1.0", which is an invalid YAML directive.
 std::string withoutDirective(const std::string& text) {
   if (!text.starts_with("%YAML:")) return text;
   const size_t end = text.find('\n');
@@ -75,7 +75,7 @@ Error notStorage(const std::string& where) {
 struct Storage::Tree {
   virtual ~Tree() = default;
   virtual bool has(const std::string& name) const = 0;
-  // The words of a node that is there; nothing if they are no list.
+  // Words of an existing node; nullopt if they are no list.
   virtual std::optional<std::vector<std::string>> words(const std::string& name) const = 0;
 };
 
@@ -119,7 +119,7 @@ Result<Storage> Storage::open(const std::string& text, const std::string& path) 
     if (!root.IsMap()) return bad;
     out.tree_ = std::make_shared<YamlTree>(root);
   } catch (const YAML::ParserException& error) {
-    const int before = text.starts_with("%YAML:") ? 2 : 1;  // the directive's line is left out
+    const int before = text.starts_with("%YAML:") ? 2 : 1;  // the directive's line is removed
     return notStorage(atLine(path, lineOfByte(text, begin) - 1 + std::max(error.mark.line, 0) + before));
   } catch (const std::exception&) {
     return bad;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of OpenCV's FileStorage from memory: nodes as lists of numbers. Its own reader crashes on XML that is cut off
-// (4.6), so that XML is read by pugixml, and YAML and JSON, which is nearly YAML, by yaml-cpp.
+// Files of OpenCV's FileStorage from memory: nodes as lists of numbers. OpenCV's own reader crashes on truncated XML
+// (4.6), hence XML is read by pugixml, and YAML and JSON, a near subset of YAML, by yaml-cpp.
 #pragma once
 
 #include <memory>
@@ -14,17 +14,16 @@ namespace fourdvt::capture {
 class Storage {
  public:
   using Names = std::vector<std::string>;
-  // XML, YAML or JSON, with or without its first line. Errors: FileUnreadable.
+  // Parses XML, YAML or JSON, with or without its first line. Errors: FileUnreadable.
   static Result<Storage> open(const std::string& text, const std::string& path);
-  // The numbers of the first of these nodes that is there: of a matrix row by row, of a list, or of one number. Empty
-  // if there is none or if it holds anything else, or more than 64 numbers.
+  // Numbers of the first existing node: a matrix row by row, a list, or one number. Empty for missing nodes, other
+  // contents, or more than 64 numbers.
   std::vector<double> numbers(const Names& names) const;
-  // The reason why the first of these nodes that is there is no list of `wanted` numbers, behind ": "; empty where it
-  // is not known.
+  // Reason why the first existing node is no list of `wanted` numbers, behind ": "; empty if unknown.
   std::string problem(const Names& names, size_t wanted) const;
   bool has(const Names& names) const;
-  std::string text(const Names& names) const;                // empty if there is none
-  std::vector<std::string> texts(const Names& names) const;  // a list's
+  std::string text(const Names& names) const;                // empty without one
+  std::vector<std::string> texts(const Names& names) const;  // strings of a list
 
  private:
   struct Tree;

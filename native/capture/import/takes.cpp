@@ -16,18 +16,18 @@ namespace fourdvt::capture {
 namespace {
 
 struct Measured {
-  Image first;  // as it is stored
+  Image first;  // as stored
   PictureMarks marks;
   std::vector<std::string> conversions;
   Clip clip;
   std::optional<double> fps;
 };
 
-// Pictures that decode; nullopt: as many as are listed.
+// Number of pictures that decode; nullopt: as many as listed.
 Result<std::optional<uint64_t>> countDecoded(VideoSource& video, const OpenVideo& open_video, const std::string& path,
                                              uint64_t listed) {
   if (listed < 2) return std::optional<uint64_t>();
-  FOURDVT_TRY(video.skip(static_cast<uint32_t>(listed - 2)));  // after the first one
+  FOURDVT_TRY(video.skip(static_cast<uint32_t>(listed - 2)));  // after the first picture
   FOURDVT_ASSIGN(const auto last, video.next());
   if (last) return std::optional<uint64_t>();
   FOURDVT_ASSIGN(const auto again, open_video(path, 1));
@@ -37,7 +37,7 @@ Result<std::optional<uint64_t>> countDecoded(VideoSource& video, const OpenVideo
   }
 }
 
-// Frames a second by the header, or by the time stamps where these differ.
+// Frames per second by the header, or by the time stamps where these differ.
 std::optional<double> rateOf(const VideoSource& video, const VideoListing& listing) {
   const std::optional<double> header = video.framesPerSecond();
   const auto clock = clockOf(listing.times_s);
@@ -73,7 +73,7 @@ Result<Measured> measureView(const OpenVideo& open_video, const View& view, int 
   return out;
 }
 
-// Gives the camera the picture's size, which the calibration does not have or which differs by cropping.
+// Sets the camera's size from the picture where the calibration lacks it or cropping changed it.
 Status takeSize(const Measured& measured, const std::string& path, CaptureCamera& camera) {
   PictureMarks marks;
   if (measured.marks.turns() && camera.orientation == Orientation::BySize)
@@ -84,7 +84,7 @@ Status takeSize(const Measured& measured, const std::string& path, CaptureCamera
   return {};
 }
 
-// Pictures and tracks of a video that are not read.
+// Notes unread pictures and tracks of a video.
 void noteUnread(const std::string& path, const VideoListing& listing, ClipNotes& notes) {
   const std::string has = std::to_string(listing.pictures), all = std::to_string(listing.announced);
   const bool fewer = listing.pictures < listing.announced;
@@ -99,7 +99,7 @@ void noteUnread(const std::string& path, const VideoListing& listing, ClipNotes&
     notes.warnings.push_back(path + ": has several video tracks; " + listing.track + " is read, " + track + " is not");
 }
 
-// Keeps the first of the names that the camera's files may have which is there.
+// Keeps the first candidate file name of the camera that exists.
 void chooseFileName(const std::vector<Take>& takes, ImportedCamera& imported) {
   const auto found = std::find_if(imported.file_names.begin(), imported.file_names.end(), [&](const auto& name) {
     return std::any_of(takes.begin(), takes.end(), [&](const Take& take) { return findView(take.folder, name); });
@@ -123,7 +123,7 @@ std::optional<View> mattesOf(const ImportedCamera& imported, const std::string& 
   return findMattes(folder, imported.fileName(), imported.listed);
 }
 
-// A file, or a folder with one, that the take has.
+// Returns true if the take uses a file, or a folder with one.
 bool uses(const Take& take, const std::string& path) {
   const auto is = [&](const auto& view) {
     const std::string& first = view.second.first();
@@ -133,7 +133,7 @@ bool uses(const Take& take, const std::string& path) {
          std::any_of(take.mattes.begin(), take.mattes.end(), is);
 }
 
-// Cameras of a capture's test pictures: cameras_test beside its calibration.
+// Cameras with a capture's test pictures: cameras_test beside its calibration.
 std::vector<std::string> heldOutCameras(const ImportedCalibration& calibration) {
   const std::filesystem::path beside = std::filesystem::path(calibration.path).parent_path() / "cameras_test";
   const auto cameras = readColmapCameras(beside.string());
@@ -166,7 +166,7 @@ Status findAlphas(const ImportedCalibration& calibration, const std::string& fol
   for (const ImportedCamera& imported : calibration.cameras) {
     const std::string& name = imported.camera.pinhole.name;
     const auto origin = matteOrigin(sequence, imported.camera, open_video);
-    if (!origin.ok()) {  // names the user's file, not the link
+    if (!origin.ok()) {  // names the user's file instead of the link
       const std::string& message = origin.error().message;
       const size_t what = message.find(": ");
       return Error{origin.error().id, take.views.at(name).first() + message.substr(std::min(what, message.size()))};
@@ -224,7 +224,7 @@ Result<PictureMarks> importedMarks(const Image& stored, const PictureMarks& mark
 
 namespace {
 
-// Sets the size that the calibration does not give, and the rate; checks both, and notes what marks of files do.
+// Sets the size if the calibration lacks it, and the rate; checks both, and notes the effect of file marks.
 Status useMeasured(const Measured& measured, ImportedCamera& imported, ViewMeasures& measures, ClipNotes& notes) {
   const PinholeCamera& pinhole = imported.camera.pinhole;
   const View& view = measured.clip.view;

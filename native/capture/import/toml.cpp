@@ -14,7 +14,7 @@ namespace {
 constexpr size_t kMaxTomlNumbers = 64;
 const std::string kOfCaliscope = "cameras.";
 
-// Numbers of an array, or of an array of arrays, row by row; empty if it is anything else.
+// Numbers of an array, or of an array of arrays, row by row; empty for anything else.
 std::vector<double> tomlNumbers(const toml::table& table, const char* key) {
   std::vector<double> out;
   const toml::array* rows = table[key].as_array();
@@ -31,8 +31,8 @@ std::vector<double> tomlNumbers(const toml::table& table, const char* key) {
   return out;
 }
 
-// Names under which a camera's clips lie: those that Caliscope gives by number, and what Pose2Sim's folder of pictures
-// for the lens, "int_cam01_img", is named after.
+// Candidate names of a camera's clips: Caliscope's, by number, and the stem of Pose2Sim's folder of lens pictures,
+// "int_cam01_img".
 std::vector<std::string> fileNamesOf(const std::string& key, const std::string& name) {
   if (key.starts_with(kOfCaliscope)) {
     const std::string number = key.substr(kOfCaliscope.size());
@@ -77,7 +77,7 @@ Result<ImportedCamera> tomlCamera(const std::string& key, const toml::table& tab
   return out;
 }
 
-// Tables with a "matrix": at the top, or in Caliscope's "cameras", where they have numbers for names.
+// Tables with a "matrix": at the top, or in Caliscope's "cameras", where their names are numbers.
 std::vector<std::pair<std::string, const toml::table*>> cameraTables(const toml::table& root) {
   std::vector<std::pair<std::string, const toml::table*>> out;
   const auto add = [&](const toml::table& tables, const std::string& before) {
@@ -90,7 +90,7 @@ std::vector<std::pair<std::string, const toml::table*>> cameraTables(const toml:
   return out;
 }
 
-// Caliscope keeps cameras that have no place yet.
+// Returns true for Caliscope's cameras without a pose.
 bool isUnposed(const std::string& key, const toml::table& table) {
   return key.starts_with(kOfCaliscope) && !table.contains("rotation") && !table.contains("translation");
 }

@@ -34,7 +34,7 @@ bool isFolder(const fs::path& path) {
   return fs::is_directory(path, ignored);
 }
 
-// Name without extension, and without the other one of COLMAP's mattes (000000.jpg.png).
+// Name without extension, and without the second one of COLMAP's mattes (000000.jpg.png).
 std::string pictureStem(const fs::path& path) {
   return (isPicture(path.stem()) ? path.stem().stem() : path.stem()).string();
 }
@@ -52,7 +52,7 @@ View numberedView(const std::vector<std::string>& pictures) {
   return view;
 }
 
-// The pictures or video of a camera's folder; plates and mattes beside its pictures are left out unless `all`.
+// Pictures or video in a camera's folder; plates and mattes beside its pictures are left out unless `all`.
 std::optional<View> viewInFolder(const fs::path& folder, bool all) {
   std::vector<std::string> numbered, videos, others;
   for (const fs::path& path : sortedEntries(folder)) {
@@ -71,7 +71,7 @@ std::optional<View> viewInFolder(const fs::path& folder, bool all) {
   return std::nullopt;
 }
 
-// "cam00.jpg.png", COLMAP's name of the matte of cam00.jpg.
+// Matches "cam00.jpg.png", COLMAP's name of the matte of cam00.jpg.
 bool isMatteOf(const fs::path& path, const std::string& name) {
   const fs::path inner = path.stem();
   return isPicture(path) && isPicture(inner) && inner.stem().string() == name;
@@ -90,7 +90,7 @@ std::optional<View> viewNamed(const fs::path& folder, const std::string& name, b
   return picture;
 }
 
-// "take_cam1-b" has "cam1" between other signs.
+// Matches names between separators: "cam1" in "take_cam1-b".
 bool standsAlone(const std::string& stem, const std::string& name) {
   const auto other = [&](size_t at) {
     return at >= stem.size() || !std::isalnum(static_cast<unsigned char>(stem[at]));
@@ -107,7 +107,7 @@ std::vector<fs::path> videosWith(const fs::path& folder, const std::string& name
   return out;
 }
 
-// Entries of `folder` with one of these names, whatever the case: folders, or files by their stem.
+// Entries of `folder` with one of these names, ignoring case: folders, or files by their stem.
 std::vector<fs::path> entriesNamed(const fs::path& folder, const std::set<std::string>& names) {
   std::vector<fs::path> out;
   for (const fs::path& path : sortedEntries(folder))

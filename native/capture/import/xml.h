@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// XML that people bring: places of errors, and numbers in texts.
+// Parsing of user-supplied XML: places of errors, and numbers in texts.
 #pragma once
 
 #include <pugixml.hpp>
@@ -10,12 +10,11 @@
 
 namespace fourdvt::capture {
 
-// Errors: FileUnreadable, with the line.
+// Parses a document. Errors: FileUnreadable, with the line.
 Status loadXml(const std::string& text, const std::string& path, pugi::xml_document& document);
-// "path:line: " of a node.
+// Location "path:line: " of a node.
 std::string placeOf(const pugi::xml_node& node, const std::string& text, const std::string& path);
-// The finite numbers of a text, parted by blanks, which must be `wanted`. `what` begins the message's reason. Errors:
-// CameraPose.
+// Parses exactly `wanted` finite numbers, separated by blanks. `what` begins the message's reason. Errors: CameraPose.
 Result<std::vector<double>> xmlNumbers(const char* given, size_t wanted, const std::string& what);
 
 }  // namespace fourdvt::capture
