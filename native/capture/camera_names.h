@@ -13,7 +13,7 @@ namespace fourdvt::capture {
 
 struct ListedPicture {
   CaptureCamera camera;  // name unused
-  std::string path;      // as listed: "rig1/cam00/image0001.jpg"; '/' or '\'
+  std::string path;      // path in the list: "rig1/cam00/image0001.jpg"; '/' or '\'
   std::string where;     // prefix of messages: "images.txt:3: "
 };
 

@@ -47,8 +47,8 @@ enum class MatteNeed { Required, None };
 // Orientation of the pictures that a camera is calibrated for, where files mark theirs as rotated or mirrored.
 enum class Orientation {
   BySize,  // the one of the calibrated size; an error where both match
-  Marked,  // as players show them
-  Stored,  // as stored in the file
+  Marked,  // the one that players show
+  Stored,  // the one stored in the file
 };
 
 struct CaptureCamera {
@@ -131,7 +131,7 @@ struct Capture {
   double ground_y_m = 0;
   std::vector<CaptureCamera> cameras;  // images.txt order
   std::vector<CaptureSequence> sequences;
-  std::vector<CaptureClass> classes;  // those whose members are all in `sequences`
+  std::vector<CaptureClass> classes;  // classes whose members are all in `sequences`
   std::string cameras_folder;         // contains cameras.txt and images.txt
   std::string background_folder;      // plates of the empty studio, for cameras without mattes
   BackgroundKind background_kind = BackgroundKind::FromPlate;

@@ -26,7 +26,7 @@ struct ColmapIntrinsics {
 };
 
 struct ColmapModel {
-  int number;  // in binary models
+  int number;  // number in binary models
   std::string_view name;
   int parameters;
   ColmapIntrinsics (*make)(const double* parameters);

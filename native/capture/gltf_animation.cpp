@@ -11,7 +11,7 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr double kRounding_s = 1e-4;  // of key times, which are stored as floats
+constexpr double kRounding_s = 1e-4;  // tolerance of key times, which are stored as floats
 
 enum class Interpolation { Step, Linear, CubicSpline };
 

@@ -14,7 +14,7 @@ namespace fourdvt::capture {
 
 struct PictureReport {
   std::string path;                  // path of the video, or of the first picture
-  int width = 0, height = 0;         // as stored
+  int width = 0, height = 0;         // stored size
   std::optional<uint64_t> pictures;  // videos only
   std::optional<double> fps;
   std::vector<std::string> done;  // conversions: "turned by 90°", "HLG, BT.2020 → BT.709"

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+// Sources: Yuri Boykov, Marie-Pierre Jolly, "Interactive Graph Cuts for Optimal Boundary & Region Segmentation of
+// Objects in N-D Images", IEEE International Conference on Computer Vision (ICCV), 2001 (energy). Jian Sun, Weiwei
+// Zhang, Xiaoou Tang, Heung-Yeung Shum, "Background Cut", European Conference on Computer Vision (ECCV), 2006 (border
+// costs). Carsten Rother, Vladimir Kolmogorov, Andrew Blake, "GrabCut: Interactive Foreground Extraction Using Iterated
+// Graph Cuts", ACM Transactions on Graphics 23(3) (SIGGRAPH), 2004 (iterated colour models).
 #include "mattes/background_key.h"
 
 #include <algorithm>

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+// Sources: Georgios D. Evangelidis, Emmanouil Z. Psarakis, "Parametric Image Alignment Using Enhanced Correlation
+// Coefficient Maximization", IEEE Transactions on Pattern Analysis and Machine Intelligence 30(10), 2008. Stuart Geman,
+// Donald E. McClure, "Statistical Methods for Tomographic Image Reconstruction", Bulletin of the International
+// Statistical Institute 52(4), 1987.
 #include "mattes/background_model.h"
 
 #include <algorithm>
@@ -113,7 +117,7 @@ bool isChromaPlate(const Image& plate) {
 namespace {
 
 constexpr float kLeastGain = 0.005f, kLeastOffset = 1;          // offset: levels of 255
-constexpr float kMostGain = 1.6f;                               // and its inverse
+constexpr float kMostGain = 1.6f;                               // minimum: its inverse
 constexpr double kLeastShift_pixels = 0.15, kMostShift = 0.02;  // kMostShift: share of the picture's diagonal
 constexpr double kBetter = 0.97;  // maximum ratio of robust differences, fitted to original; above it the plates stay
                                   // unchanged

@@ -101,7 +101,7 @@ struct Work {
   cv::Mat first, mask, hints, doubt;      // at the reduced size
   cv::Mat own_cost;                       // at the reduced size: hints and the view's own costs
   cv::Mat darkness;                       // at the reduced size, see SupportFinder::shadows
-  cv::Mat cost;                           // of the last round
+  cv::Mat cost;                           // costs of the last round
 };
 
 }  // namespace

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+// Sources: Thanarat Horprasert, David Harwood, Larry S. Davis, "A Statistical Approach for Real-time Robust Background
+// Subtraction and Shadow Detection", IEEE ICCV Frame-Rate Workshop, 1999 (scaled plates).
 #include "mattes/key_evidence.h"
 
 #include <algorithm>

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+// Sources: Aldo Laurentini, "The Visual Hull Concept for Silhouette-Based Image Understanding", IEEE Transactions on
+// Pattern Analysis and Machine Intelligence 16(2), 1994.
 #include "mattes/support.h"
 
 #include <algorithm>
@@ -13,7 +15,7 @@ namespace {
 
 constexpr double kNearest = 0.05, kFarthest = 5;  // multiples of the distance to where the cameras look
 constexpr int kProbes = 160;                      // depths at which a camera's depth range is searched
-constexpr double kPixelsPerStep = 2;              // in the other camera, along its epipolar line
+constexpr double kPixelsPerStep = 2;              // step along the epipolar line in the other camera
 constexpr size_t kMostDepths = 1024;
 constexpr int kLeastStep = 3, kMostRays = 30'000;
 constexpr int kCoarse = 4;  // grid places per step of the coarse search, which selects places for the fine one

@@ -12,7 +12,7 @@
 
 namespace fourdvt::capture {
 
-inline constexpr const char* kMeshFolder = "mesh";  // in a sequence's folder
+inline constexpr const char* kMeshFolder = "mesh";  // name in a sequence's folder
 
 struct LinkOptions {
   std::vector<std::string> sequences;  // sequences to include

@@ -27,9 +27,9 @@ glm::dmat3 turnToY(WorldAxis up);
 struct RelativeLens {
   enum class Unit { Width, LongerSide };
   Unit unit = Unit::Width;
-  double focal = 0;                     // in units of the size; 0: the camera has focal lengths
-  double focal_y = 0;                   // in heights; 0: as x
-  std::optional<glm::dvec2> principal;  // offset from the picture's centre, in units of the size; none: the camera has
+  double focal = 0;                     // relative to `unit`; 0: the camera has focal lengths
+  double focal_y = 0;                   // relative to the height; 0: equal to x
+  std::optional<glm::dvec2> principal;  // offset from the picture's centre, relative to `unit`; none: the camera has
                                         // a principal point
 };
 // Sets the camera's lens by its size.

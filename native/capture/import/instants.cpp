@@ -279,7 +279,7 @@ void setMatteInstants(const Clip& pictures, Clip& mattes, bool alike, ClipNotes&
     return;
   }
   std::vector<int64_t> of = picturesOfMattes(pictures, mattes);
-  if (of.empty())  // in order
+  if (of.empty())  // pairs in order
     for (size_t i = 0; i < mattes.pictures(); ++i) of.push_back(int64_t(i));
   std::map<int64_t, int64_t> instants;  // picture → instant
   for (const Shown& shown : pictures.shown) instants[int64_t(shown.picture)] = shown.instant;

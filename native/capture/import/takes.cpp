@@ -16,7 +16,7 @@ namespace fourdvt::capture {
 namespace {
 
 struct Measured {
-  Image first;  // as stored
+  Image first;  // stored orientation
   PictureMarks marks;
   std::vector<std::string> conversions;
   Clip clip;

@@ -23,7 +23,7 @@ struct Take {
   std::vector<std::string> meshes;     // one file per frame, a single animated file for all frames, or empty
   bool loop = false;                   // the last frame precedes the first
   uint32_t frames = 0;                 // frames common to all cameras
-  uint32_t first_frame = 0;            // as in capture.json
+  uint32_t first_frame = 0;            // number of frame 0, see CaptureSequence::first_frame
   uint32_t skipped = 0;                // instants before frame 0, which meshes include
   std::map<std::string, int64_t> offset_frames;
   bool hasOneMesh() const { return meshes.size() > 1 && meshes.front() == meshes.back(); }
