@@ -97,7 +97,7 @@ std::string planJson(const Plan& plan) {
   json["result"] = plan.result;
   json["frames"] = plan.frames;
   json["capture_s"] = plan.capture_s;
-  // A line a piece: thousands of them are still read and compared by people.
+  // One line per piece, so that plans of thousands of pieces remain readable and diffable.
   std::string text = json.dump(1);
   text.resize(text.size() - 2);
   text += ",\n \"pieces\": [";

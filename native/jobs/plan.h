@@ -22,52 +22,52 @@ inline constexpr const char* kFinish = "finish";  // kind and id of the last pie
 
 struct Piece {
   std::string id;    // letters, digits, "_", "-" and "."
-  std::string kind;  // what it is counted under, such as "gop"
+  std::string kind;  // category in progress reports, such as "gop"
   std::vector<std::string> needs;
   double seconds = 0;        // estimate, on two cores of a present desktop
-  double memory_mb = 0;      // bound on its resident memory
-  uint64_t inputs = 0;       // hash of what it reads besides what the pieces that it needs have made
-  uint64_t hash = 0;         // of all that its output depends on; settleHashes sets it
-  std::string done() const;  // path of its record, in the job folder
+  double memory_mb = 0;      // upper bound of resident memory
+  uint64_t inputs = 0;       // hash of its inputs, without results of pieces in `needs`
+  uint64_t hash = 0;         // hash of everything that its output depends on, set by settleHashes
+  std::string done() const;  // path of its record in the job folder
   void addInput(uint64_t digest);
-  void setCost(double estimated_s, double most_mb);  // rounded
+  void setCost(double estimated_s, double most_mb);  // stores both rounded
 };
 
 struct Plan {
   Tool tool = thisTool();
   std::string command;                 // "bake" or "reconstruct"
-  std::vector<std::string> arguments;  // of that command
-  std::string capture, result;         // folders, absolute
+  std::vector<std::string> arguments;  // the command's arguments
+  std::string capture, result;         // absolute paths of folders
   uint32_t frames = 0;
-  double capture_s = 0;  // duration of what was filmed
+  double capture_s = 0;  // duration of the captured footage
   std::vector<Piece> pieces;
 
   const Piece* find(const std::string& id) const;
 };
 
-// Sets the pieces' hashes: all pieces depend on the settings and on the build. Errors: Internal (a piece before one
+// Sets the hashes of all pieces from their inputs, the settings and the build. Errors: Internal (a piece precedes one
 // that it needs).
 Status settleHashes(const std::string& settings_key, Plan& plan);
 
 std::string planJson(const Plan& plan);
-// Writes it atomically, with the folders that pieces write into. Errors: WriteFailed.
+// Writes plan.json atomically, and the folders that pieces write into. Errors: WriteFailed.
 Status writePlan(const std::string& job_folder, const Plan& plan);
-// Removes the records of pieces whose results are lost, and that of the last piece, whose result may have to be put
+// Removes the records of pieces whose results are lost, and that of the last piece, whose result may have to be moved
 // into place again.
 void dropRecords(const std::string& job_folder, const Plan& plan, const std::function<bool(size_t piece)>& is_lost);
-// Time stamps of a capture's videos, listed once while planning: pieces that begin far inside a video without an index
-// would each read all of it. Returns when all are listed. Errors: those of platform::indexVideo; WriteFailed;
-// Interrupted once `stop`, if there is one, is set.
+// Lists the time stamps of a capture's videos once while planning: without an index, each piece that begins deep inside
+// a video would read all of it. Blocks until all are listed. Errors: those of platform::indexVideo; WriteFailed;
+// Interrupted once `stop` (may be null) is set.
 Status indexVideos(const std::string& job_folder, const std::vector<std::string>& paths, const std::atomic<bool>* stop);
-// Their folder, for platform::openIndexedVideo.
+// Folder of the time stamps, for platform::openIndexedVideo.
 std::string videoIndexFolder(const std::string& job_folder);
-// Error of a piece whose files are not those of the plan.
+// Error of a piece whose input files differ from those of the plan.
 Error changedSincePlan(const std::string& what);
 // Errors: FileMissing, FileUnreadable.
 Result<Plan> readPlan(const std::string& job_folder);
-// Refuses a plan that another build of the program has made. Errors: InvalidArgument.
+// Rejects a plan made by another build of the program. Errors: InvalidArgument.
 Status checkTool(const std::string& job_folder, const Plan& plan);
-// True where the folder has a plan that another build of the program has made.
+// True if the folder holds a plan made by another build of the program.
 bool holdsPlanOfAnotherBuild(const std::string& job_folder);
 
 }  // namespace fourdvt::jobs

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// "done/gop-walk-3.0123456789abcdef.json" → "gop-walk-3.0123456789abcdef"
+// "done/gop-walk-3.0123456789abcdef.json" → "gop-walk-3.0123456789abcdef".
 std::string stemOf(const Piece& piece) { return fs::path(piece.done()).stem().string(); }
 
 std::optional<Record> recordIn(const std::string& path) {
@@ -31,7 +31,7 @@ std::optional<Record> recordIn(const std::string& path) {
   }
 }
 
-// Starts by piece, from the names of the files: STEM~NUMBER.HOST.PID
+// Number of starts by piece, counted from file names STEM~NUMBER.HOST.PID.
 std::map<std::string, uint32_t> startsIn(const std::string& job_folder) {
   std::map<std::string, uint32_t> out;
   std::error_code failed;

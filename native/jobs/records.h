@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records of a job's pieces: a file for every start of a piece, which an attempt that dies leaves behind, and one for
-// every piece that is finished, with its cost. Modification times mean nothing: clocks of machines differ.
+// Records of a job's pieces: one file per start, which remains if the attempt dies, and one per finished piece with its
+// cost. Modification times are ignored, since clocks of machines differ.
 #pragma once
 
 #include <map>
@@ -25,7 +25,7 @@ class Attempt {
  public:
   // Errors: WriteFailed.
   static Result<Attempt> begin(const std::string& job_folder, const Piece& piece);
-  // Writes the record, unless the piece has one already: of two that computed it at once the first counts.
+  // Writes the record unless the piece has one: if two attempts compute a piece at once, the first to finish counts.
   Result<Record> finish();
 
  private:
@@ -36,14 +36,14 @@ class Attempt {
 };
 
 struct Progress {
-  std::map<std::string, Record> done;        // by id
-  std::map<std::string, uint32_t> attempts;  // by id; pieces that were never started are not in it
+  std::map<std::string, Record> done;        // keyed by id
+  std::map<std::string, uint32_t> attempts;  // keyed by id; pieces without a start are absent
 };
 
 bool isDone(const std::string& job_folder, const Piece& piece);
-// A record that does not parse counts as absent.
+// Reads all records; one that does not parse counts as absent.
 Progress readProgress(const std::string& job_folder, const Plan& plan);
-// Error InvalidArgument that names pieces which `piece` needs and which are not done.
+// Errors: InvalidArgument, with the unfinished pieces that `piece` needs.
 Status checkNeeds(const std::string& job_folder, const Plan& plan, const Piece& piece);
 
 }  // namespace fourdvt::jobs

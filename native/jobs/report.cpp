@@ -14,7 +14,7 @@ namespace {
 
 using report::bytesText, report::fixedText, report::Json, report::Value, report::Values;
 
-constexpr size_t kListed = 20;  // slowest pieces, and pieces that were started again
+constexpr size_t kListed = 20;  // maximum number of rows: slowest pieces, and pieces with several starts
 
 // "12.3 s", "4 min 05 s", "2 h 03 min"
 std::string durationText(double seconds) {
@@ -31,11 +31,11 @@ struct Kind {
 };
 
 struct Sums {
-  std::vector<Kind> kinds;  // in the plan's order
+  std::vector<Kind> kinds;  // order of the plan
   Kind all;
-  std::vector<const Record*> records;  // the slowest first
-  std::vector<std::string> over;       // ids of pieces that took more memory than planned
-  double expected_s = 0;               // of the pieces that are done, by the plan
+  std::vector<const Record*> records;  // slowest first
+  std::vector<std::string> over;       // ids of pieces that exceeded the planned memory
+  double expected_s = 0;               // planned duration of the finished pieces
 };
 
 void add(const Piece& piece, const Record* record, uint32_t starts, Kind& kind) {
@@ -75,7 +75,7 @@ Sums summed(const Plan& plan, const Progress& progress) {
   return out;
 }
 
-// Starts that ended without a result.
+// Number of starts without a result.
 size_t lost(const Kind& kind) { return kind.starts - std::min(kind.starts, kind.done); }
 
 Value durationValue(const char* key, const char* title, double seconds) {

@@ -26,7 +26,7 @@ bool isLoaded(const dl_phdr_info& object, const ElfW(Phdr) & part) {
   return false;
 }
 
-// The build-id of an object that is loaded; empty if it has none.
+// Build-id of a loaded object; empty if it has none.
 std::string buildIdOf(const dl_phdr_info& object) {
   for (int i = 0; i < object.dlpi_phnum; ++i) {
     const ElfW(Phdr)& header = object.dlpi_phdr[i];
@@ -48,7 +48,7 @@ std::string buildIdOf(const dl_phdr_info& object) {
   return {};
 }
 
-// The build-id; of an object without one, name and size of its file.
+// Build-id, or name and size of the file of an object without one.
 std::string nameOf(const dl_phdr_info& object) {
   std::string id = buildIdOf(object);
   if (!id.empty()) return id;
@@ -57,12 +57,12 @@ std::string nameOf(const dl_phdr_info& object) {
   return path.filename().string() + " " + std::to_string(std::filesystem::file_size(path, failed));
 }
 
-// Names of the shared libraries that are loaded now, in an order that does not depend on where they lie.
+// Names of the shared libraries that are loaded now, in an order independent of their load addresses.
 std::string loadedLibraries() {
   std::vector<std::string> ids;
   ::dl_iterate_phdr(
       [](dl_phdr_info* object, size_t, void* out) {
-        if (std::strchr(object->dlpi_name, '/'))  // neither the program nor what the kernel brings along
+        if (std::strchr(object->dlpi_name, '/'))  // skips the program itself and the kernel's vDSO
           static_cast<std::vector<std::string>*>(out)->push_back(nameOf(*object));
         return 0;
       },
@@ -73,7 +73,7 @@ std::string loadedLibraries() {
   return all;
 }
 
-const std::string kLibraries = loadedLibraries();  // before anything else is loaded
+const std::string kLibraries = loadedLibraries();  // initialised before any other library is loaded
 
 }  // namespace
 

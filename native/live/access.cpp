@@ -16,7 +16,7 @@ namespace fourdvt::live {
 namespace {
 
 std::string randomToken() {
-  constexpr char kSymbols[] = "abcdefghijkmnpqrstuvwxyz23456789";  // 32: five bits each
+  constexpr char kSymbols[] = "abcdefghijkmnpqrstuvwxyz23456789";  // 32 symbols: five bits each
   std::random_device random;
   std::string token;
   for (int i = 0; i < 32; ++i) token += kSymbols[random() % 32];
@@ -40,7 +40,7 @@ Error wrongTokens(const std::string& path, const std::string& problem) {
                                        "or remove it, and it is made"};
 }
 
-// Takes as long for a token that is nearly right as for one that is not.
+// Compares in constant time.
 bool isSame(const std::string& given, const std::string& token) {
   volatile unsigned difference = given.size() == token.size() ? 0 : 1;
   for (size_t i = 0; i < token.size(); ++i)

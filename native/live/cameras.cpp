@@ -6,7 +6,7 @@
 namespace fourdvt::live {
 namespace {
 
-constexpr int kTicksPerSecond = 5, kQuickQuestions = 5;  // of a new camera: one a tick
+constexpr int kTicksPerSecond = 5, kQuickQuestions = 5;  // clock questions to a new camera, one per tick
 
 Bytes written(const ToCamera& message) { return std::make_shared<std::vector<uint8_t>>(writeToCamera(message)); }
 
@@ -32,7 +32,7 @@ void Cameras::remove(const std::shared_ptr<Connection>& connection) {
   {
     const std::lock_guard lock(mutex_);
     auto& present = by_camera_[static_cast<size_t>(camera)];
-    if (present != connection) return;  // another has replaced it
+    if (present != connection) return;  // replaced by another connection
     present.reset();
   }
   pipeline_.setConnected(static_cast<size_t>(camera), false);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The connections of camera processes: who each one is, questions about its clock, its settings. Reads every message,
-// and says which connection to close. Does NOT check tokens.
+// Connections of camera processes: identification, clock synchronisation, settings. Parses every message and reports
+// which connection to close. Tokens are checked in access.h.
 #pragma once
 
 #include <map>
@@ -15,23 +15,23 @@ namespace fourdvt::live {
 
 class Cameras {
  public:
-  // rig, pipeline: borrowed. is_local: of each of the rig's cameras, that this process reads it itself.
+  // rig, pipeline: borrowed. is_local: per camera of the rig, true if this process reads it itself.
   Cameras(const Rig& rig, Pipeline& pipeline, std::vector<bool> is_local, double hello_s);
 
-  // On the server's thread.
+  // Called on the server's thread, as are receive() and tick().
   void add(const std::shared_ptr<Connection>& connection);
   void remove(const std::shared_ptr<Connection>& connection);
-  // Errors: for what the connection is to be closed.
+  // Errors: the reason for closing the connection.
   Status receive(const std::shared_ptr<Connection>& connection, std::span<const uint8_t> bytes, bool text);
-  // Every fifth of a second.
+  // Called five times per second.
   void tick();
 
   void set(size_t camera, const CameraSettings& settings);  // on any thread
 
  private:
   struct Peer {
-    int camera = -1;  // in the rig; -1: no Hello yet
-    int ticks = 0;    // since it was opened, or since its Hello
+    int camera = -1;  // index in the rig; -1: no Hello yet
+    int ticks = 0;    // ticks since the connection opened, or since its Hello
   };
 
   Status hello(const std::shared_ptr<Connection>& connection, Peer& peer, const Hello& hello);

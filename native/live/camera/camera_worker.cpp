@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two threads: one reads the source and leaves its latest picture, the other takes it.
+// Two threads: one reads the source and stores its latest picture, the other keys it.
 #include "live/camera/camera_worker.h"
 
 #include <algorithm>
@@ -128,7 +128,7 @@ class ThreadedWorker final : public CameraWorker {
     return out;
   }
 
-  // Beyond the filmed picture there is no background to see.
+  // Marks pixels beyond the filmed picture as performer: no background is visible there.
   void hideUnseen() {
     for (size_t i = 0; i < reach_.pixels.size(); ++i)
       coverage_.pixels[i] = std::max(coverage_.pixels[i], uint8_t(255 - reach_.pixels[i]));
@@ -138,19 +138,19 @@ class ThreadedWorker final : public CameraWorker {
   const capture::Undistorter undistorter_;
   const std::function<void(CameraPicture)> on_picture_;
   const std::function<void(const Error&)> on_end_;
-  Image reach_;  // 255 where the filmed picture reaches; empty without distortion
+  Image reach_;  // 255 inside the filmed picture; empty without distortion
   std::unique_ptr<Keyer> keyer_;
   std::unique_ptr<Source> source_;
   Image coverage_;
 
-  mutable std::mutex mutex_;  // of what follows
+  mutable std::mutex mutex_;  // guards the members below
   std::condition_variable changed_;
   std::atomic<bool> stop_ = false;
   SourcePicture latest_;
-  bool waiting_ = false;  // latest_ was not taken yet
+  bool waiting_ = false;  // latest_ is not taken yet
   CameraSettings settings_;
   WorkerStats stats_;
-  std::deque<std::pair<Clock::time_point, double>> keyed_;  // when, ms
+  std::deque<std::pair<Clock::time_point, double>> keyed_;  // time of completion, duration in ms
   std::thread reader_, keying_;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// One camera at work: opens its source, keys each picture, simplifies its outline and hands both on as a message. Works
-// on a thread of its own; when keying is slower than the source, pictures are left out, the latest is taken. Does NOT
-// know sockets.
+// Processing of one camera: opens its source, keys each picture, simplifies its outline and passes both on as a
+// message. Runs on a thread of its own; if keying is slower than the source, the latest picture is keyed and older ones
+// are dropped. Independent of sockets.
 #pragma once
 
 #include <functional>
@@ -15,8 +15,8 @@
 namespace fourdvt::live {
 
 struct WorkerStats {
-  uint64_t pictures = 0, left_out = 0;  // left out: the source was faster than keying
-  double keyed_ms = 0;                  // median of the last second
+  uint64_t pictures = 0, left_out = 0;  // left_out: pictures dropped because keying was slower than the source
+  double keyed_ms = 0;                  // median over the last second
 };
 
 class CameraWorker {

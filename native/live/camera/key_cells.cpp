@@ -7,16 +7,17 @@
 namespace fourdvt::live {
 namespace {
 
-constexpr int kOutlineReach_px = 4;   // beyond the cells that differ, in which pixels are looked at
-constexpr float kStrong = 2;          // times the threshold: one such cell at least makes a part
-constexpr float kNoiseMargin = 3.5f;  // threshold over the median difference
-constexpr float kMostNoise = 3;       // median difference in tolerances, beyond which the performer fills the picture
-constexpr float kLeastPart = 1.0f / 30;  // of the largest part
-constexpr int kTinyHole_px2 = 24;        // holes up to this are closed
-constexpr float kDoubtfulHole = 0.7f;    // of the threshold: holes that differ so much from the plate are closed
+constexpr int kOutlineReach_px = 4;   // margin around differing cells in which pixels are compared
+constexpr float kStrong = 2;          // multiple of the threshold that at least one cell of a part must exceed
+constexpr float kNoiseMargin = 3.5f;  // ratio of threshold to median difference
+constexpr float kMostNoise =
+    3;  // median difference in tolerances above which the performer is assumed to fill the picture
+constexpr float kLeastPart = 1.0f / 30;  // minimum size of a part, relative to the largest
+constexpr int kTinyHole_px2 = 24;        // maximum area of holes that are always closed
+constexpr float kDoubtfulHole = 0.7f;    // multiple of the threshold: holes that differ more from the plate are closed
 constexpr int kBlock = 4;                // cells along a block, over which the background's gain is averaged
 
-constexpr float kPlain = 1000;  // sum of levels that pulls a gain to 1 where no background is near
+constexpr float kPlain = 1000;  // sum of levels that pulls a gain to 1 far from the background
 
 }  // namespace
 
@@ -89,8 +90,8 @@ CellKey::CellKey(CellModel model, int cell_px) : model_(std::move(model)), cell_
   block_rows_ = (height_ + kBlock - 1) / kBlock;
 }
 
-// The difference from the plate under the shade that suits the luma best, within a shadow's limits: of the means, and
-// of the pixels, as a shadow leaves the background's texture.
+// Computes differences from the plate under the shade that fits the luma best, clamped to a shadow's limits: of cell
+// means here, of pixels in textureDifferences(), since a shadow preserves the background's texture.
 void CellKey::differences() {
   const float *mr = plate_.channel[0].data(), *mg = plate_.channel[1].data(), *mb = plate_.channel[2].data(),
               *r = means_.channel[0].data(), *g = means_.channel[1].data(), *b = means_.channel[2].data(),
@@ -130,7 +131,7 @@ float CellKey::medianDifference() const {
   return kMostNoise;
 }
 
-// Grows a mask by a square, or shrinks it; beyond the picture lies more of the same.
+// Dilates or erodes a mask by a square; the border is replicated.
 void CellKey::spread(std::vector<uint8_t>& mask, int radius, bool grow) {
   row_.resize(mask.size());
   const auto take = [grow](uint8_t a, uint8_t b) { return uint8_t(grow ? a | b : a & b); };
@@ -151,8 +152,8 @@ void CellKey::spread(std::vector<uint8_t>& mask, int radius, bool grow) {
   }
 }
 
-// Visits the connected parts of evidence_ within the box that have `value`, each as the list part_: the performer's by
-// eight neighbours, background by four.
+// Visits the connected parts of evidence_ within the box that have `value`, each as the list part_: 8-connected for the
+// performer, 4-connected for the background.
 template <class Visit>
 void CellKey::eachPart(uint8_t value, const Box& box, const Visit& visit) {
   seen_.assign(evidence_.size(), 0);
@@ -193,7 +194,7 @@ CellKey::Box CellKey::boxOfEvidence() const {
   return box;
 }
 
-// Leaves parts that have a strong cell and are not specks beside the largest.
+// Keeps parts that have a strong cell and are not specks compared with the largest.
 void CellKey::keepParts(float threshold) {
   size_t largest = 0;
   const auto strong = [&] {
@@ -217,7 +218,7 @@ void CellKey::fillHoles(float threshold) {
     float sum = 0;
     for (const uint32_t i : part_) {
       const int x = int(i) % width_, y = int(i) / width_;
-      if (x == box.x0 || y == box.y0 || x == box.x1 - 1 || y == box.y1 - 1) return;  // open, not a hole
+      if (x == box.x0 || y == box.y0 || x == box.x1 - 1 || y == box.y1 - 1) return;  // open region, not a hole
       sum += difference_[i];
     }
     if (part_.size() > tiny && sum < kDoubtfulHole * threshold * float(part_.size())) return;
@@ -237,7 +238,7 @@ void CellKey::sortCells() {
     out_.kind[i] = mask_[i] ? CellKind::Performer : whole_[i] ? CellKind::Outline : CellKind::Background;
 }
 
-// [1 2 1] along both axes, twice; beyond the border there is nothing.
+// Convolves with [1 2 1] along both axes, twice; zero beyond the border.
 void CellKey::smooth(std::vector<float>& blocks) {
   scratch_.resize(blocks.size());
   const auto along = [](const std::vector<float>& in, std::vector<float>& out, int count, int lines, int step,
@@ -255,7 +256,7 @@ void CellKey::smooth(std::vector<float>& blocks) {
   }
 }
 
-// Sums over the background's cells, block by block, spread into the blocks that the performer covers.
+// Sums the background's cells block by block and diffuses the sums into blocks that the performer covers.
 void CellKey::gains() {
   mask_ = whole_;
   spread(mask_, 1, true);

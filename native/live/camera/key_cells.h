@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The coarse half of the live key: a picture reduced to cells, and for each cell whether it is surely background,
-// surely performer, or near the outline. Does NOT look at single pixels.
+// Coarse stage of the live key: reduces a picture to cells and classifies each as background, performer, or near the
+// outline. Single pixels are compared in keyer.cpp.
 #pragma once
 
 #include <array>
@@ -11,13 +11,13 @@
 
 namespace fourdvt::live {
 
-// Means of square blocks of pixels; those at the right and at the bottom may be smaller.
+// Means of square blocks of pixels; blocks at the right and bottom borders may be smaller.
 struct CellMeans {
   int width = 0, height = 0;      // cells
   std::vector<float> channel[3];  // [cell] R, G, B, levels of 255
 };
 
-// Sums of squares over a cell's values, of all channels: of the picture, and of the picture times the plate.
+// Sums over a cell's values of all channels: squares of the picture, and products of picture and plate.
 struct CellSquares {
   std::vector<float> own, with_plate;  // [cell]
 };
@@ -27,13 +27,13 @@ void reduceToCells(const Image& rgb, int cell_px, CellMeans& out);
 // `plate` has the size of `rgb`.
 void sumSquares(const Image& rgb, const Image& plate, int cell_px, CellSquares& out);
 
-// Levels of 255 in a model are roots of the sum of three channels' squares.
+// Background model. Levels of 255 are roots of the sum of three channels' squares.
 struct CellModel {
   Image plate;                           // RGB
-  std::vector<float> tolerance;          // [cell] levels by which background's mean may differ
-  std::vector<float> texture_tolerance;  // [cell] levels by which its pixels may, in the mean of their squares; none:
-                                         // only means are compared
-  float least_shade = 0.55f;             // of a shadow, against the plate, in encoded values
+  std::vector<float> tolerance;          // [cell] maximum deviation of the background's mean, levels
+  std::vector<float> texture_tolerance;  // [cell] maximum RMS deviation of the background's pixels, levels; empty: only
+                                         // means are compared
+  float least_shade = 0.55f;             // shade limits of a shadow relative to the plate, in encoded values
   float most_shade = 1.2f;
 };
 
@@ -41,8 +41,8 @@ enum class CellKind : uint8_t { Background, Outline, Performer };
 
 struct Cells {
   std::vector<CellKind> kind;
-  float threshold = 1;  // tolerances beyond which a cell is the performer's: more in a noisy picture
-  bool any = false;     // there is a performer
+  float threshold = 1;  // tolerances above which a cell belongs to the performer; grows with the picture's noise
+  bool any = false;     // true if a performer is visible
 };
 
 class CellKey {
@@ -51,14 +51,13 @@ class CellKey {
   const Cells& key(const Image& rgb);
   int columns() const { return width_; }
   int rows() const { return height_; }
-  // Gain of the background beside a cell of the last picture against the plate, per channel: shadows, drift of the
-  // light.
+  // Gain of the nearby background in the last picture relative to the plate, per channel: shadows, drift of the light.
   std::array<float, 3> gainAt(int x, int y) const;
-  // Levels between a cell of the last picture and the plate under this gain, up to 255.
+  // Levels between a cell of the last picture and the plate under this gain, clamped to 255.
   uint8_t plainDifference(size_t cell, const std::array<float, 3>& gain) const;
 
  private:
-  struct Box {  // cells, ends excluded
+  struct Box {  // cells, half-open
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
   };
 
@@ -80,10 +79,10 @@ class CellKey {
   CellMeans plate_, means_;
   int width_, height_;  // cells
   CellSquares plate_squares_, squares_;
-  std::vector<float> difference_, shade_;                      // in tolerances; of the plate
-  std::vector<uint8_t> evidence_, whole_, seen_, row_, mask_;  // masks of cells; scratch
+  std::vector<float> difference_, shade_;                      // difference in tolerances; shade relative to the plate
+  std::vector<uint8_t> evidence_, whole_, seen_, row_, mask_;  // cell masks; scratch
   std::vector<uint32_t> stack_, part_;
-  int block_columns_, block_rows_;  // of the gains
+  int block_columns_, block_rows_;  // grid of gain blocks
   std::array<std::vector<float>, 3> block_now_, block_plate_;
   std::vector<float> scratch_;
   Cells out_;

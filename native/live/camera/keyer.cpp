@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cells tell where the outline is about (key_cells.h). Pixels near it are compared with the plate, which has the gain
-// of the background beside: the difference grows linearly with coverage, so that coverage is a half where the
-// difference is half of what it is within the performer two pixels on.
+// Fine stage of the live key: key_cells.h locates the outline, and pixels near it are compared with the plate times the
+// gain of the nearby background. The difference grows linearly with coverage, so coverage is one half where the
+// difference is half of its value within the performer two pixels away.
 #include "live/camera/keyer.h"
 
 #include <algorithm>
@@ -16,10 +16,10 @@ namespace fourdvt::live {
 namespace {
 
 constexpr float kCellTolerance = 7;    // levels, root of the sum of three channels' squares
-constexpr float kPixelTolerance = 14;  // alike
-constexpr float kFromModel = 2.5f;     // deviations that the plates and their edges give
-constexpr int kContrastReach_px = 2;   // within which the performer's full difference is found
-// By which a pixel's shade may stray from its cell's gain.
+constexpr float kPixelTolerance = 14;  // same unit
+constexpr float kFromModel = 2.5f;     // standard deviations of the plates and their edges added to the tolerance
+constexpr int kContrastReach_px = 2;   // radius within which the performer's full difference is found
+// Maximum deviation of a pixel's shade from its cell's gain.
 constexpr float kShadeBeside = 0.15f, kChromaShadeBeside = 0.5f;
 constexpr float kChromaLeastShade = 0.3f, kChromaMostShade = 1.5f;
 
@@ -51,7 +51,7 @@ class PlateKeyer final : public Keyer {
   }
 
  private:
-  // Levels by which a pixel of the background may differ.
+  // Maximum difference of a background pixel, levels.
   Image tolerances(const mattes::BackgroundModel& model) const {
     Image out(model.width, model.height, 1);
     for (size_t i = 0; i < out.pixels.size(); ++i)
@@ -79,8 +79,8 @@ class PlateKeyer final : public Keyer {
     return model;
   }
 
-  // Differences of the pixels in outline cells, and the cell's own in the performer's; 0 in all others within the box
-  // round them, which is returned.
+  // Writes pixel differences in outline cells and the cell's own difference in performer cells; 0 elsewhere within
+  // their bounding box, which is returned.
   cv::Rect compare(const Image& picture, const Cells& cells) {
     const int columns = cells_.columns(), rows = cells_.rows();
     int low_x = columns, low_y = rows, high_x = -1, high_y = -1;
@@ -127,7 +127,7 @@ class PlateKeyer final : public Keyer {
     return uint8_t(std::min(255.0f, std::sqrt(plain2 * weight2)));
   }
 
-  // Factor on the pixels' tolerances: more in a noisy picture.
+  // Factor on the pixels' tolerances; grows with the picture's noise.
   static float toleranceScale(const Cells& cells) { return std::max(1.0f, cells.threshold / 2); }
 
   void cover(const cv::Rect& box, const Cells& cells) {

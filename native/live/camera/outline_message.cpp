@@ -12,10 +12,10 @@
 namespace fourdvt::live {
 namespace {
 
-constexpr uint8_t kCovered = 0x80;      // bit of a coverage above one half
-constexpr double kToleranceStep = 1.5;  // by which a tolerance grows
+constexpr uint8_t kCovered = 0x80;      // bit that is set in coverages above one half
+constexpr double kToleranceStep = 1.5;  // growth factor of the tolerance
 constexpr int kQualityStep = 15;
-constexpr size_t kMostJpegBytes = kMaxCameraMessageBytes - (64u << 10);  // rings take the rest
+constexpr size_t kMostJpegBytes = kMaxCameraMessageBytes - (64u << 10);  // leaves room for the rings
 
 package::Rect wholeOr(const package::Rect& region, const Image& image) {
   if (region.width == 0) return {0, 0, image.width, image.height};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a coverage to what a camera sends: rings within the limits of the messages, the box round the performer, and its
-// picture as JPEG. Does NOT key.
+// Conversion of a coverage to a camera's message: rings within the message limits, the bounding box of the performer,
+// and its picture as JPEG.
 #pragma once
 
 #include <vector>
@@ -12,18 +12,18 @@ namespace fourdvt::live {
 
 constexpr int kCropMargin_px = 8;
 
-// Sets what lies outside of the region to background; a region without width is the whole picture.
+// Sets coverage outside the region to background; a region without width is the whole picture.
 void keepRegion(const package::Rect& region, Image& coverage);
 
-// The box round the performer and kCropMargin_px more, in the region, from even to even pixels where the picture lets
-// it. No width: there is no performer.
+// Bounding box of the performer plus kCropMargin_px, clipped to the region, on even pixels where the picture permits.
+// No width: no performer is visible.
 package::Rect cropOf(const Image& coverage, const package::Rect& region);
 
-// The coverage's outline on sixteenths of a pixel. More than kMaxRings: the smallest are left out. More than
-// kMaxRingPoints: the tolerance grows until they are fewer.
+// Outline of the coverage in sixteenths of a pixel. Above kMaxRings, the smallest rings are dropped; above
+// kMaxRingPoints, the tolerance grows until the points fit.
 std::vector<Ring16> ringsOf(const Image& coverage, double tolerance_px);
 
-// 4:2:0, of the crop; at a lower quality where the message would be too long otherwise.
+// Encodes the crop as 4:2:0 JPEG, lowering the quality until the message fits its limit.
 std::vector<uint8_t> jpegOf(const Image& rgb, const package::Rect& crop, int quality);
 
 }  // namespace fourdvt::live

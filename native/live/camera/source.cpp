@@ -11,7 +11,7 @@
 namespace fourdvt::live {
 namespace {
 
-constexpr int64_t kLongestSleep_us = 20000;  // so that a stop is noticed
+constexpr int64_t kLongestSleep_us = 20000;  // bounds the delay of a stop
 
 class InputSource final : public Source {
  public:
@@ -83,7 +83,7 @@ int64_t slotBegin_us(int64_t slot, double fps) { return static_cast<int64_t>(std
 
 int64_t slotAt(int64_t now_us, double fps) {
   auto slot = static_cast<int64_t>(std::floor(double(now_us) * fps / 1e6));
-  while (slotBegin_us(slot + 1, fps) <= now_us) ++slot;  // rounding of the product
+  while (slotBegin_us(slot + 1, fps) <= now_us) ++slot;  // corrects the product's rounding
   while (slotBegin_us(slot, fps) > now_us) --slot;
   return slot;
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Boost.Asio as the folder's sources include it; its own code is compiled once, in beast.cpp. Included by sources of
-// live/net only.
+// Boost.Asio includes of live/net; its separately compiled code is in beast.cpp. Included by sources of live/net only.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -9,7 +8,7 @@
 #include <boost/asio/ssl/context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
-#include <utility>  // which Boost 1.74 uses, but does not include
+#include <utility>  // required by Boost 1.74, which lacks the include
 
 namespace fourdvt::live {
 

@@ -18,15 +18,15 @@ using asio::ip::tcp;
 constexpr double kConnectSeconds = 10, kClientIdleSeconds = 10;
 constexpr size_t kMostClientQueuedBytes = 64u << 20;
 constexpr uint16_t kNormalClose = 1000;
-constexpr double kFirstPause = 0.1;  // before the second attempt, s; each further one is twice as long
-constexpr double kStable = 2;        // an opening that lasts so long sets the pause back, s
+constexpr double kFirstPause = 0.1;  // pause before the second attempt, s; doubles with each further one
+constexpr double kStable = 2;        // open time that resets the pause, s
 
 bool isRefusal(unsigned status) { return status >= 400 && status < 500 && status != 408 && status != 429; }
 
-// Resolve, connect, shake hands: one attempt, which becomes a Pump.
+// One connection attempt: resolve, connect, handshake. Yields a Pump.
 class Attempt final : public std::enable_shared_from_this<Attempt> {
  public:
-  struct Outcome {  // `pump`, or why not
+  struct Outcome {  // `pump`, or the reason of the failure
     std::shared_ptr<Pump> pump;
     std::string reason;
     bool refused = false;
@@ -199,7 +199,7 @@ class ClientOnThread final : public Client {
   asio::steady_timer timer_;
   std::weak_ptr<Attempt> attempt_;
   mutable std::mutex mutex_;
-  std::shared_ptr<Pump> pump_;  // while open
+  std::shared_ptr<Pump> pump_;  // null unless open
   Watch since_open_;
   std::mt19937 random_{std::random_device{}()};
   int attempts_ = 0;

@@ -50,7 +50,8 @@ OpenedAnswer openText(const HttpAnswer& answer, bool is_last) {
     addField(out.head, "Access-Control-Allow-Origin", answer.allow_origin);
     addField(out.head, "Vary", "Origin");
   } else {
-    addField(out.head, "Cross-Origin-Resource-Policy", "same-origin");  // no picture in a page from elsewhere
+    addField(out.head, "Cross-Origin-Resource-Policy",
+             "same-origin");  // pages of other origins cannot embed the picture
   }
   if (answer.status == 405) addField(out.head, "Allow", "GET, HEAD");
   addField(out.head, "Content-Type", answer.type);
@@ -192,7 +193,7 @@ RangeAnswer parseRange(std::string_view header, uint64_t file_bytes) {
   const size_t dash = header.find('-');
   if (dash == std::string_view::npos || header.find(',') != std::string_view::npos) return all;
   const auto first = wholeNumber(header.substr(0, dash)), last = wholeNumber(header.substr(dash + 1));
-  if (dash == 0) {  // the last bytes
+  if (dash == 0) {  // suffix range: the last bytes
     if (!last) return all;
     if (*last == 0 || file_bytes == 0) return none;
     const uint64_t bytes = std::min(*last, file_bytes);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An answer of HTTP as bytes: its head, and a body or an open file. Does NOT send.
+// HTTP answers as bytes, and text of HTTP and WebSocket: request targets, byte ranges, server addresses. Performs no
+// network I/O.
 #pragma once
 
 #include <cstdint>
@@ -20,31 +21,29 @@ struct FileCloser {
 using FileHandle = std::unique_ptr<std::FILE, FileCloser>;
 
 struct FileConditions {
-  std::string range, none_match;  // the headers "Range" and "If-None-Match"
+  std::string range, none_match;  // request headers "Range" and "If-None-Match"
 };
 
 struct OpenedAnswer {
   std::string head, body;  // the head ends with an empty line
-  FileHandle file;         // instead of `body`, at the first byte to send
+  FileHandle file;         // replaces `body`; positioned at the first byte to send
   uint64_t file_bytes = 0;
 };
 
-// A file that cannot be opened becomes 404. is_last: the connection is closed after it.
+// Opens the answer's file; 404 if that fails. is_last: the connection closes after this answer.
 OpenedAnswer openAnswer(const HttpAnswer& answer, const FileConditions& conditions, bool is_last);
 std::string statusText(int status);
 std::string bearerToken(const std::string& authorization);  // empty: none
-
-// Text of HTTP and WebSocket: request targets, byte ranges, addresses of servers. Does NOT touch sockets or files.
 
 struct Target {
   std::string path;  // percent-decoded, begins with "/"
   std::map<std::string, std::string> query;
 };
 
-// None: not a path, a malformed escape, or an escaped NUL.
+// Parses a request target. None: not a path, a malformed escape, or an escaped NUL.
 std::optional<Target> parseTarget(std::string_view target);
 
-// Bytes of a file that a "Range" header asks for; status 200 (all: no range, several, or a malformed one), 206 or 416.
+// Byte range requested by a "Range" header; status 200 (all: no range, several, or a malformed one), 206 or 416.
 struct RangeAnswer {
   int status = 200;
   uint64_t first = 0, bytes = 0;
@@ -54,12 +53,12 @@ RangeAnswer parseRange(std::string_view header, uint64_t file_bytes);
 struct Url {
   bool tls = false;
   std::string host, port, target;  // host: without brackets
-  std::string authority;           // as the Host header has it
+  std::string authority;           // value of the Host header
 };
-// ws://HOST[:PORT][/PATH] or wss://…. Errors: InvalidArgument.
+// Parses ws://HOST[:PORT][/PATH] or wss://…. Errors: InvalidArgument.
 Result<Url> parseUrl(const std::string& url);
 
-// At most `bytes`, cut between characters of UTF-8.
+// Truncates to at most `bytes` at a UTF-8 character boundary.
 std::string cutText(const std::string& text, size_t bytes);
 
 }  // namespace fourdvt::live

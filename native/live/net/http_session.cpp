@@ -14,7 +14,7 @@ namespace {
 namespace http = boost::beast::http;
 
 constexpr size_t kMostHeaderBytes = 8 << 10, kPieceBytes = 64 << 10;
-constexpr double kAnswerSeconds = 30;  // for a piece of an answer, and for the next request
+constexpr double kAnswerSeconds = 30;  // timeout of each write of an answer and of the next request
 constexpr uint16_t kGoingAway = 1001;
 
 std::string peerText(const asio::ip::tcp::socket& socket) {
@@ -25,7 +25,7 @@ std::string peerText(const asio::ip::tcp::socket& socket) {
   return (peer.address().is_v6() ? "[" + address + "]" : address) + ":" + std::to_string(peer.port());
 }
 
-// A WebSocket as the handler sees it.
+// WebSocket as passed to the handler.
 class ServerConnection final : public Connection, public Closable {
  public:
   ServerConnection(HttpRequest request, std::shared_ptr<Pump> pump)
@@ -68,7 +68,7 @@ class HttpSession final : public Closable, public std::enable_shared_from_this<H
     takeHeader();
   }
 
-  // A header that has come in full is answered; or else more is read.
+  // Answers a complete header; else reads more.
   void takeHeader() {
     const size_t end = received_.find("\r\n\r\n");
     if (end == std::string::npos ? received_.size() > kMostHeaderBytes : end + 4 > kMostHeaderBytes) return refuse(431);
@@ -122,7 +122,7 @@ class HttpSession final : public Closable, public std::enable_shared_from_this<H
     int status = 403;
     const auto limits = core_->handler->onOpening(request, status);
     if (!limits.ok()) return refuse(status, limits.error().message);
-    if (!received_.empty()) return refuse(400);  // frames before the answer
+    if (!received_.empty()) return refuse(400);  // rejects WebSocket frames sent before the handshake's answer
     const auto pump = Pump::create(core_->io, wire_, core_->options.handshake_s, core_->options.idle_s);
     const auto connection = std::make_shared<ServerConnection>(std::move(request), pump);
     slot_->setOwner(connection);
@@ -162,13 +162,13 @@ class HttpSession final : public Closable, public std::enable_shared_from_this<H
       if (self->left_ == 0) return self->is_last_ ? self->finish() : self->read(kAnswerSeconds);
       self->piece_.resize(std::min<uint64_t>(self->left_, kPieceBytes));
       if (std::fread(self->piece_.data(), 1, self->piece_.size(), self->file_.get()) != self->piece_.size())
-        return self->stop();  // the file has become shorter: the length that was announced cannot be kept
+        return self->stop();  // file has become shorter: the announced length cannot be kept
       self->left_ -= self->piece_.size();
       self->writePiece();
     });
   }
 
-  // Ends such that the peer receives the answer although it may still be sending.
+  // Closes such that the peer receives the answer even if it is still sending.
   void finish() {
     wire_->expireAfter(kCloseSeconds);
     wire_->end([self = shared_from_this()] { self->stop(); });
@@ -179,8 +179,8 @@ class HttpSession final : public Closable, public std::enable_shared_from_this<H
   const std::string peer_;
   const bool is_full_;
   std::shared_ptr<Slot> slot_;
-  std::string received_, header_;  // not answered yet; of the present request
-  std::string piece_;              // of what is read or written
+  std::string received_, header_;  // bytes not yet consumed; header of the current request
+  std::string piece_;              // buffer of the current read or write
   FileHandle file_;
   uint64_t left_ = 0;
   bool is_last_ = false;

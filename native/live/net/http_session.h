@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One connection of the server until it becomes a WebSocket: TLS, requests one after another, answers with files in
-// pieces. Does NOT decide who may have what: the handler does.
+// One connection of the server until it becomes a WebSocket: TLS, sequential requests, answers with files in pieces.
+// Access is decided by the handler.
 #pragma once
 
 #include <memory>

@@ -22,7 +22,7 @@ namespace beast = boost::beast;
 namespace http = boost::beast::http;
 namespace websocket = boost::beast::websocket;
 
-// A Wire as Beast's streams take it.
+// Adapts a Wire to Beast's stream concept.
 class WireLayer {
  public:
   explicit WireLayer(std::shared_ptr<Wire> wire) : wire_(std::move(wire)) {}
@@ -53,7 +53,7 @@ class WireLayer {
   }
 
  private:
-  // Beast's handlers can be moved only.
+  // Shares a handler, because Beast's handlers are move-only.
   template <class Handler>
   static WireDone shared(Handler&& handler) {
     auto held = std::make_shared<std::decay_t<Handler>>(std::forward<Handler>(handler));
@@ -75,7 +75,7 @@ void async_teardown(beast::role_type, WireLayer& layer, Handler&& handler) {
   layer.end(std::forward<Handler>(handler));
 }
 
-// Messages on average over two seconds.
+// Rate limit of messages: token bucket of two seconds.
 class Allowance {
  public:
   explicit Allowance(double per_s) : per_s_(per_s), left_(2 * per_s) {}
@@ -220,7 +220,7 @@ class BeastPump final : public Pump, public std::enable_shared_from_this<BeastPu
     ws_->async_close(closing_, [self = shared_from_this()](ErrorCode) {});
   }
 
-  void cut() { wire_->close(); }  // reading ends with an error
+  void cut() { wire_->close(); }  // makes reading end with an error
 
   void end(ErrorCode error) {
     has_ended_ = true;
@@ -253,7 +253,7 @@ class BeastPump final : public Pump, public std::enable_shared_from_this<BeastPu
   std::deque<Item> queue_;
   websocket::close_reason closing_;
   bool is_writing_ = false, is_closing_ = false, is_close_sent_ = false, has_ended_ = false;
-  std::atomic<bool> is_over_{false};  // nothing more is sent, nor handed on
+  std::atomic<bool> is_over_{false};  // nothing more is sent or passed on
 };
 
 }  // namespace
@@ -267,11 +267,11 @@ namespace {
 
 using asio::ip::tcp;
 
-constexpr size_t kMostRecordBytes = 16 << 10;  // of TLS
-constexpr int kMostDrained = 16;               // reads, until a peer's end is not waited for any more
+constexpr size_t kMostRecordBytes = 16 << 10;  // size of a TLS record
+constexpr int kMostDrained = 16;               // maximum number of reads that await the peer's end
 
 class SocketWire final : public Wire, public std::enable_shared_from_this<SocketWire> {
-  // A handler that keeps the connection until it has run.
+  // Wraps a handler that keeps the connection alive until it has run.
   template <class... A>
   auto keeping(std::function<void(ErrorCode, A...)> done) {
     return [self = shared_from_this(), done = std::move(done)](ErrorCode error, A... count) { done(error, count...); };
@@ -306,7 +306,7 @@ class SocketWire final : public Wire, public std::enable_shared_from_this<Socket
 
   void writeSome(const std::vector<asio::const_buffer>& parts, WireDone done) override {
     if (!tls_) return socket_.async_write_some(parts, keeping(std::move(done)));
-    record_.clear();  // one record, where each part would become one
+    record_.clear();  // merges the parts into one TLS record instead of one per part
     for (const asio::const_buffer& part : parts) {
       const auto* bytes = static_cast<const uint8_t*>(part.data());
       record_.insert(record_.end(), bytes, bytes + std::min(part.size(), kMostRecordBytes - record_.size()));
