@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Characters from cameras beside the layered one: which surface, how it is drawn, from how many cameras. Both viewers
-// look from where the visitor has turned either, and play the same moment.
+// Characters from cameras beside the layered one: surface, rendering method, number of cameras. Both viewers share one
+// orbit and play the same moment.
 import './fourdvt-viewer/fourdvt-viewer.js';
 import { playTogether, turnTogether } from './together.js';
 

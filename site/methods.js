@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two methods on one view with a line between them: which method each side shows, on which surface, and where the line
-// is. Both viewers look from where the visitor has turned either, and play the same moment.
+// Two methods on one view with a divider between them: method and surface of each side, position of the divider. Both
+// viewers share one orbit and play the same moment.
 import './fourdvt-viewer/fourdvt-viewer.js';
 import { playTogether, turnTogether } from './together.js';
 
-// The methods that `fourdvt render --help` lists, in its order. group: how the choice is divided.
+// Methods in the order of `fourdvt render --help`. group: heading in the menu.
 const METHODS = {
   sweep: { title: 'Sweep', text: 'Each pixel at the depth where the cameras agree best' },
   fvvr: { title: 'FVVR', text: 'Cameras that see the point, weighted by angle' },
@@ -22,7 +22,7 @@ const METHODS = {
   wireframe: { title: 'Wireframe', text: 'The triangles of this frame', group: 'Inspect' },
   silhouette: { title: 'Silhouette', text: 'Where the surface is', group: 'Inspect' },
 };
-// Two methods to begin with, and pairs worth seeing.
+// Initial pair of methods, and instructive pairs.
 const FIRST = ['fvvr', 'montage4d'];
 const PAIRS = [
   { title: 'Blur', methods: ['filtered', 'lumigraph'] },
@@ -73,7 +73,7 @@ for (const { title, methods: [a, b] } of PAIRS) {
   byId('pairs').append(button);
 }
 
-// --- the line ---
+// --- divider ---
 
 let line = 50; // percent of the width
 function moveLine(percent) {
@@ -152,6 +152,6 @@ void Promise.all(viewers.map(playable)).then(() => {
   showFrame();
 });
 ['left', 'right'].forEach((side, i) => show(side, FIRST[i]));
-const { value } = byId('surface').querySelector(':checked'); // a browser keeps it over a reload
+const { value } = byId('surface').querySelector(':checked'); // browsers restore the choice on reload
 if (value !== 'hull') choose(value);
 moveLine(50);

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The place to steer through: a paved court on a lawn, a colonnade at its far side, cypresses, planters and benches that
-// hide the performer, hills and sky around. Triangles as the viewer takes them: x, y, z, r, g, b per corner. What casts
-// shadows darkens the corners of the ground.
+// Scene for steering: a paved court on a lawn, a colonnade at its far side, cypresses, planters and benches that
+// occlude the performer, hills and sky around. Triangles for the viewer's `scene`: x, y, z, r, g, b per corner. Shadows
+// darken the corners of the ground.
 
-/** The performer turns back here; nothing that hides him stands further out on the court. */
+/** Radius at which the performer turns back; occluders on the court stand further inwards. */
 export const COURT_M = 11;
 
 const RIM_M = 12.4;
-const FIELD_M = 0.75;  // between corners of the ground, where shadows fall
-const SKY_M = 70;     // the viewer sees 100 m from its camera
+const FIELD_M = 0.75;  // spacing of the ground's corners, on which shadows are sampled
+const SKY_M = 70;     // below the viewer's far plane at 100 m
 const TO_SUN = [-0.62, 0.66, -0.42];
 const STONE = [0.87, 0.83, 0.77], PAVING = [0.83, 0.785, 0.715], LAWN = [0.6, 0.655, 0.45], LEAF = [0.36, 0.46, 0.33], BARK = [0.45, 0.37, 0.3], CLAY = [0.76, 0.52, 0.4];
 const HAZE = [0.93, 0.89, 0.84], ZENITH = [0.5, 0.66, 0.82];
@@ -17,7 +17,7 @@ const mix = (a, b, t) => a.map((value, i) => value + (b[i] - value) * t);
 const smooth = (low, high, x) => { const t = Math.min(1, Math.max(0, (x - low) / (high - low))); return t * t * (3 - 2 * t); };
 const polar = (radius, degrees, y = 0) => [radius * Math.sin(degrees * Math.PI / 180), y, radius * Math.cos(degrees * Math.PI / 180)];
 const hazy = (color, metres) => mix(color, HAZE, smooth(12, 62, metres));
-// Always the same number of 0…1 for the same n.
+// Deterministic pseudo-random number 0…1.
 const chance = (n) => { const x = Math.sin(n * 127.1 + 11.7) * 43758.5453; return x - Math.floor(x); };
 
 function litColor(color, normal) {
@@ -28,17 +28,17 @@ function litColor(color, normal) {
 class Shape {
   #numbers = [];
   get corners() { return Float32Array.from(this.#numbers); }
-  /** shades: the colour of each corner. */
+  /** shades: colour per corner. */
   quad(points, shades) {
     for (const i of [0, 1, 2, 0, 2, 3]) this.#numbers.push(...points[i], ...shades[i]);
   }
-  /** A face that is lit from the sun and, less, from above. */
+  /** Flat-shaded face, lit by the sun and, less, from above. */
   lit(points, color) {
     const [u, v] = [1, 3].map((i) => points[i].map((value, axis) => value - points[0][axis]));
     const shade = litColor(color, [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]);
     this.quad(points, [shade, shade, shade, shade]);
   }
-  /** A body of revolution about a vertical axis, smooth about it: [radius, height] from below. */
+  /** Smooth-shaded surface of revolution about a vertical axis: [radius, height] from below. */
   turned([x, , z], profile, color, sides = 12) {
     for (let i = 1; i < profile.length; ++i) {
       const [[low, y0], [high, y1]] = [profile[i - 1], profile[i]];
@@ -50,7 +50,7 @@ class Shape {
       }
     }
   }
-  /** A bar of an arc about the origin: radii, heights, angles. */
+  /** Bar along an arc about the origin: radii, heights, angles in degrees. */
   arc([inner, outer], [low, high], [from, to], color, steps) {
     for (let i = 0; i < steps; ++i) {
       const [a, b] = [i, i + 1].map((k) => from + (to - from) * k / steps), p = (r, angle, y) => polar(r, angle, y);
@@ -65,7 +65,7 @@ class Shape {
   }
 }
 
-// --- what stands there: [x, 0, z], the radius and the height of the shadow that it casts ---
+// --- objects: [x, 0, z], radius and height of the cast shadow ---
 
 const COLUMNS = Array.from({ length: 11 }, (_, i) => polar(14.2, -75 + 15 * i));
 const CYPRESSES = [...Array.from({ length: 12 }, (_, i) => polar(17.5 + 3 * chance(i), -88 + 16 * i + 5 * chance(i + 40))),
@@ -73,7 +73,7 @@ const CYPRESSES = [...Array.from({ length: 12 }, (_, i) => polar(17.5 + 3 * chan
 const PLANTERS = [[-4.2, 0, 4.4], [4.2, 0, 4.4], [-6.6, 0, -3.2], [6.6, 0, -3.2]];
 const SHADOWS = [...COLUMNS.map((at) => [at, 0.3, 3.6]), ...CYPRESSES.map((at) => [at, 0.75, 4.5]), ...PLANTERS.map((at) => [at, 0.6, 1.5])];
 
-// The light that reaches the ground, 0…1.
+// Light factor of the ground from cast shadows, 0.72…1.
 function lightAt([x, , z]) {
   let light = 1;
   for (const [[px, , pz], radius, height] of SHADOWS) {
@@ -86,7 +86,7 @@ function lightAt([x, , z]) {
   return light;
 }
 
-// Rings of the ground, each in fields; every field has a tone of its own.
+// Ring of the ground, divided into fields with a colour each.
 function ring(shape, inner, outer, fields, fieldColor) {
   const cuts = Math.max(1, Math.round(2 * Math.PI * outer / fields / FIELD_M), Math.ceil(40 / fields)), bands = Math.max(1, Math.round((outer - inner) / FIELD_M));
   for (let field = 0; field < fields * cuts; ++field) {
@@ -100,7 +100,7 @@ function ring(shape, inner, outer, fields, fieldColor) {
 
 function ground() {
   const shape = new Shape();
-  shape.turned([0, 0, 0], [[13, -0.03], [0, -0.03]], PAVING, 96); // between the rings, whose corners differ
+  shape.turned([0, 0, 0], [[13, -0.03], [0, -0.03]], PAVING, 96); // covers gaps between rings with different corners
   for (let i = 0; i < 12; ++i) {
     const fields = i ? 8 * Math.round(2 * Math.PI * (i + 0.5) / 8) : 8, accent = i === 3 || i === 8;
     ring(shape, i, i + 1, fields, (field) => mix(accent ? CLAY : PAVING, STONE, 0.5 * chance(17 * i + field) + (accent ? 0.1 : 0)));
@@ -143,7 +143,7 @@ function plants() {
   return shape.corners;
 }
 
-// Two rows of hills, the nearer ones lower and stronger in colour, and the sky behind them.
+// Two rows of hills, the nearer ones lower and more saturated, and the sky behind them.
 function surroundings() {
   const shape = new Shape(), sides = 72;
   for (const [row, [radius, height, color]] of [[64, 7, mix(HAZE, ZENITH, 0.32)], [54, 4, mix(HAZE, mix(LAWN, ZENITH, 0.4), 0.42)]].entries()) {
@@ -163,5 +163,5 @@ function surroundings() {
   return shape.corners;
 }
 
-/** The meshes for the viewer's `scene`. */
+/** Meshes for the viewer's `scene`. */
 export const makePlace = () => [surroundings, ground, buildings, plants].map((make) => ({ corners: make() }));

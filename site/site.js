@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Connects the page's controls to the one <fourdvt-viewer>. Figures about the character are read from its own files;
-// what cannot be read is not shown.
+// Connects the page's controls to its <fourdvt-viewer>. Figures about the character are read from its own files;
+// unreadable ones are hidden.
 import './fourdvt-viewer/fourdvt-viewer.js';
 import { makeSoundButton } from './sound.js';
 
@@ -15,7 +15,7 @@ const calm = matchMedia('(prefers-reduced-motion: reduce)');
 const UNITS = { mps: 'm/s', m: 'm', deg: '°', dps: '°/s', s: 's' };
 let scrubbing = false;
 let resumeAfterScrub = false;
-let chosen = false; // a motion, by the visitor
+let chosen = false; // true once the visitor has chosen a motion
 
 // Splits "speed_mps" into the label "Speed" and the unit "m/s".
 function describeParameter(name) {
@@ -65,13 +65,13 @@ function showSequence() {
   showTime();
 }
 
-// The slider is for the first class, also while another motion plays.
+// Sets up the slider of the first class of motions, also while another motion plays.
 function showParameter() {
   const [parameter] = viewer.sequences.flatMap((s) => s.parameters);
   if (!parameter) return;
   const { label, unit } = describeParameter(parameter.name);
   const slider = byId('parameter');
-  const known = slider.dataset.name === parameter.name; // then the slider shows what the visitor asked for
+  const known = slider.dataset.name === parameter.name; // keeps the slider's value as set by the visitor
   slider.dataset.name = parameter.name;
   slider.dataset.unit = unit;
   slider.min = String(parameter.min);
@@ -95,7 +95,7 @@ function buildMotions() {
   for (const old of motions.querySelectorAll('label')) old.remove();
   const members = new Set(viewer.sequences.flatMap((s) => (s.members.length > 1 ? s.members : [])));
   for (const sequence of viewer.sequences) {
-    if (members.has(sequence.name)) continue; // the class's slider reaches it
+    if (members.has(sequence.name)) continue; // covered by the class's slider
     const label = document.createElement('label');
     const radio = document.createElement('input');
     radio.type = 'radio';
@@ -109,7 +109,7 @@ function buildMotions() {
   showSequence();
 }
 
-// Choosing a motion after the last one has ended plays it, unless the visitor prefers reduced motion.
+// Plays the chosen motion if the previous one has ended, unless the visitor prefers reduced motion.
 function chooseMotion(name) {
   chosen = true;
   const wasAtEnd = !currentSequence()?.loop && viewer.frame + 1 >= (currentSequence()?.frames ?? 0);
@@ -163,12 +163,12 @@ viewer.addEventListener('parameterchange', ({ detail }) => {
 byId('align').addEventListener('change', () => { viewer.align = byId('align').value; });
 
 viewer.addEventListener('loadedmetadata', buildMotions);
-// The page goes on to a class of motions if there is one, because it has a slider: the first sequence moves sooner.
+// Continues with a class of motions if there is one, because it has a slider; the first sequence starts faster.
 viewer.addEventListener('canplay', () => {
   const motion = viewer.sequences.find((s) => s.parameters.length > 0);
   if (motion && !viewer.hasAttribute('sequence') && !chosen) viewer.goTo(motion.name);
 }, { once: true });
-// Pictures below the fold come when they are near: a browser's own lazy loading counts thousands of pixels as near.
+// Loads pictures below the fold when they are near; native lazy loading counts thousands of pixels as near.
 const late = new IntersectionObserver((entries) => {
   for (const { target, isIntersecting } of entries) {
     if (!isIntersecting) continue;
@@ -182,7 +182,7 @@ viewer.addEventListener('sequencechange', showSequence);
 for (const type of ['timeupdate', 'seeked', 'ended']) viewer.addEventListener(type, showTime);
 for (const type of ['play', 'playing', 'pause', 'ended']) viewer.addEventListener(type, showPlaying);
 makeSoundButton(viewer, byId('sound'));
-// The viewer says in its own panel that something went wrong; the notice has the details until it is over.
+// Shows an error's details in the notice until it is resolved; the viewer's own panel shows only that one occurred.
 viewer.addEventListener('error', (event) => {
   const { id, message } = event.detail ?? {};
   const notice = byId('notice');
@@ -192,7 +192,7 @@ viewer.addEventListener('error', (event) => {
 for (const type of ['loadstart', 'canplay', 'playing', 'seeked', 'sequencechange']) {
   viewer.addEventListener(type, () => { byId('notice').hidden = true; });
 }
-// The viewer fetches what a look needs when one is chosen first.
+// Sets the look by attribute; the viewer fetches its data when it is first selected.
 for (const radio of byId('looks').querySelectorAll('input')) {
   radio.addEventListener('change', () => {
     byId('look-dials').hidden = !radio.value;
@@ -249,7 +249,7 @@ function showFigures(report) {
   byId('figures').hidden = byId('figures-text').hidden = false;
 }
 
-// Hides what is said about the sample if another capture is shown.
+// Hides text about the sample capture if another capture is shown.
 function showCapture({ name, credit }) {
   if (name === 'actor_a') return;
   for (const words of document.querySelectorAll('.sample')) words.hidden = true;
@@ -265,5 +265,5 @@ try {
     showFigures(report);
   }
 } catch {
-  // Without a readable report the page shows no figures.
+  // Shows no figures without a readable report.
 }

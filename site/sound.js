@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A button for the sound of a viewer that begins muted. It is shown once there is sound to hear.
+// Button for the sound of a viewer that begins muted; shown once there is sound.
 export function makeSoundButton(viewer, button) {
   const show = () => {
     if (viewer.hasSound) button.hidden = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The performer in a place of his own (place.js), steered by keys or joystick; a button adds a companion.
+// Performer in a scene (place.js), steered by keys or joystick; a button adds a companion.
 import './fourdvt-viewer/fourdvt-viewer.js';
 import { COURT_M, makePlace } from './place.js';
 import { makeSoundButton } from './sound.js';
@@ -8,7 +8,7 @@ const byId = (id) => document.getElementById(id);
 const viewer = byId('viewer');
 viewer.scene = makePlace();
 
-// The first sequence is on screen sooner than the class that can be steered.
+// Switches to the steerable class of motions after the first sequence, which loads faster.
 viewer.addEventListener('canplay', () => {
   const motion = viewer.sequences.find((s) => s.parameters.length > 0);
   if (motion) viewer.goTo(motion.name);
@@ -16,7 +16,7 @@ viewer.addEventListener('canplay', () => {
   viewer.focus({ preventScroll: true });
 }, { once: true });
 
-// At the edge of the court the performer turns back.
+// Turns the performer back at the edge of the court.
 viewer.addEventListener('timeupdate', () => {
   const { x, z, heading } = viewer.placement;
   if (Math.hypot(x, z) < COURT_M) return;
@@ -43,7 +43,7 @@ byId('company').addEventListener('click', () => {
   companion.setAttribute('travel', '');
   viewer.append(companion);
   byId('company').disabled = true;
-  // The companion walks in a wide circle.
+  // Lets the companion walk in a wide circle.
   const turning = setInterval(() => {
     if (companion.isConnected) companion.heading = companion.heading + 12;
     else clearInterval(turning);

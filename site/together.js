@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two viewers that show one view: the orbit of both, and the moment that both play. Begin when both can play.
+// Synchronisation of two viewers: camera orbit and playback time. Call when both can play.
 
-/** Whoever is turned leads; the other follows. What follows does not lead back: its orbit is the one it was given. */
+/** Copies the camera orbit of the viewer that is turned to the other; an orbit set by copying is not copied back. */
 export function turnTogether(first, second) {
   const shown = new Map();
   const follow = (leader, follower) => {
@@ -20,14 +20,14 @@ export function turnTogether(first, second) {
   turn();
 }
 
-const NEAR_S = 0.02;      // closer than this counts as the same moment
-const RATE_PER_S = 2;     // change of the follower's rate for each second that it is away
+const NEAR_S = 0.02;      // difference that counts as the same moment
+const RATE_PER_S = 2;     // change of the follower's rate per second of lag
 const LARGEST_CHANGE = 0.5;
 const RATE_STEP = 0.05;
 
 /**
- * Playing and pausing one plays and pauses the other. While they play, the follower catches up by its rate, because a
- * seek would begin a GOP anew; while they stand, it seeks the leader's frame.
+ * Couples playing and pausing of two viewers. During playback the follower catches up by its rate, because a seek would
+ * restart a GOP; while paused, it seeks the leader's frame.
  */
 export function playTogether(leader, follower) {
   for (const [one, other] of [[leader, follower], [follower, leader]]) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plan of a job: its pieces as a graph, in an order in which every piece comes after those that it needs. A job
-// folder holds it as plan.json, which Snakemake reads too:
-//   plan.json   the plan            done/       a record of every finished piece (records.h)
-//   attempts/   one file a start    logs/       what pieces printed
-// Does NOT know what a piece computes.
+// Plan of a job: a dependency graph of pieces in topological order, stored in the job folder as plan.json, which
+// Snakemake reads too. The job folder holds:
+//   plan.json   the plan              done/   one record per finished piece (records.h)
+//   attempts/   one file per start    logs/   output of the pieces
+// Independent of what a piece computes.
 #pragma once
 
 #include <atomic>

@@ -12,7 +12,7 @@ Error refused(const char* what) {
   return {ErrorId::StreamInvalid, std::string("live page: ") + what + "; use the page of the server's version"};
 }
 
-// The keys that were read, of those that the message has.
+// Keys of a message, with a count of those that were read.
 class Fields {
  public:
   explicit Fields(const nlohmann::json& json) : json_(json) {}

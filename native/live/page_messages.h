@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages that pages may send: viewers {"type":"ping","t":NUMBER}; the console that, and {"tolerance_px":X} or {"crf":N} or
-// both. Anything else is refused.
+// Messages from pages: viewers send {"type":"ping","t":NUMBER}; the console also {"tolerance_px":X}, {"crf":N} or both.
+// Anything else is rejected.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ namespace fourdvt::live {
 constexpr size_t kMaxPageMessageBytes = 1024;
 
 struct PageMessage {
-  std::optional<double> ping_t;        // a ping
-  std::optional<double> tolerance_px;  // 0 (by control) … 64
+  std::optional<double> ping_t;        // time stamp of a ping
+  std::optional<double> tolerance_px;  // 0 (automatic) … 64
   std::optional<int> crf;              // 0…51
 };
 

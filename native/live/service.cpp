@@ -24,7 +24,7 @@ HttpAnswer plainAnswer(int status, const std::string& body) {
   return answer;
 }
 
-// The role that a path of HTTP or WebSocket demands.
+// Role required by a path of HTTP or WebSocket.
 Role roleOf(const std::string& path) {
   if (path == "/camera") return Role::Camera;
   if (path == "/live") return Role::Viewer;
@@ -46,12 +46,12 @@ const char* roleName(Role role) {
   return "a page";
 }
 
-// At most one line a second, so that nobody floods the console.
+// Log limited to one line per second, so that peers cannot flood the console.
 class Complaints {
  public:
   explicit Complaints(SayLine say) : say_(std::move(say)) {}
   uint64_t count() const { return count_; }
-  void add(const std::string& line) {  // on the server's thread, as all below
+  void add(const std::string& line) {  // called on the server's thread, as are all below
     ++count_;
     if (said_)
       ++unsaid_;
@@ -78,7 +78,7 @@ class Service final : public LiveService, private ServerHandler {
       : rig_(rig), options_(options), say_(say), complaints_(say) {}
 
   ~Service() override {
-    server_.reset();  // its connections call all below
+    server_.reset();  // its connections use all members below
     {
       const std::lock_guard lock(settings_mutex_);
       is_stopping_ = true;
@@ -239,12 +239,12 @@ class Service final : public LiveService, private ServerHandler {
   const SayLine say_;
   std::unique_ptr<Pipeline> pipeline_;
   Viewers viewers_;
-  std::mutex settings_mutex_;  // between the pipeline's thread and the beginning and the end
+  std::mutex settings_mutex_;  // guards settings between the pipeline's thread, start and shutdown
   bool is_stopping_ = false;
   std::unique_ptr<Sources> sources_;
   std::unique_ptr<Cameras> cameras_;
 
-  // On the server's thread.
+  // Used on the server's thread.
   Complaints complaints_;
   std::set<std::shared_ptr<Connection>> consoles_;
   int ticks_ = 0;

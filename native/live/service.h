@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The live server: cameras at /camera, viewers at /live, the console at /console (WebSockets); the cameras' last
-// pictures under /cameras/, /status.json, and the files of a page (HTTP). Hands cameras' messages to the pipeline and
-// its frames to viewers. Does NOT make frames.
+// Live server: cameras at /camera, viewers at /live, the console at /console (WebSockets); the cameras' last pictures
+// under /cameras/, /status.json, and the files of a page (HTTP). Passes cameras' messages to the pipeline and its
+// frames to viewers.
 #pragma once
 
 #include <functional>
@@ -17,7 +17,7 @@
 
 namespace fourdvt::live {
 
-// Close codes besides those of WebSocket; browsers do not show why an upgrade was refused.
+// Close codes besides those of WebSocket, since browsers hide the reason of a refused upgrade.
 constexpr uint16_t kCloseToken = 4401, kCloseOrigin = 4403, kCloseReplaced = 4409, kCloseInvalid = 1008;
 
 using StartPipeline =
@@ -25,12 +25,12 @@ using StartPipeline =
 
 struct LiveOptions {
   ServerOptions server;
-  AccessRules access;  // `loopback` is set by the server's address
+  AccessRules access;  // `loopback` is set from the server's address
   PipelineOptions pipeline;
-  double tolerance_px = 0;    // that of the cameras at first; 0: by control
-  std::string web_folder;     // served under "/"; empty: none
-  bool reads_sources = true;  // the rig's own
-  double hello_s = 10;        // a camera's connection without a Hello for so long is closed
+  double tolerance_px = 0;    // initial tolerance of the cameras; 0: automatic
+  std::string web_folder;     // folder published under "/"; empty: none
+  bool reads_sources = true;  // reads the rig's own sources
+  double hello_s = 10;        // timeout of a camera's Hello
   StartPipeline start_pipeline = Pipeline::start;
   StartWorker start_worker = CameraWorker::start;
 };
@@ -43,17 +43,17 @@ struct LiveStatus {
 
 class LiveService {
  public:
-  // say: warnings, one line each, on any thread. Errors: InvalidArgument (other machines reach the server, but it has
-  // no certificate or no tokens), and those of Server::start, Pipeline::start and CameraWorker::start.
+  // say: prints one warning line, on any thread. Errors: InvalidArgument (reachable from other machines without a
+  // certificate or tokens), and those of Server::start, Pipeline::start and CameraWorker::start.
   static Result<std::unique_ptr<LiveService>> start(const Rig& rig, const LiveOptions& options, SayLine say);
-  virtual ~LiveService() = default;  // ends all
+  virtual ~LiveService() = default;  // closes all connections, stops all threads
   virtual uint16_t port() const = 0;
   virtual LiveStatus status() = 0;
 };
 
-// The console's messages and /status.json.
+// JSON of the console's messages and /status.json.
 std::string statusJson(const LiveStatus& status);
-// /cameras/NAME.json: "size", "crop", "rings" (pixels of the camera's picture) and "number".
+// JSON of /cameras/NAME.json: "size", "crop", "rings" (pixels of the camera's picture) and "number".
 std::string pictureJson(const CameraPicture& picture, int width, int height);
 
 }  // namespace fourdvt::live

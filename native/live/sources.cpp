@@ -30,7 +30,7 @@ Sources::~Sources() {
     const std::lock_guard lock(mutex_);
     sources.swap(sources_);
   }
-}  // the workers end here, without the lock
+}  // workers end here, without the lock
 
 Status Sources::open() {
   for (size_t camera = 0; camera < sources_.size(); ++camera)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rig's own sources, read by this process: a worker a camera. One that ends is opened again, until that succeeds.
+// The rig's own sources, read by this process with one worker per camera. A source that ends is reopened until that
+// succeeds.
 #pragma once
 
 #include <condition_variable>
@@ -17,9 +18,9 @@ namespace fourdvt::live {
 
 using StartWorker = std::function<Result<std::unique_ptr<CameraWorker>>(
     const Rig&, const std::string& camera, std::function<void(CameraPicture)>, std::function<void(const Error&)>)>;
-using SayLine = std::function<void(const std::string&)>;  // on any thread
+using SayLine = std::function<void(const std::string&)>;  // callable on any thread
 
-int64_t serverNow_us();  // since 1970
+int64_t serverNow_us();  // time since 1970
 
 class Sources {
  public:
@@ -29,8 +30,8 @@ class Sources {
   // Errors: those of CameraWorker::start.
   Status open();
   bool has(size_t camera) const { return static_cast<bool>(rig_.cameras[camera].source); }
-  void set(size_t camera, const CameraSettings& settings);  // on any thread
-  void tellClock();                                         // the server's clock is theirs; once a second
+  void set(size_t camera, const CameraSettings& settings);  // callable on any thread
+  void tellClock();  // reports an offset of zero, since both use the server's clock; once per second
 
  private:
   struct Source {
@@ -45,9 +46,9 @@ class Sources {
   const StartWorker start_;
   Pipeline& pipeline_;
   const SayLine say_;
-  std::mutex mutex_;  // of what follows
+  std::mutex mutex_;  // guards the members below
   std::condition_variable changed_;
-  std::vector<Source> sources_;  // as the rig's cameras
+  std::vector<Source> sources_;  // order of the rig's cameras
   bool is_stopping_ = false;
   std::thread thread_;
 };

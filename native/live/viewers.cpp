@@ -23,7 +23,7 @@ void Viewers::send(const Bytes& frame, bool key) {
         connection.queuedMessages() > kMostBehindMessages || connection.queuedBytes() > kMostBehindBytes;
     viewer.waits_for_key = is_behind || (viewer.waits_for_key && !key);
     if (viewer.waits_for_key) {
-      frames_skipped_ += viewer.has_had_frames;  // before the first key nothing is missed
+      frames_skipped_ += viewer.has_had_frames;  // frames before the first key do not count as skipped
       continue;
     }
     viewer.has_had_frames = true;

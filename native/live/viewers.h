@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Those who watch. A viewer gets the manifest, then frames, the first of them a key. One that is behind misses frames
-// up to the next key, so that what waits for it stays bounded and nobody else is slowed. Functions may be called on any
-// thread.
+// Connected viewers. A viewer receives the manifest, then frames starting with a key. A slow viewer skips frames until
+// the next key, so that its queue stays bounded and others are unaffected. Functions may be called on any thread.
 #pragma once
 
 #include <chrono>
@@ -15,8 +14,8 @@
 namespace fourdvt::live {
 
 struct ViewerStatus {
-  uint64_t viewers = 0, frames_skipped = 0;  // skipped: since the start, by all
-  double bytes_per_s = 0;                    // to all
+  uint64_t viewers = 0, frames_skipped = 0;  // skipped: total of all viewers since the start
+  double bytes_per_s = 0;                    // total over all viewers
 };
 
 class Viewers {

@@ -34,7 +34,7 @@ const char* typeOf(const fs::path& file) {
   return "application/octet-stream";
 }
 
-// No empty part, and none that begins with a dot.
+// True for a path without empty parts and without parts that begin with a dot.
 bool isPlain(const std::string& path) {
   return !path.empty() && path[0] == '/' && path.find("//") == std::string::npos &&
          path.find("/.") == std::string::npos && path.find('\\') == std::string::npos &&

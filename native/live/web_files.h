@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of a folder by the paths of HTTP. Nothing outside of the folder is found, also not through links, and nothing
-// with a name that begins with a dot. Does NOT read the files.
+// Files of a folder by HTTP path. Files outside the folder are not found, even through links, nor are names that begin
+// with a dot.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace fourdvt::live {
 
-// The file, the index of a folder, a redirection to a folder's address with "/" at its end, or 404. path: as
+// Returns the file, the index of a folder, a redirection to a folder's address with a trailing "/", or 404. path: as
 // HttpRequest::path. folder: empty: 404.
 HttpAnswer webFile(const std::string& folder, const std::string& path);
 

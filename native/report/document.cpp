@@ -56,7 +56,7 @@ nav a{border:0;background:none;padding:5px 0}}
 bool startsWith(const std::string& text, const char* start) { return text.rfind(start, 0) == 0; }
 bool verdict(const std::string& cell) { return startsWith(cell, "✓") || startsWith(cell, "✗"); }
 
-// Figures, verdicts and marks of absence; not words.
+// True for figures, verdicts and marks of absence, as opposed to words.
 bool figureCell(const std::string& cell) {
   if (cell.size() > 30) return false;
   if (cell.empty() || cell == "–") return true;
@@ -90,7 +90,7 @@ std::string bodyRow(const std::vector<std::string>& row, const std::vector<bool>
   return out + "</tr>\n";
 }
 
-// name: of the scrolling region.
+// name: accessible name of the scrolling region.
 std::string tableHtml(const Table& table, const std::string& name) {
   const std::vector<bool> words = wordColumns(table);
   std::string out = table.title.empty() ? "" : "<h3>" + htmlEscaped(table.title) + "</h3>\n";
@@ -107,7 +107,7 @@ std::string tableHtml(const Table& table, const std::string& name) {
   return out;
 }
 
-// Backticks mark code; an odd one stays as it is.
+// Paragraph with `code` for text in backticks; an unpaired backtick is kept.
 std::string paragraph(const std::string& text) {
   std::string out = "<p>";
   size_t at = 0;
@@ -143,7 +143,7 @@ std::string pictureHtml(const Picture& picture) {
          "\"></a><figcaption>" + caption + "</figcaption></figure>\n";
 }
 
-// The section's title, with the table's, or its number among several.
+// Title of the section, with the table's, or its number among several.
 std::string tableName(const Section& section, size_t t) {
   const std::string& title = section.tables[t].title;
   const auto same = [&](const Table& other) { return other.title == title; };

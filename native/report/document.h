@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A report as a self-contained HTML page: tables, SVG plots and bars, pictures by relative file name. The one writer of
-// such pages: the bake's report and the study's are both documents. Does NOT measure or read files.
+// Report as a self-contained HTML page: tables, SVG plots and bars, pictures by relative file name. The bake report and
+// the study report are both documents.
 #pragma once
 
 #include <string>
@@ -12,9 +12,9 @@
 namespace fourdvt::report {
 
 struct Table {
-  std::string title, note;  // note: below the table, may be empty
+  std::string title, note;  // note: text below the table, may be empty
   std::vector<std::string> columns;
-  std::vector<std::vector<std::string>> rows;  // first cell: the row's name
+  std::vector<std::vector<std::string>> rows;  // first cell: name of the row
 };
 
 struct Curve {
@@ -29,8 +29,8 @@ struct Plot {
 };
 
 struct Bar {
-  std::string label, text;  // text: the value as it is read
-  double value = 0;         // not negative; lengths are relative to the chart's largest
+  std::string label, text;  // text: formatted value
+  double value = 0;         // nonnegative; bar lengths are relative to the chart's maximum
 };
 
 struct BarChart {
@@ -39,12 +39,12 @@ struct BarChart {
 };
 
 struct Picture {
-  std::string file, caption;  // relative to the page
-  int width = 0, height = 0;  // pixels; 0: not known
+  std::string file, caption;  // path relative to the page
+  int width = 0, height = 0;  // pixels; 0: unknown
 };
 
 struct Tile {
-  std::string value, meaning;  // a headline figure
+  std::string value, meaning;  // headline figure
 };
 
 struct Section {
@@ -59,30 +59,31 @@ struct Section {
 struct Document {
   std::string title, subtitle;
   std::vector<Section> sections;
-  Picture poster;      // beside the title; no file: none
-  std::string credit;  // at the foot, may be empty
+  Picture poster;      // picture beside the title; no file: none
+  std::string credit;  // footer, may be empty
 };
 
-// A plot's inner area in its viewBox; the area's corners are the ends of the axes.
+// Plot area within the viewBox; its corners are the ends of the axes.
 constexpr double kPlotLeft = 66, kPlotTop = 14, kPlotWidth = 540, kPlotHeight = 290;
 
-// Ends and ticks of an axis over finite values. Linear: multiples of 1, 2 or 5 · 10^k, ends rounded outwards to them.
-// Logarithmic (values > 0): the values themselves where there are at most 8 different ones and `own_ticks`, else
-// 1, 2, 5 · 10^k, or powers of ten over more than three decades.
+// Range and ticks of an axis over finite values. Linear: multiples of 1, 2 or 5 · 10^k, with ends rounded outwards to
+// them. Logarithmic (values > 0): the values themselves if there are at most 8 distinct ones and `own_ticks`; else 1,
+// 2, 5 · 10^k, or powers of ten over more than three decades.
 struct Axis {
   double low = 0, high = 1;
   bool log = false;
   std::vector<double> ticks;         // ascending, inside [low, high]
-  double share(double value) const;  // 0 at low, 1 at high
+  double share(double value) const;  // position on the axis: 0 at low, 1 at high
 };
 Axis makeAxis(const std::vector<double>& values, bool log, bool own_ticks);
 
-// Accessible (title and description), light and dark by CSS variables, no scripts. Points that are not finite, or not
-// positive on a logarithmic axis, break their curve. A valid SVG file by itself.
+// Standalone SVG, accessible (title and description), light and dark by CSS variables, without scripts. Points that are
+// not finite, or not positive on a logarithmic axis, interrupt their curve.
 std::string plotSvg(const Plot& plot);
-// Horizontal bars with labels and values, for a page (its CSS colours them).
+// Horizontal bars with labels and values; coloured by the page's CSS.
 std::string barsSvg(const BarChart& chart);
-// Cells that start with "✓" or "✗" are coloured as verdicts; columns of words wrap, columns of figures do not.
+// Page as HTML. Cells that begin with "✓" or "✗" are coloured as verdicts; columns of words wrap, columns of figures do
+// not.
 std::string documentHtml(const Document& document);
 
 }  // namespace fourdvt::report

@@ -46,7 +46,7 @@ void fillFace(cv::Mat& map, const MeshTopology& topology, uint32_t face, const c
   cv::fillConvexPoly(map, points.data(), 3, colour, cv::LINE_8, 4);
 }
 
-// Black to yellow. OpenCV's colour maps are BGR.
+// Colour map from black to yellow, RGB; OpenCV's are BGR.
 Image heat(const cv::Mat& grey) {
   cv::Mat coloured;
   cv::applyColorMap(grey, coloured, cv::COLORMAP_INFERNO);

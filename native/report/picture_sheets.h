@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures for people: grids with titles, camera maps in UV space, crops. All RGB, row 0 at the top.
-// Does NOT draw characters or read files.
+// Pictures for inspection: grids with titles, camera maps in UV space, crops. All RGB, row 0 at the top.
 #pragma once
 
 #include <array>
@@ -14,8 +13,8 @@
 
 namespace fourdvt::report {
 
-// RGB; an empty picture leaves its cell empty. Columns are as wide as their widest picture, rows as high as their
-// highest. Titles: ASCII.
+// Grid of RGB pictures; an empty picture leaves its cell empty. Columns are as wide as their widest picture, rows as
+// high as their highest. Titles: ASCII.
 struct Sheet {
   std::string title;
   std::vector<std::string> columns, rows;  // rows may be empty: no row titles
@@ -23,26 +22,26 @@ struct Sheet {
 };
 Image drawSheet(const Sheet& sheet);
 
-// The colour of a camera in `--debug labels` (shaders/gles/layered_shade.glsl); dark grey for an empty slot.
+// Colour of a camera in `--debug labels` (shaders/gles/layered_shade.glsl); dark grey for an empty slot.
 std::array<uint8_t, 3> labelColour(uint8_t camera);
-// Faces in texture space in their cameras' colours. labels: one a face. `side` pixels square.
+// Faces in texture space, coloured by camera. labels: one per face. `side` pixels square.
 Image cameraMap(const MeshTopology& topology, std::span<const uint8_t> labels, int side);
-// Faces whose label differs, bright on the darkened map of `after`.
+// Faces with differing labels, bright on the darkened map of `after`.
 Image changeMap(const MeshTopology& topology, std::span<const uint8_t> before, std::span<const uint8_t> after,
                 int side);
-// Swatches with names, one under the other.
+// Colour swatches with names, stacked.
 Image cameraLegend(const std::vector<std::string>& names, int width, int height);
 
-// One channel 0..255 as a heat map; black where `alpha` (RGBA picture of the same size) is below 128.
+// Heat map of one channel 0..255; black where `alpha` (RGBA picture of the same size) is below 128.
 Image shareMap(const std::vector<uint8_t>& values, const Image& alpha);
 
-// RGBA over a grey, or RGB as it is.
+// Composites RGBA over a grey; RGB is copied.
 Image overGrey(const Image& image, uint8_t grey = 32);
-Image scaledTo(const Image& image, int width, int height);  // area filter down, cubic up
-// The part inside the picture; pixels.
+Image scaledTo(const Image& image, int width, int height);  // area filter for reduction, cubic for enlargement
+// Crop, clipped to the picture; pixels.
 Image cropped(const Image& image, int x, int y, int width, int height);
-// Bounding box of alpha >= 128, grown by a margin and clamped: x, y, width, height. The whole picture if nothing is
-// there.
+// Bounding box of alpha >= 128, grown by a margin and clamped: x, y, width, height. The whole picture if all alpha is
+// below.
 std::array<int, 4> shownBox(const Image& rgba, int margin);
 
 }  // namespace fourdvt::report

@@ -8,14 +8,15 @@
 namespace fourdvt::report {
 namespace {
 
-// Told apart in colour-blind vision (after Okabe and Ito); --cN of the page where it defines them.
+// Palette distinguishable in colour-blind vision, after Okabe and Ito, "Color Universal Design (CUD): How to Make
+// Figures and Presentations That Are Friendly to Colorblind People", J*FLY, 2008; --cN of the page overrides it.
 constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#008f68", "#b0578d",
                                     "#c98500", "#3d9bd1", "#6b7280", "#7a4fbf"};
 constexpr const char* kDashes[] = {"", "7 4", "2 3", "10 3 2 3", "5 2", "1 4", "12 4", "3 6"};
 constexpr int kStyles = 8, kShapes = 4;
 constexpr double kBelow = 52, kRight = 18, kLegendRow = 22, kLetter = 7.3;
 
-// As few digits as tell the ticks apart.
+// Minimum number of digits that distinguishes the ticks.
 std::string tickText(double value, double step) {
   const double size = std::abs(value);
   if (size >= 1e9) return printed("%.4gG", value / 1e9);
@@ -43,7 +44,7 @@ void linearTicks(Axis& axis) {
   axis.low = first * step, axis.high = last * step;
 }
 
-// The largest 1, 2, 5 · 10^k at most `value` (down) or the least one at least `value`.
+// The largest 1, 2, 5 · 10^k at most `value` (down), or the smallest at least `value`.
 double nice125(double value, bool down) {
   const double magnitude = std::pow(10.0, std::floor(std::log10(value) + 1e-9));
   double best = down ? magnitude : 10 * magnitude;
@@ -91,7 +92,7 @@ std::string dash(size_t index) {
   return pattern.empty() ? "" : ";stroke-dasharray:" + pattern;
 }
 
-// A filled circle, square, diamond or triangle.
+// Filled circle, square, diamond or triangle.
 std::string marker(size_t index, double x, double y) {
   const std::string style = "\" style=\"fill:" + colour(index) + "\"/>";
   if (index % kShapes == 0) return printed("<circle cx=\"%.2f\" cy=\"%.2f\" r=\"3.6", x, y) + style;

@@ -11,7 +11,7 @@ std::string fixedText(double value, int decimals) {
   if (std::isnan(value)) return "–";
   if (std::isinf(value)) return value > 0 ? "∞" : "−∞";
   const std::string text = printed("%.*f", decimals, std::abs(value));
-  // A negative value that rounds to zero has no sign.
+  // Drops the sign of a negative value that rounds to zero.
   const bool zero = text.find_first_not_of("0.") == std::string::npos;
   return (value < 0 && !zero ? "−" : "") + text;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers as a report prints them: fitting units, no more digits than are read, "–" for NaN.
+// Number formatting for reports: suitable units, few digits, "–" for NaN.
 #pragma once
 
 #include <string>

@@ -16,18 +16,18 @@ using Json = nlohmann::ordered_json;
 struct Value {
   Value(std::string key, std::string title, Json value, std::string text);
   Value(std::string key, std::string title, double value, int decimals);
-  Value(std::string key, std::string title, Json value);  // as it is: a string or a whole number
-  Value(std::string key, Json value);                     // not on the page
+  Value(std::string key, std::string title, Json value);  // Json: a string or an integer, printed unchanged
+  Value(std::string key, Json value);                     // absent from the page
 
-  std::string key;    // in JSON, "object/member" inside an object; empty: on the page alone
-  std::string title;  // of the column, row or tile; empty: in JSON alone
+  std::string key;    // JSON key, "object/member" inside an object; empty: on the page only
+  std::string title;  // title of the column, row or tile; empty: in JSON only
   Json value;
   std::string text;
 };
 using Values = std::vector<Value>;
 
 void append(Values& values, Values more);
-// A list of values for every item.
+// Values of every item.
 template <class Items, class Make>
 std::vector<Values> rowsOf(const Items& items, Make make) {
   std::vector<Values> rows;
@@ -38,9 +38,9 @@ std::vector<Values> rowsOf(const Items& items, Make make) {
 Json jsonOf(const Values& values);             // an object
 Json jsonOf(const std::vector<Values>& rows);  // an array of objects
 std::vector<Tile> tilesOf(const Values& values);
-// A row each, title and text.
+// Table with one row per value: title and text.
 Table factsOf(const Values& values);
-// Titles of the first row over the texts of all; no column without rows.
+// Table with the first row's titles as header and the texts of all rows; columns without rows are dropped.
 Table tableOf(std::string title, std::string note, const std::vector<Values>& rows);
 
 // Writes FOLDER/NAME.html and FOLDER/NAME.json. Errors: WriteFailed.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Structs as bytes and back. One list of fields serves both directions: a function of this namespace,
+// Binary serialisation of structs. One list of fields covers both directions: a function of this namespace,
 //   void fields(Archive& archive, Struct& s) { archive(s.name, s.count, s.list); }
-// declared wherever the struct is archived, in a header where several files do. Strings, vectors, maps, optional and
-// shared values are known; what has no list is copied as it lies in memory. Only the build that wrote the bytes reads
-// them: this is not a format.
+// declared before the struct is archived, in a header if several files archive it. Strings, vectors, maps, optional and
+// shared values are supported; types without a list are copied as they lie in memory. Bytes are readable only by the
+// build that wrote them: this is not an interchange format.
 #pragma once
 
 #include <map>
@@ -23,7 +23,7 @@ namespace fourdvt::store {
 class Archive {
  public:
   Archive() = default;  // writes
-  // Reads; the span is borrowed. Reading never leaves it, and what is missing leaves complete() false.
+  // Reads from a borrowed span. Reading beyond its end is safe: missing bytes make complete() false.
   explicit Archive(std::span<const uint8_t> bytes) : in_(bytes), reads_(true) {}
   bool reads() const { return reads_; }
   template <class... Ts>
@@ -40,12 +40,12 @@ class Archive {
     const auto part = in_.bytes(bytes);
     if (!part.empty()) std::memcpy(data, part.data(), part.size());
   }
-  // Number of items, each of which takes at least `bytes`; 0 where there cannot be as many.
+  // Number of items of at least `bytes` each; 0 if the remaining bytes cannot hold as many.
   size_t count(size_t items, size_t bytes) {
     auto n = static_cast<uint32_t>(items);
     raw(&n, sizeof n);
     if (!reads_ || n <= in_.remaining() / bytes) return n;
-    in_.bytes(in_.remaining() + 1);  // fails
+    in_.bytes(in_.remaining() + 1);  // marks the input as incomplete
     return 0;
   }
   bool has(bool value) { return count(value, 1) > 0; }
@@ -110,7 +110,7 @@ inline void fields(Archive& a, PinholeCamera& c) {
 template <class T>
 std::vector<uint8_t> bytesOf(const T& value) {
   Archive archive;
-  archive(const_cast<T&>(value));  // writing changes nothing
+  archive(const_cast<T&>(value));  // writing leaves the value unchanged
   return archive.take();
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Folders and files of finished work, from which an interrupted command goes on. A folder has the text of the settings
-// that its files depend on, its key; a file has a hash of its bytes, so that one that is damaged or half written counts
-// as absent. Files are written atomically.
+// Folders and files of finished work, from which an interrupted command resumes. A folder holds its key, the text of
+// the settings that its files depend on; a file holds a hash of its bytes, so that a damaged or truncated one counts as
+// absent. Files are written atomically.
 #pragma once
 
 #include <optional>
@@ -14,17 +14,17 @@ namespace fourdvt::store {
 
 using Bytes = std::vector<uint8_t>;
 
-// The key of a folder; none: it has not been made by setKey, or removeFolder has removed it in part.
+// Key of a folder; none: the folder was not made by setKey, or removeFolder has removed it in part.
 std::optional<std::string> keyOf(const std::string& folder);
-// Makes the folder and its parents. Errors: WriteFailed.
+// Creates the folder and its parents, and writes the key. Errors: WriteFailed.
 Status setKey(const std::string& folder, const std::string& key);
-// The key goes last.
+// Removes the folder, the key last.
 void removeFolder(const std::string& folder);
 
 // FOLDER/WHAT_<hash of key>.bin
 std::string keyedPath(const std::string& folder, const std::string& what, const std::string& key);
 
-enum class Written { ToDisk, ToCache };  // ToCache: not atomic and without waiting, for what can be made again
+enum class Written { ToDisk, ToCache };  // ToCache: neither atomic nor synchronous, for results that can be recomputed
 // Errors: WriteFailed.
 Status saveBytes(const std::string& path, Bytes bytes, Written written = Written::ToDisk);
 // Errors: FileMissing, FileUnreadable; Internal if damaged.

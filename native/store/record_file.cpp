@@ -41,7 +41,7 @@ Result<RecordFile> RecordFile::resume(const std::string& path, size_t record_byt
   const bool complete = isComplete(path, record_bytes, records);
   out.open_path_ = complete ? path : path + ".part" + writer;
   std::error_code ignored;
-  if (!complete && fs::exists(out.open_path_, ignored)) {  // drops a record that was only half written
+  if (!complete && fs::exists(out.open_path_, ignored)) {  // drops an incomplete last record
     const uint64_t whole = platform::fileBytes(out.open_path_) / record_bytes;
     fs::resize_file(out.open_path_, std::min<uint64_t>(whole, records) * record_bytes, ignored);
   }
@@ -82,7 +82,7 @@ Result<std::vector<uint8_t>> RecordFile::read(uint32_t index) {
 Status RecordFile::finish() {
   if (open_path_ == path_) return {};
   if (count_ != records_) return Error{ErrorId::Internal, path_ + ": records are missing"};
-  // On the disk before it counts: a network's file system reports a full disk no earlier.
+  // Synchronises to disk before the rename, since a network file system may report a full disk only then.
   if (std::fflush(file_.get()) != 0 || ::fsync(::fileno(file_.get())) != 0 || std::fclose(file_.release()) != 0)
     return cannotWrite(open_path_, errno);
   std::error_code error;

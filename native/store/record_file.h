@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A file of records of equal size, appended one after the other: "PATH.part" until it is complete, then PATH. A writer
-// that was interrupted goes on after the last whole record. Writers that may work on one file at once have names of
-// their own, which "PATH.part" ends with; the first that completes it counts. Does NOT check what is in the records.
+// File of equally sized, appended records: "PATH.part" until complete, then PATH. An interrupted writer resumes after
+// the last complete record. Concurrent writers of one file have distinct names, which are appended to "PATH.part"; the
+// first to complete it counts. The content of records is not checked.
 #pragma once
 
 #include <cstdint>
@@ -18,10 +18,10 @@ namespace fourdvt::store {
 class RecordFile {
  public:
   static bool isComplete(const std::string& path, size_t record_bytes, uint32_t records);
-  // Opens what exists, complete or not, for appending and reading. Errors: WriteFailed.
+  // Opens an existing file, complete or not, for appending and reading. Errors: WriteFailed.
   static Result<RecordFile> resume(const std::string& path, size_t record_bytes, uint32_t records,
                                    const std::string& writer = {});
-  // Starts anew, whatever exists: finish() replaces a complete file, which others may read until then.
+  // Starts a new file: finish() replaces a complete one, which remains readable until then.
   static Result<RecordFile> begin(const std::string& path, size_t record_bytes, uint32_t records,
                                   const std::string& writer = {});
   static Result<std::vector<uint8_t>> readOne(const std::string& path, size_t record_bytes, uint32_t index);
@@ -29,7 +29,7 @@ class RecordFile {
   uint32_t count() const { return count_; }
   Status append(std::span<const uint8_t> record);
   Result<std::vector<uint8_t>> read(uint32_t index);
-  // Renames the file into place if all records are in it.
+  // Renames the file into place if it holds all records.
   Status finish();
 
  private:

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The console of `fourdvt live`: the performer, the cameras' pictures with their outlines, tolerance and quality. The token
-// of a server that has tokens stands behind # in the page's address, so that no server's log has it.
+// Console of `fourdvt live`: the performer, the cameras' pictures with their outlines, tolerance and quality. The token
+// stands in the fragment (#) of the page's address, which browsers do not send, so that it stays out of the server's
+// logs.
 import '../fourdvt-viewer/fourdvt-viewer.js';
 
-const PICTURES_MS = 250; // between two pictures of a camera
+const PICTURES_MS = 250; // period of a camera's pictures
 const LONGEST_PAUSE_MS = 4000;
 
 const byId = (id) => document.getElementById(id);
@@ -117,7 +118,7 @@ async function showPictures() {
   setTimeout(showPictures, PICTURES_MS);
 }
 
-// --- the server's word and the visitor's wishes ---
+// --- connection to the server, controls ---
 
 let socket = null, pauseMs = 250;
 

@@ -10,8 +10,8 @@ namespace {
 
 using asio::ip::tcp;
 
-constexpr size_t kMostRefusing = 64;  // connections that wait for their 503; further ones are cut
-constexpr double kAcceptPause = 0.1;  // after a failure, such as too many open files
+constexpr size_t kMostRefusing = 64;  // maximum number of connections that await a 503; further ones are cut
+constexpr double kAcceptPause = 0.1;  // pause after a failed accept, e.g. too many open files
 
 Result<std::unique_ptr<asio::ssl::context>> openTls(const ServerOptions& options) {
   auto tls = std::make_unique<asio::ssl::context>(asio::ssl::context::tls_server);
@@ -69,11 +69,11 @@ class ServerOnThread final : public Server {
       try {
         core_->io->run();
         ran = true;
-      } catch (const std::exception& e) {  // of one connection's handler: its connection ends
+      } catch (const std::exception& e) {  // thrown by one connection's handler: ends that connection only
         std::fprintf(stderr, "fourdvt: live server: %s\n", e.what());
       }
     }
-    core_->io->restart();  // what other threads have sent meanwhile
+    core_->io->restart();  // runs handlers posted by other threads meanwhile
     core_->io->poll();
   }
 
@@ -124,7 +124,7 @@ class ServerOnThread final : public Server {
     stopConnections();
   }
 
-  // Connections that closing does not end by itself, such as those within their handshake, end by the next rounds.
+  // Stops all connections. Those that ignore closing, such as within a handshake, end in later rounds.
   void stopConnections() {
     std::vector<std::shared_ptr<Closable>> open;
     {

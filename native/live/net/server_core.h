@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shared by the server's connections: its handler, its options and the register of who is connected. Does NOT accept.
+// State shared by the server's connections: handler, options and the register of connections.
 #pragma once
 
 #include <map>
@@ -14,20 +14,20 @@ namespace fourdvt::live {
 class Closable {
  public:
   virtual ~Closable() = default;
-  virtual void stop() = 0;  // on the server's thread
+  virtual void stop() = 0;  // called on the server's thread
 };
 
 struct ServerCore {
   std::shared_ptr<asio::io_context> io = std::make_shared<asio::io_context>(1);
   ServerOptions options;
   ServerHandler* handler = nullptr;
-  std::unique_ptr<asio::ssl::context> tls;  // none: plain
+  std::unique_ptr<asio::ssl::context> tls;  // null: plain
   std::mutex mutex;
   std::map<uint64_t, std::weak_ptr<Closable>> connections;
   uint64_t next_id = 0;
 };
 
-// One place among the server's connections, for as long as it lives.
+// Reservation of one of the server's connections for the object's lifetime.
 class Slot {
  public:
   explicit Slot(std::shared_ptr<ServerCore> core) : core_(std::move(core)) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages between a camera process and the live server, each one binary WebSocket message, little-endian. Readers
-// check everything that later code indexes or allocates by. Does NOT carry calibrations: both sides read the rig.
+// Messages between a camera process and the live server, one binary WebSocket message each, little-endian. Readers
+// validate every value that later code uses as an index or size. Calibrations are not transmitted: both sides read the
+// rig.
 #pragma once
 
 #include <cstdint>
@@ -16,22 +17,22 @@ namespace fourdvt::live {
 
 constexpr uint16_t kCameraProtocol = 1;
 constexpr size_t kMaxCameraMessageBytes = 4u << 20, kMaxServerMessageBytes = 64;
-constexpr size_t kMaxRings = 256, kMaxRingPoints = 8192;  // points: of all rings together
+constexpr size_t kMaxRings = 256, kMaxRingPoints = 8192;  // kMaxRingPoints: total over all rings
 constexpr double kPointsPerPixel = 16;                    // positions are sent in sixteenths of a pixel
 
 // --- from the camera ---
 
-struct Hello {                // first
-  std::string camera;         // its name in the rig, 1…128 bytes
-  int width = 0, height = 0;  // pixels of its pictures, 1…4095
+struct Hello {                // first message
+  std::string camera;         // name in the rig, 1…128 bytes
+  int width = 0, height = 0;  // size of its pictures, 1…4095 pixels
 };
 
 struct ClockAnswer {
-  int64_t server_us = 0;  // as the question had it
-  int64_t camera_us = 0;  // the camera's clock when it answered
+  int64_t server_us = 0;  // copied from the question
+  int64_t camera_us = 0;  // camera's clock at the time of the answer
 };
 
-// A ring of an outline: pixel positions, in the orientation of silhouette/contour.h.
+// Ring of an outline: pixel positions, oriented as in silhouette/contour.h.
 struct Point16 {
   uint16_t x = 0, y = 0;  // sixteenths of a pixel
   bool operator==(const Point16&) const = default;
@@ -39,11 +40,12 @@ struct Point16 {
 using Ring16 = std::vector<Point16>;
 
 struct CameraPicture {
-  uint32_t number = 0;        // of the camera's pictures, ascending
-  int64_t captured_us = 0;    // by the camera's clock, since 1970
-  uint32_t keyed_us = 0;      // time that keying took
-  std::vector<Ring16> rings;  // seen background, simplified; none: the camera sees no performer, and no background
-  package::Rect crop;         // what `jpeg` shows, pixels of the camera's picture; no width: no picture
+  uint32_t number = 0;      // picture number of the camera, ascending
+  int64_t captured_us = 0;  // camera's clock, since 1970
+  uint32_t keyed_us = 0;    // duration of keying
+  std::vector<Ring16>
+      rings;           // simplified outlines of visible background; empty: neither performer nor background is visible
+  package::Rect crop;  // rectangle of the camera's picture that `jpeg` shows, pixels; no width: no picture
   std::vector<uint8_t> jpeg;  // 4:2:0, JFIF (BT.601, full range)
 };
 
@@ -56,9 +58,9 @@ struct ClockQuestion {
 };
 
 struct CameraSettings {
-  double tolerance_px = 1;  // by which outlines are simplified, 0…64
+  double tolerance_px = 1;  // simplification tolerance of outlines, 0…64
   int jpeg_quality = 85;    // 1…100
-  package::Rect region;     // of the camera's picture that is wanted; no width: all
+  package::Rect region;     // requested rectangle of the camera's picture; no width: all
 };
 
 using ToCamera = std::variant<ClockQuestion, CameraSettings>;

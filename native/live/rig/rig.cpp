@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::json;
 constexpr double kMaxUnits = 1e6;
-constexpr int kMinSide = 4, kMaxSide = 4095;  // of the messages' pictures
+constexpr int kMinSide = 4, kMaxSide = 4095;  // side limits of pictures in messages, pixels
 constexpr int kMostReduction = 16;
 
 const Json& member(const Json& node, const char* key) {
@@ -29,7 +29,7 @@ const Json& member(const Json& node, const char* key) {
   return it == node.end() ? null : *it;
 }
 
-// Addresses and devices are not looked for among the files.
+// True for addresses and devices, which are not resolved as files.
 bool isAddress(const SourcePlace& place) {
   return place.url.find("://") != std::string::npos || !place.format.empty() || place.url.starts_with("/dev/");
 }
@@ -272,10 +272,11 @@ namespace {
 
 using Cameras = std::vector<capture::CaptureCamera>;
 
-constexpr int kHalfCells = 48;          // of the grid, along each axis from the middle
-constexpr double kLeastDistance = 0.1;  // of the farthest camera's, along the optical axis, from camera to box
+constexpr int kHalfCells = 48;  // cells of the grid from the middle, along each axis
+constexpr double kLeastDistance =
+    0.1;  // minimum depth of the box in a camera, relative to the farthest camera's distance
 
-// The point that has the least sum of squared distances from the rays through the middles of the pictures.
+// Point of least squared distance from the cameras' principal rays.
 glm::dvec3 meetingPoint(const Cameras& cameras) {
   glm::dmat3 sum(0.0);
   glm::dvec3 right(0.0), mean(0.0);
@@ -286,7 +287,7 @@ glm::dvec3 meetingPoint(const Cameras& cameras) {
     right += across * centre;
     mean += centre / double(cameras.size());
   }
-  // Parallel rays meet nowhere.
+  // Falls back to the mean for parallel rays.
   return glm::determinant(sum) > 1e-9 ? glm::inverse(sum) * right : mean;
 }
 
@@ -298,7 +299,7 @@ bool seenByAll(const Cameras& cameras, const glm::dvec3& point, double nearest_m
   });
 }
 
-// Moves the nearest face inwards wherever a camera lies within the box or close to it.
+// Moves the nearest face of the box inwards for every camera inside the box or within the margin.
 void keepCamerasOutside(const Cameras& cameras, const glm::dvec3& middle, double margin_m, glm::dvec3& low,
                         glm::dvec3& high) {
   for (const auto& c : cameras) {

@@ -11,10 +11,10 @@
 namespace fourdvt::live {
 namespace {
 
-constexpr double kKeepsSlot = 0.65;           // slots: a camera at the border of two stays with one up to here
-constexpr int64_t kAhead_us = 500'000;        // pictures from farther in the future are not believed
-constexpr int64_t kClockBack_us = 2'000'000;  // the server's own clock was set back
-constexpr int kSlow = 8;                      // late pictures in a row: the camera is not waited for
+constexpr double kKeepsSlot = 0.65;           // slots: hysteresis of a camera whose captures lie between two slots
+constexpr int64_t kAhead_us = 500'000;        // pictures farther in the future are rejected
+constexpr int64_t kClockBack_us = 2'000'000;  // threshold for detecting that the server's own clock was set back
+constexpr int kSlow = 8;  // consecutive late pictures after which the camera is no longer waited for
 
 }  // namespace
 
@@ -47,7 +47,7 @@ bool Instants::waitedFor(size_t camera, int64_t now_us) const {
 
 int64_t Instants::timeOf(int64_t slot) const { return std::llround(double(slot) * period_us_); }
 
-// The nearest slot; or the one after the camera's last, where the camera is steadily near the border of two.
+// Nearest slot; or the successor of the camera's last slot if captures lie steadily between two slots.
 int64_t Instants::slotOf(Camera& camera, int64_t captured_us) const {
   const double at = double(captured_us) / period_us_;
   int64_t slot = std::llround(at);
@@ -83,7 +83,7 @@ bool Instants::add(size_t camera, std::shared_ptr<const TimedPicture> picture, i
   at.resize(cameras_.size());
   const auto away = [&](const TimedPicture& p) { return std::abs(p.captured_us - timeOf(slot)); };
   if (!at[camera] || away(*picture) < away(*at[camera])) at[camera] = std::move(picture);
-  if (slots_.size() > most_slots_) {  // nobody took them
+  if (slots_.size() > most_slots_) {  // take() has fallen behind
     closed_ = slots_.begin()->first;
     slots_.erase(slots_.begin());
     ++skipped_;
@@ -99,7 +99,7 @@ bool Instants::complete(const Slot& slot, int64_t now_us) const {
 
 Instant Instants::made(int64_t number, const Slot& slot, bool complete) const {
   Instant out{number, 0, slot, complete};
-  int64_t sum_us = 0;  // of differences
+  int64_t sum_us = 0;  // sum of differences
   for (const auto& p : slot)
     if (p) sum_us += p->captured_us - timeOf(number);
   out.captured_us = timeOf(number) + sum_us / int64_t(std::max<size_t>(out.count(), 1));
@@ -143,7 +143,7 @@ std::optional<int64_t> Instants::due_us() const {
 namespace {
 
 constexpr size_t kAnswers = 16, kDeciding = 4;
-constexpr int64_t kMuchLonger_us = 2000;  // than the shortest round trip: such an answer does not decide
+constexpr int64_t kMuchLonger_us = 2000;  // margin over the shortest round trip beyond which an answer is ignored
 
 }  // namespace
 
@@ -152,7 +152,7 @@ void ClockOffset::add(const ClockAnswer& answer, int64_t now_us) {
   if (answer.server_us > now_us || answer.server_us < now_us - kMostRoundTrip_us) return;
   const int64_t round_trip_us = now_us - answer.server_us;
   const Answer next{round_trip_us, answer.camera_us - (answer.server_us + round_trip_us / 2)};
-  // The true offset lies within half of the round trip round an answer's.
+  // The true offset deviates from an answer's by at most half of the round trip.
   if (known() && std::abs(next.offset_us - offset_us_) > kJump_us + round_trip_us / 2) answers_.clear();
   answers_.push_back(next);
   if (answers_.size() > kAnswers) answers_.pop_front();
@@ -164,7 +164,7 @@ void ClockOffset::decide() {
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const Answer& a, const Answer& b) { return a.round_trip_us < b.round_trip_us; });
   const int64_t base_us = sorted[0].offset_us, longest_us = sorted[0].round_trip_us + kMuchLonger_us;
-  int64_t sum_us = 0, count = 0;  // of differences: offsets themselves may be large
+  int64_t sum_us = 0, count = 0;  // sum of differences, since offsets themselves may be large
   for (size_t i = 0; i < std::min(kDeciding, sorted.size()) && sorted[i].round_trip_us <= longest_us; ++i, ++count)
     sum_us += sorted[i].offset_us - base_us;
   offset_us_ = base_us + sum_us / count;
@@ -172,10 +172,10 @@ void ClockOffset::decide() {
 
 namespace {
 
-constexpr int64_t kReaches_us = 200'000;              // from here to the cameras and back in outlines
-constexpr double kTooBusy = 1.1, kTooIdle = 0.85;     // times the hull's share: nothing changes between them
-constexpr double kMostRise = 1.8, kMostFall = 0.93;   // per step
-constexpr double kRisePower = 0.9, kFallPower = 0.3;  // of the ratio to the wanted share
+constexpr int64_t kReaches_us = 200'000;           // delay until a new tolerance shows in the cameras' outlines
+constexpr double kTooBusy = 1.1, kTooIdle = 0.85;  // multiples of the hull's share between which the tolerance is kept
+constexpr double kMostRise = 1.8, kMostFall = 0.93;   // maximum factors per step
+constexpr double kRisePower = 0.9, kFallPower = 0.3;  // exponents on the ratio to the target share
 constexpr size_t kMostRatios = 1000;
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Brings together the pictures that cameras took at one instant. Time is cut into slots of a frame's length; a picture
-// belongs to the slot that is nearest to its capture. Holds few slots. Does NOT read clocks and has no threads.
+// Synchronisation of a live stage: groups pictures by instant (Instants), estimates clock offsets (ClockOffset), and
+// controls the outlines' tolerance by the load (ToleranceControl). Single-threaded; times are passed in by the caller.
 #pragma once
 
 #include <algorithm>
@@ -18,22 +18,22 @@ namespace fourdvt::live {
 struct InstantRules {
   size_t cameras = 0;
   double fps = 25;
-  double wait_s = 0.1;  // an instant is made of what has come so long after it
-  double lost_s = 0.5;  // a camera without a picture for so long is not waited for
+  double wait_s = 0.1;  // time after an instant at which it is made from the pictures that have arrived
+  double lost_s = 0.5;  // time without a picture after which a camera is no longer waited for
 };
 
-constexpr size_t kFewestPictures = 2;  // that a hull can be made of
+constexpr size_t kFewestPictures = 2;  // minimum number of pictures for a hull
 
 struct TimedPicture {
   CameraPicture picture;
-  int64_t captured_us = 0;  // by the server's clock
+  int64_t captured_us = 0;  // server's clock
 };
 
 struct Instant {
-  int64_t slot = 0;                                           // ascending by 1 or more
-  int64_t captured_us = 0;                                    // mean of its pictures
+  int64_t slot = 0;                                           // strictly ascending
+  int64_t captured_us = 0;                                    // mean of its pictures' capture times
   std::vector<std::shared_ptr<const TimedPicture>> pictures;  // per camera; null: none
-  bool complete = false;                                      // nobody who was waited for is missing
+  bool complete = false;                                      // true if no awaited camera is missing
   size_t count() const;
 };
 
@@ -41,33 +41,34 @@ class Instants {
  public:
   explicit Instants(const InstantRules& rules);
   void setConnected(size_t camera, bool connected, int64_t now_us);
-  // False: it came too late, or from a time that cannot be. `now_us` and captured_us: the server's clock.
+  // Adds a picture to the slot nearest to its capture time; slots are one frame long. False: it is late, or its time is
+  // implausible. `now_us` and captured_us: server's clock.
   bool add(size_t camera, std::shared_ptr<const TimedPicture> picture, int64_t now_us);
 
   struct Taken {
     Instant instant;
-    std::vector<Instant> skipped;  // older ones, ascending, that had all pictures
+    std::vector<Instant> skipped;  // older complete instants, ascending
   };
-  // The newest instant that is due: all cameras that are waited for have a picture, or wait_s has passed. What is older
-  // is over. Instants with fewer than kFewestPictures pictures are left out.
+  // Newest instant that is due: all awaited cameras have a picture, or wait_s has passed. Older slots are closed.
+  // Instants with fewer than kFewestPictures pictures are dropped.
   std::optional<Taken> take(int64_t now_us);
-  // When the next instant falls due at the latest; none: no pictures are there.
+  // Latest time at which the next instant falls due; none: no pictures are held.
   std::optional<int64_t> due_us() const;
 
   bool connected(size_t camera) const { return cameras_[camera].connected; }
   bool lost(size_t camera, int64_t now_us) const;  // connected, but no picture for lost_s
   uint64_t late(size_t camera) const { return cameras_[camera].late; }
-  uint64_t skipped() const { return skipped_; }  // instants that were over before they were taken
+  uint64_t skipped() const { return skipped_; }  // number of instants closed before they were taken
   uint64_t tooFew() const { return too_few_; }
   size_t held() const { return slots_.size(); }
 
  private:
   struct Camera {
     bool connected = false;
-    bool seen = false;              // since it connected
-    int64_t came_us = 0;            // its last picture, by arrival, or itself
-    int64_t slot = 0, time_us = 0;  // its last picture
-    int slow = 0;                   // pictures in a row that took longer than wait_s to come
+    bool seen = false;              // true after the first picture since it connected
+    int64_t came_us = 0;            // arrival of its last picture, or time of connecting
+    int64_t slot = 0, time_us = 0;  // slot and capture time of its last picture
+    int slow = 0;                   // consecutive pictures that took longer than wait_s to arrive
     uint64_t late = 0;
   };
   using Slot = std::vector<std::shared_ptr<const TimedPicture>>;
@@ -83,19 +84,17 @@ class Instants {
   double period_us_;
   size_t most_slots_;
   std::vector<Camera> cameras_;
-  std::map<int64_t, Slot> slots_;  // none is empty of pictures
-  int64_t closed_ = INT64_MIN;     // this slot and those before it are over
+  std::map<int64_t, Slot> slots_;  // every slot has at least one picture
+  int64_t closed_ = INT64_MIN;     // slots up to this one are closed
   uint64_t skipped_ = 0, too_few_ = 0;
 };
 
-// A camera's clock against the server's, from questions and answers as in NTP: of the last answers, those with the
-// shortest round trips decide. Does NOT read clocks.
-
+// Offset of a camera's clock from the server's, from questions and answers as in NTP: the mean over the recent answers
+// with the shortest round trips.
 class ClockOffset {
  public:
-  // `now_us`: by the server's clock, when the answer came. Answers to questions that cannot have been put (from the
-  // future, or more than kMostRoundTrip_us ago) are left out. A camera whose clock jumps by more than kJump_us begins
-  // anew.
+  // `now_us`: server's clock at the answer's arrival. Answers to impossible questions (from the future, or more than
+  // kMostRoundTrip_us ago) are ignored. A jump of the camera's clock by more than kJump_us restarts the estimate.
   void add(const ClockAnswer& answer, int64_t now_us);
   void reset() { answers_.clear(); }
   bool known() const { return !answers_.empty(); }
@@ -103,7 +102,7 @@ class ClockOffset {
   int64_t toServer(int64_t camera_us) const { return camera_us - offset_us_; }
 
   static constexpr int64_t kMostRoundTrip_us = 5'000'000, kJump_us = 250'000;
-  static constexpr int64_t kLatest_us = int64_t(1) << 60;  // times beyond are no times
+  static constexpr int64_t kLatest_us = int64_t(1) << 60;  // limit of valid times
 
  private:
   struct Answer {
@@ -115,8 +114,7 @@ class ClockOffset {
   int64_t offset_us_ = 0;
 };
 
-// Figures of the last second. Does NOT read clocks.
-
+// Sliding window of values over the last second.
 class Recent {
  public:
   void add(int64_t now_us, double value) {
@@ -153,21 +151,21 @@ class Recent {
   std::deque<Value> values_;
 };
 
-// Moves the tolerance of outlines such that the work for a frame takes a wanted share of the frame's time: up at once,
-// down slowly. Work that the tolerance does not change leaves the hull at least a share of its own, since a coarser
-// hull would not make it cheaper. Does NOT measure times.
-
+// Limits and targets of ToleranceControl.
 struct ToleranceRules {
   double least_px = 0.5, most_px = 16;
   double busy_share = 0.75;
-  double least_hull_share = 0.15;  // of the frame's time, for the hull
+  double least_hull_share = 0.15;  // minimum share of the frame's time for the hull
 };
 
+// Controls the tolerance of outlines such that the work for a frame takes a target share of the frame's time: raised
+// immediately, lowered slowly. The hull keeps a minimum share against work that is independent of the tolerance, since
+// a coarser hull would not reduce it.
 class ToleranceControl {
  public:
   explicit ToleranceControl(const ToleranceRules& rules, double first_px = 1);
-  // A frame's work over the frame's time: hull, and all else. True when the tolerance was changed: at most every
-  // kStep_us.
+  // Adds a frame's load as shares of the frame's time: hull, and all else. True if the tolerance was changed: at most
+  // once per kStep_us.
   bool add(int64_t now_us, double hull_busy, double other_busy);
   double tolerance_px() const { return tolerance_px_; }
 
@@ -178,7 +176,7 @@ class ToleranceControl {
   double tolerance_px_;
   bool began_ = false;
   int64_t stepped_us_ = 0;
-  std::vector<double> ratios_;  // of the hull's work to its share, since the last step has reached the cameras
+  std::vector<double> ratios_;  // hull's work over its share, since the last step took effect in the cameras
 };
 
 }  // namespace fourdvt::live

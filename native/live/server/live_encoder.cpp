@@ -10,12 +10,12 @@
 namespace fourdvt::live {
 namespace {
 
-constexpr double kMostBitsPerTexel = 0.5;  // on average over half a second, whatever the crf
-constexpr double kLeastRate = 1e6;         // bits a second
-constexpr int kWhole = 1 << 20;            // no key comes by itself
-constexpr uint8_t kParameterSet = 7;       // NAL unit's type of a sequence parameter set
+constexpr double kMostBitsPerTexel = 0.5;  // average over half a second, for any crf
+constexpr double kLeastRate = 1e6;         // bits per second
+constexpr int kWhole = 1 << 20;            // GOP length that suppresses automatic keyframes
+constexpr uint8_t kParameterSet = 7;       // NAL unit type of a sequence parameter set
 
-// The codec of an Annex B sample that has a sequence parameter set; else empty.
+// RFC 6381 codec string of an Annex B sample with a sequence parameter set; else empty.
 std::string codecOf(const std::vector<uint8_t>& sample) {
   for (size_t i = 0; i + 6 < sample.size(); ++i) {
     if (sample[i] != 0 || sample[i + 1] != 0 || sample[i + 2] != 1 || (sample[i + 3] & 31) != kParameterSet) continue;
@@ -103,7 +103,7 @@ class X264Encoder final : public LiveEncoder {
     av_opt_set(c.priv_data, "tune", "zerolatency", 0);
     av_opt_set_double(c.priv_data, "crf", rules_.crf, 0);
     av_opt_set_int(c.priv_data, "forced-idr", 1, 0);
-    // No picture is looked at twice: the bits go where its blocks need them, whatever they are worth later.
+    // Disables lookahead and rate propagation: bits are distributed by each picture's own blocks.
     av_opt_set(c.priv_data, "x264-params", "scenecut=0:keyint=infinite:repeat-headers=1:annexb=1:sliced-threads=0", 0);
   }
 

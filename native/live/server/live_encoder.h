@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// H.264 for live use: every picture comes out as one Annex B sample before the next goes in, in order; keys where they
-// are wanted, each with its parameter sets. Does NOT choose where keys are, besides the first.
+// Live H.264 encoding, and the manifest of a live stream.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +17,7 @@ struct EncoderRules {
   int width = 0, height = 0;  // even
   double fps = 25;
   int crf = 23;
-  const char* preset = "superfast";  // libx264's
+  const char* preset = "superfast";  // preset of libx264
   int threads = 1;
 };
 
@@ -29,32 +28,32 @@ struct EncodedPicture {
 
 class LiveEncoder {
  public:
-  // Errors: Unsupported (this FFmpeg has no libx264, with what to install), InvalidArgument (what libx264 refuses).
+  // Errors: Unsupported (this FFmpeg has no libx264, with what to install), InvalidArgument (rejected by libx264).
   static Result<std::unique_ptr<LiveEncoder>> create(const EncoderRules& rules);
   virtual ~LiveEncoder() = default;
-  // A BT.709, limited-range picture of the rules' size. Errors: Internal; the next picture is a key then.
+  // Encodes a BT.709, limited-range picture of the rules' size as one Annex B sample, without delay or reordering. Keys
+  // carry their parameter sets; the first picture is a key. Errors: Internal; the next picture is then a key.
   virtual Result<EncodedPicture> encode(const I420View& picture, bool key) = 0;
-  virtual void setCrf(int crf) = 0;              // from the next key on
-  virtual const std::string& codec() const = 0;  // RFC 6381, "avc1.…", as the parameter sets say; the same for life
+  virtual void setCrf(int crf) = 0;  // takes effect at the next key
+  virtual const std::string& codec()
+      const = 0;  // RFC 6381, "avc1.…", from the parameter sets; constant for the encoder's lifetime
 };
 
-// The manifest of a live stream, which viewers get before its frames: FORMAT.md, "A live stream". Does NOT read one.
-
-constexpr uint32_t kMostVertices = 65536, kMostFaces = 65536;  // of any frame
+constexpr uint32_t kMostVertices = 65536, kMostFaces = 65536;  // maximum of any frame
 constexpr float kPositionStep_m = 0.001f;
 
 struct ManifestInput {
-  std::string session;  // 16 hexadecimal digits, others at every start
+  std::string session;  // 16 hexadecimal digits, new at every start
   std::string codec;    // RFC 6381
   PackedSize size;
 };
 
+// Manifest of a live stream, JSON, which viewers receive before its frames: FORMAT.md, "A live stream".
 std::string liveManifest(const Rig& rig, const ManifestInput& input);
 
 }  // namespace fourdvt::live
 
-// Owning handles for libavcodec's objects. Private to the files that link it; does NOT open anything.
-
+// Owning handles for libavcodec's objects. Private to the files that link it.
 extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavutil/imgutils.h>

@@ -15,8 +15,8 @@ namespace {
 
 using silhouette::Ring, reconstruct::SilhouetteCone;
 
-constexpr double kSpeck_m3 = 3e-6;         // as of offline hulls
-constexpr double kSecondTolerance_px = 2;  // of the attempt with fewer points
+constexpr double kSpeck_m3 = 3e-6;         // same as in offline hulls
+constexpr double kSecondTolerance_px = 2;  // tolerance of the second attempt
 constexpr int kSmallWidth = 96;            // pixels
 constexpr size_t kFewestCarving = 2;
 
@@ -26,7 +26,7 @@ bool cross(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const 
   return cross(b - a, c - a) * cross(b - a, d - a) < 0 && cross(d - c, a - c) * cross(d - c, b - c) < 0;
 }
 
-// Tests if edges of the rings cross each other: no hull has such an outline.
+// True if edges of the rings cross; such an outline has no closed hull.
 bool crosses(const std::vector<Ring>& rings) {
   struct Edge {
     glm::dvec2 from, to;
@@ -40,7 +40,7 @@ bool crosses(const std::vector<Ring>& rings) {
   return false;
 }
 
-// Cones of some of a rig's cameras, and the attempts to make a hull of them.
+// Cones of a subset of a rig's cameras, and the attempts at a hull from them.
 class Attempts {
  public:
   Attempts(const LiveHullRules& rules, std::vector<SilhouetteCone> cones, std::vector<size_t> cameras)
@@ -83,7 +83,7 @@ class Attempts {
 
   const LiveHullRules& rules_;
   std::vector<SilhouetteCone> cones_;
-  std::vector<size_t> cameras_;  // of the cones
+  std::vector<size_t> cameras_;  // camera of each cone
   LiveHull out_;
   int attempts_ = 0;
   const Watch watch_;
@@ -142,7 +142,7 @@ void HullMaker::clean(std::span<const PinholeCamera> carving, TriangleMesh& mesh
   reconstruct::dropUnseen(mesh, carving, std::max(kFewestCarving, (carving.size() + 1) / 2));
   reconstruct::dropHollows(mesh);
   reconstruct::dropSpecks(mesh, kSpeck_m3);
-  std::vector<silhouette::Silhouette> views;  // their coverage is not looked at
+  std::vector<silhouette::Silhouette> views;  // coverage is not needed
   for (const PinholeCamera& camera : small_cameras_) views.push_back({camera, {}});
   std::vector<const silhouette::Silhouette*> pointers;
   for (const auto& view : views) pointers.push_back(&view);
@@ -150,8 +150,8 @@ void HullMaker::clean(std::span<const PinholeCamera> carving, TriangleMesh& mesh
   reconstruct::simplify(mesh, rules_.most_triangles);
 }
 
-// Within one row of pixels an edge runs from x0 to x1 and covers `height` of the row (negative: upwards): adds to every
-// pixel the change of the area right of the edge.
+// Accumulates an edge's part within one row of pixels, from x0 to x1 and covering `height` of the row (negative:
+// upwards), as the change of the area right of the edge.
 void RingCoverage::addRow(int y, double x0, double x1, double height) {
   float* row = &area_[size_t(y) * (width_ + 1)];
   x0 = std::clamp(x0, 0.0, double(width_));
@@ -201,7 +201,7 @@ const std::vector<float>& RingCoverage::draw(const std::vector<Ring16>& rings, c
       const Point16 &a = ring[i], &b = ring[(i + 1) % ring.size()];
       addEdge(x(a), y(a), x(b), y(b));
     }
-  // Sums along rows, without their spare column. Downwards edges have the background on the left: negative.
+  // Prefix sums along rows, without their spare column. Downward edges have the background on the left: negative.
   for (int row = 0; row < height; ++row) {
     const float* in = &area_[size_t(row) * (width + 1)];
     float* out = &area_[size_t(row) * width];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The polyhedral hull of one instant's outlines, under the hurry of live use: what does not close is tried again with
-// fewer points, then without one of the cameras. Does NOT keep anything from one instant to the next.
+// Polyhedral hull of one instant's outlines within a time limit (HullMaker), and exact coverage of pixels by rings
+// (RingCoverage). Instants are independent of each other.
 #pragma once
 
 #include <span>
@@ -14,14 +14,14 @@
 
 namespace fourdvt::live {
 struct LiveHullRules {
-  BoundingBox bounds;  // metres; nothing outside is reconstructed
+  BoundingBox bounds;  // metres; reconstruction is limited to this box
   size_t most_triangles = 20000;
-  double most_ms = 100;  // after so long no further attempt begins
+  double most_ms = 100;  // time limit after which no further attempt begins
 };
 
 struct LiveHull {
-  TriangleMesh mesh;             // no faces: all cameras together see nobody
-  std::vector<size_t> left_out;  // cameras whose outlines were of no use
+  TriangleMesh mesh;             // no faces: the performer is visible to no camera
+  std::vector<size_t> left_out;  // cameras whose outlines were unusable
   int attempts = 1;
 };
 
@@ -29,28 +29,29 @@ silhouette::Outline outlineFrom(const std::vector<Ring16>& rings);
 
 class HullMaker {
  public:
-  // Errors: InvalidArgument (bounds, or a camera that lies within them or where another one is).
+  // Errors: InvalidArgument (bounds; a camera within them or at another's position).
   static Result<HullMaker> create(std::vector<PinholeCamera> cameras, const LiveHullRules& rules);
-  // rings: per camera; null: it has no picture of this instant. A camera without rings carves nothing. Errors:
-  // NothingVisible (fewer than two cameras carve), Internal (no attempt closed).
+  // rings: per camera; null: no picture of this instant. A camera without rings carves nothing. An unclosed hull is
+  // retried with fewer points, then without one of the cameras. Errors: NothingVisible (fewer than two cameras carve),
+  // Internal (no attempt closed).
   Result<LiveHull> make(std::span<const std::vector<Ring16>* const> rings) const;
 
  private:
   HullMaker(std::vector<PinholeCamera> cameras, const LiveHullRules& rules);
-  // carving: the cameras whose outlines made the mesh; what fewer than half of them see nothing has carved.
+  // Removes parts visible to fewer than half of `carving`, the cameras of the hull, and then hollows, specks and
+  // phantoms; simplifies.
   void clean(std::span<const PinholeCamera> carving, TriangleMesh& mesh) const;
 
-  std::vector<PinholeCamera> cameras_, small_cameras_;  // small: of reduced pictures, in which phantoms are judged
+  std::vector<PinholeCamera> cameras_, small_cameras_;  // small: reduced cameras for the removal of phantoms
   LiveHullRules rules_;
 };
 
-// Share of each pixel that lies inside of an outline's rings: seen background. Exact areas, by the rings' winding. Does
-// NOT repair rings that cross.
-
+// Share of each pixel inside an outline's rings, i.e. of visible background: exact areas by the rings' winding. Rings
+// must not cross.
 class RingCoverage {
  public:
-  // Pixels of a picture of width × height that shows `source` of the camera's picture, stretched to stretched_width ×
-  // stretched_height at its top left. Valid until the next call: 0 performer … 1 background, row by row.
+  // Renders `source`, a rectangle of the camera's picture, stretched to stretched_width × stretched_height at the top
+  // left of a picture of width × height. Returns 0 performer … 1 background, row by row, valid until the next call.
   const std::vector<float>& draw(const std::vector<Ring16>& rings, const package::Rect& source, int stretched_width,
                                  int stretched_height, int width, int height);
 

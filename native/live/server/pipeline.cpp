@@ -22,8 +22,9 @@ namespace fourdvt::live {
 namespace {
 
 constexpr int kJpegQuality = 85;
-constexpr double kFirstTolerance_px = 1, kWorthTelling = 0.1;  // share of a tolerance
-constexpr int kFewestFramesToKey = 3;  // from one to the next that viewers want, however often they join
+constexpr double kFirstTolerance_px = 1,
+                 kWorthTelling = 0.1;  // kWorthTelling: minimum relative change of a tolerance that is sent to cameras
+constexpr int kFewestFramesToKey = 3;  // minimum distance of keys requested by viewers
 constexpr int64_t kWarnAgain_us = 5'000'000;
 
 int64_t now_us() {
@@ -60,18 +61,18 @@ Status checkOptions(const Rig& rig, const PipelineOptions& o) {
   return {};
 }
 
-// A triangle that no pixel shows, for frames in which nobody is on stage: a frame has a surface, always.
+// Triangle below the size of a pixel, for frames without a performer, since every frame requires a surface.
 TriangleMesh nothing(const Rig& rig) {
   const glm::vec3 at(0.5f * (rig.bounds.min.x + rig.bounds.max.x), rig.bounds.min.y,
                      0.5f * (rig.bounds.min.z + rig.bounds.max.z));
   return {{at, at + glm::vec3(0, 0, kPositionStep_m), at + glm::vec3(kPositionStep_m, 0, 0)}, {{0, 1, 2}}};
 }
 
-// One instant on its way through both threads. The surface's thread makes it; the picture's draws what it says.
+// Frame in progress: the surface thread makes its surface, the picture thread then draws its picture.
 struct FrameInWork {
   Instant instant;
-  uint32_t number = 0;  // the picture's thread numbers what it draws, without gaps: a missing number is a lost frame
-  enum class Surface { Awaited, Made, Failed } surface = Surface::Awaited;  // below: valid once it is Made
+  uint32_t number = 0;  // numbered by the picture thread without gaps: a missing number is a lost frame
+  enum class Surface { Awaited, Made, Failed } surface = Surface::Awaited;  // members below are valid once it is Made
   bool key = false, clears = false;
   std::vector<package::CameraTile> tiles;
   std::vector<uint8_t> chunk;
@@ -79,7 +80,7 @@ struct FrameInWork {
   double hull_ms = 0;
 };
 
-// All but the tiles of cameras without a picture, which the player shall not look at.
+// Tiles without those of cameras that lack a picture, which the player must not sample.
 std::vector<package::CameraTile> shownTiles(std::vector<package::CameraTile> tiles,
                                             std::span<const package::Rect> crops) {
   for (size_t c = 0; c < tiles.size(); ++c)
@@ -148,7 +149,7 @@ class LivePipeline final : public Pipeline {
       instants_.setConnected(camera, connected, now_us());
       cameras_[camera].clock.reset();
     }
-    wake_.notify_all();  // nobody waits for a camera that has gone
+    wake_.notify_all();  // departed cameras are no longer waited for
   }
 
   void onClock(size_t camera, const ClockAnswer& answer, int64_t now_us) override {
@@ -230,15 +231,14 @@ class LivePipeline final : public Pipeline {
  private:
   struct Camera {
     ClockOffset clock;
-    CameraSettings settings;  // told last
+    CameraSettings settings;  // settings sent last
     std::shared_ptr<const TimedPicture> last;
     uint64_t pictures = 0;
     Recent keyed_ms, contour_bytes, picture_bytes;
   };
   using Frame = std::shared_ptr<FrameInWork>;
 
-  // --- the surfaces' thread ---
-
+  // --- surface thread ---
   void makeSurfaces() {
     while (Frame frame = nextFrame()) {
       Watch watch;
@@ -255,7 +255,7 @@ class LivePipeline final : public Pipeline {
     }
   }
 
-  // Waits for an instant, and until the picture's thread has taken the one before; null: the end.
+  // Waits for an instant, and until the picture thread has taken the previous frame; null: the end.
   Frame nextFrame() {
     std::optional<Instants::Taken> taken;
     Frame frame;
@@ -322,7 +322,7 @@ class LivePipeline final : public Pipeline {
     return std::move(encoded.bytes);
   }
 
-  // The key is due, wanted, or needed since the performer leaves his sources.
+  // Chooses keys and layouts: a key is due, requested, or required because the performer leaves a tile's source.
   void chooseTiles(FrameInWork& frame, bool empty, std::span<const package::Rect> crops) {
     bool key = since_key_ + 1 >= options_.most_gop || tiles_.tiles().empty();
     if (!empty && tiles_.wantsLayout(boxes_, crops)) key = true;
@@ -341,7 +341,7 @@ class LivePipeline final : public Pipeline {
     frame.tiles = tiles_.tiles();
   }
 
-  // Sends the cameras their settings, if these have changed.
+  // Sends the cameras their settings if these have changed.
   void tellSettings() {
     std::vector<std::pair<size_t, CameraSettings>> changed;
     const int64_t now = now_us();
@@ -365,8 +365,7 @@ class LivePipeline final : public Pipeline {
       if (events_.on_settings) events_.on_settings(camera, settings);
   }
 
-  // --- the pictures' thread ---
-
+  // --- picture thread ---
   void makePictures() {
     for (;;) {
       Frame frame;
@@ -458,8 +457,7 @@ class LivePipeline final : public Pipeline {
       control_.add(now, frame.hull_ms * rig_.fps / 1e3, (picture_ms + encode_ms) * rig_.fps / 1e3);
   }
 
-  // --- both ---
-
+  // --- both threads ---
   void warn(const std::string& line) {
     const int64_t now = now_us();
     const std::lock_guard lock(events_mutex_);
@@ -475,14 +473,14 @@ class LivePipeline final : public Pipeline {
   const std::vector<PinholeCamera> pinholes_;
   const PackedSize size_;
   const HullMaker hulls_;
-  const std::unique_ptr<LiveEncoder> encoder_;  // of the pictures' thread
+  const std::unique_ptr<LiveEncoder> encoder_;  // used by the picture thread
   const std::string manifest_;
   std::vector<std::unique_ptr<JpegDecoder>> decoders_;
   TilePainter painter_;
   uint32_t number_ = 0;
 
   mutable std::mutex mutex_;
-  std::condition_variable wake_, handed_;  // of the surfaces' thread; of the pictures' thread
+  std::condition_variable wake_, handed_;  // wake_ for the surface thread; handed_ for the picture thread
   bool stop_ = false;
   std::vector<Camera> cameras_;
   Instants instants_;
@@ -490,16 +488,16 @@ class LivePipeline final : public Pipeline {
   double tolerance_px_, fixed_tolerance_px_ = 0;
   int wanted_crf_;
   bool want_key_ = false, picture_failed_ = false;
-  Frame pending_;          // what the pictures' thread works on next
-  PipelineStatus status_;  // its counts
+  Frame pending_;          // next frame of the picture thread
+  PipelineStatus status_;  // counts only
   Recent frames_, hull_ms_, picture_ms_, encode_ms_, latency_ms_, triangles_, surface_bytes_, picture_bytes_;
 
-  LiveTiles tiles_;  // of the surfaces' thread, as all below
+  LiveTiles tiles_;  // used by the surface thread, as are all members below
   CameraRegions regions_;
-  std::vector<package::Rect> boxes_;  // of the last hull in each camera; empty: there is none
+  std::vector<package::Rect> boxes_;  // last hull's bounding box in each camera; empty: no hull
   int since_key_ = 0;
 
-  std::mutex events_mutex_;  // events come one at a time
+  std::mutex events_mutex_;  // serialises events
   std::map<std::string, int64_t> warned_us_;
   std::unique_ptr<Recorder> recorder_;
   std::thread surface_thread_, picture_thread_;

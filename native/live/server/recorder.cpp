@@ -26,7 +26,7 @@ namespace {
 constexpr uint8_t kNoPlate = 128;
 constexpr int kPictureCrf = 14;
 
-// The cameras as their pictures come: without distortion.
+// Cameras of the transmitted pictures: without distortion.
 std::vector<capture::CaptureCamera> pinholes(const Rig& rig) {
   std::vector<capture::CaptureCamera> out;
   for (const RigCamera& camera : rig.cameras) out.push_back({camera.camera.pinhole, {}});
@@ -48,7 +48,7 @@ Result<Image> decodedCrop(const CameraPicture& picture) {
   return out;
 }
 
-// The videos of one take.
+// Videos of one take.
 class Take {
  public:
   static Result<std::unique_ptr<Take>> open(const std::string& folder,
@@ -157,7 +157,7 @@ class FolderRecorder final : public Recorder {
   uint64_t recorded() const override { return recorded_; }
 
  private:
-  // Plates as the pinhole camera sees them; the first is what crops are pasted on.
+  // Writes plates without distortion; the first one is the background onto which crops are pasted.
   Status copyPlates(const RigCamera& camera) {
     const PinholeCamera& p = camera.camera.pinhole;
     plates_.emplace_back(p.width, p.height, 3, kNoPlate);
@@ -245,7 +245,7 @@ class FolderRecorder final : public Recorder {
   bool stop_ = false, ended_ = true, overflowed_ = false;
   int64_t last_slot_ = INT64_MIN;
 
-  std::vector<Instant> begun_;  // of a take that is still too short
+  std::vector<Instant> begun_;  // frames of a take that is still too short
   std::unique_ptr<Take> take_;
   std::vector<nlohmann::ordered_json> sequences_;
   bool failed_ = false;

@@ -18,12 +18,12 @@ namespace {
 
 constexpr uint8_t kGreyLuma = 126, kGreyChroma = 128;
 constexpr int kBlock = 8;                     // texels of luma
-constexpr int kLevels = 3;                    // colours reach over blocks of 64 texels
-constexpr float kSeesBackground = 1.0f / 32;  // of a texel: its colour is not the performer's alone
-constexpr double kLittle = 0.6;               // from this scale up bilinear samples skip no pixel's share
+constexpr int kLevels = 3;                    // colours spread over blocks of up to 64 texels
+constexpr float kSeesBackground = 1.0f / 32;  // share of background above which a texel's colour is mixed
+constexpr double kLittle = 0.6;               // minimum scale for bilinear sampling, which skips no pixel from there up
 constexpr int kShift = 16;
 
-// BT.601 full → BT.709 limited is linear: luma takes from all three channels, chroma from chroma alone.
+// Tables of BT.601 full → BT.709 limited, which is linear: luma depends on all three channels, chroma on chroma alone.
 struct ColourTables {
   std::array<int, 256> yy, yu, yv, uu, uv, vu, vv;  // × 2^kShift
 
@@ -53,8 +53,8 @@ const ColourTables& colourTables() {
 
 uint8_t byteOf(int fixed) { return uint8_t(std::clamp(fixed >> kShift, 0, 255)); }
 
-// Draws a part of one plane, given in its pixels, into a part of another: copied, a little smaller by bilinear samples,
-// or by area means, which take much longer.
+// Scales a rectangle of one plane into a rectangle of another: copy, bilinear for slight reduction, else area means,
+// which are much slower.
 void stretch(const uint8_t* from, int from_stride, const package::Rect& part, uint8_t* to, int to_stride,
              const package::Rect& place) {
   const cv::Mat in(part.height, part.width, CV_8U,
@@ -120,7 +120,7 @@ void TilePainter::draw(const package::CameraTile& tile, const JpegPlanes& planes
   put(v_, red_.data(), size_.width / 2, cells.x / 2, cells.y / 2);
 }
 
-// Part of the source that the crop shows, where the tile has it; known_ tells where.
+// Copies the part of the source that the crop covers into the tile and marks it in known_.
 void TilePainter::fetch(const package::CameraTile& tile, const JpegPlanes& planes, const package::Rect& crop) {
   const package::Rect& source = tile.source;
   const package::Rect shown = common(source, crop);
@@ -153,7 +153,7 @@ void TilePainter::convert() {
   }
 }
 
-// Means of what is known in blocks.
+// Averages known texels per block.
 void TilePainter::gather(Blocks& blocks) const {
   blocks.width = y_.width / kBlock, blocks.height = y_.height / kBlock;
   blocks.at.assign(size_t(blocks.width) * blocks.height, {});
@@ -185,7 +185,7 @@ void TilePainter::gather(Blocks& blocks) const {
     }
 }
 
-// The blocks' colours to the whole plane, where nothing is known. step: texels of luma per texel of the plane.
+// Interpolates the blocks' colours over the plane's unknown texels. step: texels of luma per texel of the plane.
 void TilePainter::fillPlane(const Blocks& blocks, float Block::*channel, int step, Plane& plane) {
   small_.resize(blocks.at.size());
   for (size_t i = 0; i < small_.size(); ++i)
@@ -213,7 +213,7 @@ void TilePainter::fillPlane(const Blocks& blocks, float Block::*channel, int ste
 void TilePainter::fill() {
   std::vector<Blocks> levels(kLevels + 1);
   gather(levels[0]);
-  for (int l = 1; l <= kLevels; ++l) {  // sums of up to four; weights saturate
+  for (int l = 1; l <= kLevels; ++l) {  // sums of up to four blocks; weights saturate
     const Blocks& fine = levels[size_t(l) - 1];
     Blocks& coarse = levels[size_t(l)];
     coarse.width = (fine.width + 1) / 2, coarse.height = (fine.height + 1) / 2;
@@ -231,7 +231,7 @@ void TilePainter::fill() {
     const float open = 1 - b.weight;
     b = {b.y + open * kGreyLuma, b.u + open * kGreyChroma, b.v + open * kGreyChroma, 1};
   }
-  for (int l = kLevels - 1; l >= 0; --l) {  // bilinear samples of the coarser level, where weight is missing
+  for (int l = kLevels - 1; l >= 0; --l) {  // bilinear samples of the coarser level, for the missing weight
     const Blocks& coarse = levels[size_t(l) + 1];
     Blocks& fine = levels[size_t(l)];
     for (int y = 0; y < fine.height; ++y)
@@ -317,9 +317,10 @@ namespace {
 
 using package::Rect;
 
-constexpr double kRoomShare = 0.25, kLeastRoomShare = 0.15;  // of the performer's longer side, on each side
+constexpr double kRoomShare = 0.25,
+                 kLeastRoomShare = 0.15;  // margin on each side, relative to the performer's longer side
 constexpr int kRoomPixels = 16, kLeastRoomPixels = 8;
-constexpr double kTooLarge = 1.6;  // times the pixels of the region that would do
+constexpr double kTooLarge = 1.6;  // maximum area, relative to the required region
 constexpr int64_t kUnseen_us = 1'000'000;
 
 double areaOf(const Rect& r) { return double(r.width) * r.height; }
@@ -335,7 +336,7 @@ std::vector<bool> CameraRegions::update(std::span<const Rect> boxes, int64_t now
   }
   seen_us_ = now_us;
   for (size_t c = 0; c < cameras_.size(); ++c) {
-    if (boxes[c].width == 0) continue;  // not seen by this camera: as it was
+    if (boxes[c].width == 0) continue;  // not visible in this camera: region unchanged
     const Rect all{0, 0, cameras_[c].width, cameras_[c].height};
     const Rect wanted = padded(boxes[c], kRoomShare, kRoomPixels, all);
     const Rect least = padded(boxes[c], kLeastRoomShare, kLeastRoomPixels, all);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws cameras' pictures into the packed picture: the performer inside of his outline, and round him his colours
-// smoothed, then grey, which cost a codec nothing. Does NOT choose tiles.
+// Composition of cameras' pictures into the packed picture (TilePainter), JPEG decoding for it (JpegDecoder), and the
+// region that each camera transmits (CameraRegions). Tiles are chosen in tiles.h.
 #pragma once
 
 #include <cstdint>
@@ -16,9 +16,7 @@
 #include "package/character.h"
 
 namespace fourdvt::live {
-// Decodes a camera's JPEG to its planes, without a change of colours. Does NOT take other samplings than 4:2:0.
-
-// BT.601, full range. Chroma planes are half as large, rounded up.
+// Planes of a JPEG: BT.601, full range. Chroma planes are half as large, rounded up.
 struct JpegPlanes {
   int width = 0, height = 0;
   const uint8_t *y = nullptr, *u = nullptr, *v = nullptr;
@@ -30,15 +28,18 @@ class JpegDecoder {
   // Errors: Unsupported (this FFmpeg has no decoder).
   static Result<std::unique_ptr<JpegDecoder>> create();
   virtual ~JpegDecoder() = default;
-  // Valid until the next call. Errors: FileUnreadable (damaged, another size, or not 4:2:0).
+  // Decodes a 4:2:0 JPEG without colour conversion. Valid until the next call. Errors: FileUnreadable (damaged, another
+  // size, or not 4:2:0).
   virtual Result<JpegPlanes> decode(std::span<const uint8_t> jpeg, int width, int height) = 0;
 };
 
 class TilePainter {
  public:
   explicit TilePainter(const PackedSize& size);
-  void clear();  // grey all over: for another layout
-  // planes: what the camera shows of `crop`; of the source beyond it nothing is known. BT.601 full → BT.709 limited.
+  void clear();  // fills with grey, before a new layout
+  // Draws the performer inside of the outline, surrounded by its smoothed colours and then grey, which cost the codec
+  // almost nothing. planes: the camera's picture within `crop`; texels beyond are unknown. Converts BT.601 full →
+  // BT.709 limited.
   void draw(const package::CameraTile& tile, const JpegPlanes& planes, const package::Rect& crop,
             const std::vector<Ring16>& rings);
   void drawBarcode(uint32_t number);
@@ -65,28 +66,27 @@ class TilePainter {
   void fillPlane(const Blocks& blocks, float Block::*channel, int step, Plane& plane);
 
   const PackedSize size_;
-  std::vector<uint8_t> luma_, blue_, red_;  // of the packed picture
+  std::vector<uint8_t> luma_, blue_, red_;  // planes of the packed picture
   RingCoverage coverage_;
-  Plane y_, u_, v_, known_;  // of the tile's cells; known: 255 performer, 0 to be filled
+  Plane y_, u_, v_, known_;  // planes of the current tile's cells; known: 255 performer, 0 to be filled
   std::vector<uint8_t> smooth_, small_;
 };
 
-// Which part of its picture each camera shall send: round the performer, with room to move; all of it while nobody is
-// seen. Changes only when it is worth a message. Does NOT send anything.
-
+// Region of its picture that each camera transmits: the performer with a margin; the whole picture while none is
+// visible. Changes only when the gain justifies a message.
 class CameraRegions {
  public:
   explicit CameraRegions(std::vector<PinholeCamera> cameras)
       : cameras_(std::move(cameras)), regions_(cameras_.size()) {}
-  // boxes: projectedBox of each camera; no width: it does not see the hull. Empty: there is no hull. True where a
-  // region was changed.
+  // boxes: projectedBox of each camera, without width where the hull is outside the picture; empty: no hull. Returns
+  // true for each changed region.
   std::vector<bool> update(std::span<const package::Rect> boxes, int64_t now_us);
-  const package::Rect& region(size_t camera) const { return regions_[camera]; }  // no width: all
+  const package::Rect& region(size_t camera) const { return regions_[camera]; }  // no width: the whole picture
 
  private:
   std::vector<PinholeCamera> cameras_;
   std::vector<package::Rect> regions_;
-  int64_t seen_us_ = INT64_MIN;  // last time that there was a hull
+  int64_t seen_us_ = INT64_MIN;  // time of the last hull
 };
 
 }  // namespace fourdvt::live

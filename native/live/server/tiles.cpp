@@ -11,12 +11,12 @@ namespace {
 
 using package::CameraTile, package::Rect;
 
-constexpr double kSourceShare = 0.08;  // margin of a source round the performer
+constexpr double kSourceShare = 0.08;  // margin of a source, relative to the performer's longer side
 constexpr int kSourcePixels = 6;
-constexpr int kLeaves_px = 2;        // beyond the source: a new layout is wanted
-constexpr double kSmaller = 0.96;    // from one scale that is tried to the next
+constexpr int kLeaves_px = 2;        // maximum excess over the source before a new layout is requested
+constexpr double kSmaller = 0.96;    // ratio of successive scales
 constexpr double kAspect = 4.0 / 3;  // width over height of the layout
-constexpr int kCells = 2 * 16;       // of the barcode, in a row
+constexpr int kCells = 2 * 16;       // cells of the barcode, in a row
 constexpr int kLargeCell = 16, kSmallCell = 8;
 
 int wholeCells(double texels) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places where each camera's crop lies in the packed picture, whose size never changes. A layout holds from key to key: what
-// leaves its source meanwhile is missing, until a new layout is wanted. Does NOT draw.
+// Layout of the cameras' crops in the packed picture, whose size is constant. A layout holds from key to key: parts
+// that leave their source are missing until a new layout is requested.
 #pragma once
 
 #include <span>
@@ -19,25 +19,26 @@ struct PackedSize {
   package::BarcodeStrip barcode;
 };
 
-// share: texels of the layout against the cameras' pixels. Errors: InvalidArgument (sides beyond kMaxPictureSide).
+// share: texels of the layout over the cameras' pixels. Errors: InvalidArgument (sides above kMaxPictureSide).
 Result<PackedSize> packedSize(std::span<const PinholeCamera> cameras, double share);
 
-// Pixels of the camera's picture that the points fall into, without margin; no width: none.
+// Bounding box of the projected points, pixels, clipped to the picture; no width: none is visible.
 package::Rect projectedBox(const PinholeCamera& camera, const Positions& positions);
-// The box with a margin of this share of its longer side and some pixels, on even pixels, within `limits`.
+// Box enlarged by this share of its longer side plus `pixels`, on even pixels, clipped to `limits`.
 package::Rect padded(const package::Rect& box, double share, int pixels, const package::Rect& limits);
-package::Rect common(const package::Rect& a, const package::Rect& b);  // no width: none
+package::Rect common(const package::Rect& a, const package::Rect& b);  // intersection; no width: empty
 
 class LiveTiles {
  public:
   LiveTiles(std::vector<PinholeCamera> cameras, const PackedSize& size) : cameras_(std::move(cameras)), size_(size) {}
-  // boxes: projectedBox of each camera; crops: of the pictures that came; no width: none. True: some of the performer
-  // lies outside of its source by more than a margin though the crop shows it, or a camera has no tile yet.
+  // boxes: projectedBox of each camera; crops: of the received pictures; no width: none. True if the performer exceeds
+  // its source by more than a margin within the crop, or if a camera has no tile yet.
   bool wantsLayout(std::span<const package::Rect> boxes, std::span<const package::Rect> crops) const;
-  // Cameras without box or crop get no tile. Sources are drawn as large as they are if all fit, else smaller alike.
+  // Plans a new layout. Cameras without box or crop get no tile. Sources keep their size if all fit, else share one
+  // scale.
   void plan(std::span<const package::Rect> boxes, std::span<const package::Rect> crops);
   const std::vector<package::CameraTile>& tiles() const { return tiles_; }
-  double scale() const { return scale_; }  // texels per pixel of the layout
+  double scale() const { return scale_; }  // texels of the layout per source pixel
 
  private:
   bool place(std::vector<package::CameraTile>& tiles) const;
