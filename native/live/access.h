@@ -29,8 +29,8 @@ Result<TokenFile> readOrMakeTokens(const std::string& path);
 struct AccessRules {
   Tokens tokens;
   bool loopback = true;  // server listens on this machine only
-  std::vector<std::string>
-      origins;  // origins of pages that may connect besides the server's own, e.g. "https://example.org"
+  // Origins of pages that may connect besides the server's own, e.g. "https://example.org".
+  std::vector<std::string> origins;
   std::vector<std::string> hosts;  // accepted host names of a server on loopback, besides those of loopback
 };
 

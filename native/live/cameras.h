@@ -26,7 +26,7 @@ class Cameras {
   // Called five times per second.
   void tick();
 
-  void set(size_t camera, const CameraSettings& settings);  // on any thread
+  void set(size_t camera, const CameraSettings& settings);  // callable on any thread
 
  private:
   struct Peer {

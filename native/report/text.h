@@ -6,7 +6,7 @@
 
 namespace fourdvt::report {
 
-std::string fixedText(double value, int decimals);  // with a minus sign, not a hyphen; "∞"
+std::string fixedText(double value, int decimals);  // prints a minus sign (U+2212) and "∞"
 std::string percentText(double percent);            // 0..100
 std::string bytesText(double bytes);
 std::string secondsText(double seconds);

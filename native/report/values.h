@@ -35,8 +35,8 @@ std::vector<Values> rowsOf(const Items& items, Make make) {
   return rows;
 }
 
-Json jsonOf(const Values& values);             // an object
-Json jsonOf(const std::vector<Values>& rows);  // an array of objects
+Json jsonOf(const Values& values);             // JSON object
+Json jsonOf(const std::vector<Values>& rows);  // JSON array of objects
 std::vector<Tile> tilesOf(const Values& values);
 // Table with one row per value: title and text.
 Table factsOf(const Values& values);

@@ -7,11 +7,10 @@
 namespace fourdvt::live {
 namespace {
 
-constexpr int kOutlineReach_px = 4;   // margin around differing cells in which pixels are compared
-constexpr float kStrong = 2;          // multiple of the threshold that at least one cell of a part must exceed
-constexpr float kNoiseMargin = 3.5f;  // ratio of threshold to median difference
-constexpr float kMostNoise =
-    3;  // median difference in tolerances above which the performer is assumed to fill the picture
+constexpr int kOutlineReach_px = 4;      // margin around differing cells in which pixels are compared
+constexpr float kStrong = 2;             // multiple of the threshold that at least one cell of a part must exceed
+constexpr float kNoiseMargin = 3.5f;     // ratio of threshold to median difference
+constexpr float kMostNoise = 3;          // median difference in tolerances above which the performer fills the picture
 constexpr float kLeastPart = 1.0f / 30;  // minimum size of a part, relative to the largest
 constexpr int kTinyHole_px2 = 24;        // maximum area of holes that are always closed
 constexpr float kDoubtfulHole = 0.7f;    // multiple of the threshold: holes that differ more from the plate are closed

@@ -50,8 +50,7 @@ OpenedAnswer openText(const HttpAnswer& answer, bool is_last) {
     addField(out.head, "Access-Control-Allow-Origin", answer.allow_origin);
     addField(out.head, "Vary", "Origin");
   } else {
-    addField(out.head, "Cross-Origin-Resource-Policy",
-             "same-origin");  // pages of other origins cannot embed the picture
+    addField(out.head, "Cross-Origin-Resource-Policy", "same-origin");  // no embedding by other origins
   }
   if (answer.status == 405) addField(out.head, "Allow", "GET, HEAD");
   addField(out.head, "Content-Type", answer.type);

@@ -43,9 +43,9 @@ struct CameraPicture {
   uint32_t number = 0;      // picture number of the camera, ascending
   int64_t captured_us = 0;  // camera's clock, since 1970
   uint32_t keyed_us = 0;    // duration of keying
-  std::vector<Ring16>
-      rings;           // simplified outlines of visible background; empty: neither performer nor background is visible
-  package::Rect crop;  // rectangle of the camera's picture that `jpeg` shows, pixels; no width: no picture
+  // Simplified outlines of visible background; empty: neither performer nor background is visible.
+  std::vector<Ring16> rings;
+  package::Rect crop;         // rectangle of the camera's picture that `jpeg` shows, pixels; no width: no picture
   std::vector<uint8_t> jpeg;  // 4:2:0, JFIF (BT.601, full range)
 };
 

@@ -272,9 +272,8 @@ namespace {
 
 using Cameras = std::vector<capture::CaptureCamera>;
 
-constexpr int kHalfCells = 48;  // cells of the grid from the middle, along each axis
-constexpr double kLeastDistance =
-    0.1;  // minimum depth of the box in a camera, relative to the farthest camera's distance
+constexpr int kHalfCells = 48;          // cells of the grid from the middle, along each axis
+constexpr double kLeastDistance = 0.1;  // minimum depth of the box, relative to the farthest camera's distance
 
 // Point of least squared distance from the cameras' principal rays.
 glm::dvec3 meetingPoint(const Cameras& cameras) {

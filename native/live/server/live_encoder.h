@@ -35,8 +35,8 @@ class LiveEncoder {
   // carry their parameter sets; the first picture is a key. Errors: Internal; the next picture is then a key.
   virtual Result<EncodedPicture> encode(const I420View& picture, bool key) = 0;
   virtual void setCrf(int crf) = 0;  // takes effect at the next key
-  virtual const std::string& codec()
-      const = 0;  // RFC 6381, "avc1.…", from the parameter sets; constant for the encoder's lifetime
+  // RFC 6381, "avc1.…", from the parameter sets; constant for the encoder's lifetime.
+  virtual const std::string& codec() const = 0;
 };
 
 constexpr uint32_t kMostVertices = 65536, kMostFaces = 65536;  // maximum of any frame

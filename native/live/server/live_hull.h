@@ -20,7 +20,7 @@ struct LiveHullRules {
 };
 
 struct LiveHull {
-  TriangleMesh mesh;             // no faces: the performer is visible to no camera
+  TriangleMesh mesh;             // no faces: the outlines have no common volume
   std::vector<size_t> left_out;  // cameras whose outlines were unusable
   int attempts = 1;
 };
@@ -38,8 +38,8 @@ class HullMaker {
 
  private:
   HullMaker(std::vector<PinholeCamera> cameras, const LiveHullRules& rules);
-  // Removes parts visible to fewer than half of `carving`, the cameras of the hull, and then hollows, specks and
-  // phantoms; simplifies.
+  // Removes components inside the pictures of fewer than half of `carving`, the hull's cameras, since nothing has
+  // carved them; then hollows, specks and phantoms. Simplifies.
   void clean(std::span<const PinholeCamera> carving, TriangleMesh& mesh) const;
 
   std::vector<PinholeCamera> cameras_, small_cameras_;  // small: reduced cameras for the removal of phantoms

@@ -22,9 +22,8 @@ namespace fourdvt::live {
 namespace {
 
 constexpr int kJpegQuality = 85;
-constexpr double kFirstTolerance_px = 1,
-                 kWorthTelling = 0.1;  // kWorthTelling: minimum relative change of a tolerance that is sent to cameras
-constexpr int kFewestFramesToKey = 3;  // minimum distance of keys requested by viewers
+constexpr double kFirstTolerance_px = 1, kWorthTelling = 0.1;  // minimum relative change that is sent to cameras
+constexpr int kFewestFramesToKey = 3;                          // minimum distance of keys requested by viewers
 constexpr int64_t kWarnAgain_us = 5'000'000;
 
 int64_t now_us() {

@@ -48,8 +48,8 @@ struct PipelineStatus {
 };
 
 struct PipelineEvents {  // callbacks, on the pipeline's threads
-  std::function<void(std::shared_ptr<const std::vector<uint8_t>> frame, bool key)>
-      on_frame;                                                                    // frame: output of writeLiveFrame
+  // frame: output of writeLiveFrame.
+  std::function<void(std::shared_ptr<const std::vector<uint8_t>> frame, bool key)> on_frame;
   std::function<void(size_t camera, const CameraSettings& settings)> on_settings;  // called when settings change
   std::function<void(const std::string& line)> on_warning;
 };

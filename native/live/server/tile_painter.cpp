@@ -317,8 +317,7 @@ namespace {
 
 using package::Rect;
 
-constexpr double kRoomShare = 0.25,
-                 kLeastRoomShare = 0.15;  // margin on each side, relative to the performer's longer side
+constexpr double kRoomShare = 0.25, kLeastRoomShare = 0.15;  // margins relative to the performer's longer side
 constexpr int kRoomPixels = 16, kLeastRoomPixels = 8;
 constexpr double kTooLarge = 1.6;  // maximum area, relative to the required region
 constexpr int64_t kUnseen_us = 1'000'000;
