@@ -27,7 +27,7 @@ struct ServerCore {
   uint64_t next_id = 0;
 };
 
-// Reservation of one of the server's connections for the object's lifetime.
+// Entry in the register of connections, for the object's lifetime.
 class Slot {
  public:
   explicit Slot(std::shared_ptr<ServerCore> core) : core_(std::move(core)) {

@@ -103,7 +103,8 @@ class X264Encoder final : public LiveEncoder {
     av_opt_set(c.priv_data, "tune", "zerolatency", 0);
     av_opt_set_double(c.priv_data, "crf", rules_.crf, 0);
     av_opt_set_int(c.priv_data, "forced-idr", 1, 0);
-    // Disables lookahead and rate propagation: bits are distributed by each picture's own blocks.
+    // Keyframes on request only. "zerolatency" disables lookahead and macroblock-tree rate control, so bits are
+    // distributed within each picture by its own blocks.
     av_opt_set(c.priv_data, "x264-params", "scenecut=0:keyint=infinite:repeat-headers=1:annexb=1:sliced-threads=0", 0);
   }
 
