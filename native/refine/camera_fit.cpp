@@ -19,13 +19,13 @@ constexpr int kUnknowns = 9;
 using Vector = Eigen::Matrix<double, kUnknowns, 1>;
 using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
-// How far rigs are usually off; in the unknowns' units.
+// Prior standard deviations of calibrated rigs, in the unknowns' units.
 constexpr double kMoveSigma_m = 0.003, kZoomSigma = 0.002, kOffsetSigma_m = 0.005, kFramesSigma = 2;
-constexpr double kHullTooLarge = 0.3;  // weight of a hull's point that says "too large"
+constexpr double kHullTooLarge = 0.3;  // weight of a hull's point with a "too large" residual
 constexpr int kFitRounds = 5;
 constexpr size_t kFewestPoints = 60, kFewestBlocks = 6;
 
-// How far a point of the picture moves along `direction` per unit of every unknown but the last two.
+// Motion of a projected point along `direction` per unit of every unknown but the last two.
 Vector derivativesOf(const PinholeCamera& camera, const glm::dvec3& p, const glm::dvec2& direction) {
   const glm::dvec2 d(direction.x * camera.fx, direction.y * camera.fy);
   const double zoom = (d.x * p.x + d.y * p.y) / p.z;
@@ -66,9 +66,9 @@ CameraStep fitCamera(const PinholeCamera& camera, const PinholeCamera& given, st
   for (const BlockedPoint& s : points) {
     rows.push_back(derivativesOf(camera, glm::dvec3(s.point.point_in_cam), glm::dvec2(s.point.outward)));
     rows.back()[7] = s.point.pixels_per_metre;
-    rows.back()[8] = -s.pixels_per_frame;  // a later picture's matte has moved on: the outline falls behind
+    rows.back()[8] = -s.pixels_per_frame;  // the matte of a later picture has advanced along its motion
   }
-  // The change since `given`, which the prior holds near zero.
+  // Change relative to `given`, held near zero by the prior.
   Vector since = Vector::Zero();
   const glm::dvec3 moved = glm::dmat3(camera.cam_from_world) * (given.centreInWorld() - camera.centreInWorld());
   if (freedom.place) since << 0, 0, 0, moved.x, moved.y, moved.z, std::log(camera.fx / given.fx), 0, 0;
@@ -93,7 +93,8 @@ CameraStep fitCamera(const PinholeCamera& camera, const PinholeCamera& given, st
       whole.left += normal.left;
       whole.right += normal.right;
     }
-    // Points within a block say the same: a block counts as about one independent measurement of the scale's size.
+    // Points within a block are correlated: a block counts as about one independent measurement with the scale's
+    // deviation.
     const double per_block = double(points.size()) / double(blocks.size()) * scale * scale;
     const auto hold = [&](int i, double sigma) { prior(i, i) = per_block / (sigma * sigma); };
     prior = Matrix::Zero();
@@ -116,7 +117,7 @@ CameraStep fitCamera(const PinholeCamera& camera, const PinholeCamera& given, st
   }
   covariance *= double(blocks.size() - 1) / double(blocks.size());
   for (int i = 0; i < 3; ++i) out.turn_deviation_rad[i] = std::sqrt(covariance(i, i));
-  // Leaving out blocks says nothing where nothing moves: there the prior is all that is known.
+  // A jackknife underestimates the deviation without motion: there only the prior constrains the time.
   const double unknown_share = prior(8, 8) / (prior(8, 8) + whole.left(8, 8));
   out.frames_deviation = std::hypot(std::sqrt(covariance(8, 8)), kFramesSigma * unknown_share);
   double squares = 0;
@@ -143,12 +144,12 @@ double shiftPixels(const PinholeCamera& a, const PinholeCamera& b, std::span<con
 
 namespace {
 
-// Added to standard deviations for what leaving out blocks cannot tell (the surface's errors all round).
+// Added to standard deviations for errors that a jackknife cannot detect (the surface's errors all round).
 constexpr double kUnknownPixels = 0.1;
-constexpr double kMorePoints = 1.2;  // or so many times the points come within reach
+constexpr double kMorePoints = 1.2;  // alternative criterion: growth of the number of points within reach
 constexpr Freedom kTurn{}, kAll{.place = true};
 constexpr int kSteps = 10, kWideSteps = 4;
-constexpr double kWideRad = 0.026;       // the first steps search the matte's edge up to 1.5° away
+constexpr double kWideRad = 0.026;       // the first steps search the matte's edge within 1.5°
 constexpr double kSettledPixels = 0.02;  // a smaller step ends the fit
 
 class Fit {
@@ -156,7 +157,7 @@ class Fit {
   Fit(const PinholeCamera& given, const MeasurePoints& measure, SurfaceKind surface, double deviations)
       : given_(given), measure_(measure), surface_(surface), deviations_(deviations) {}
 
-  // The camera that fits best from `from` on; `from` itself where nothing can be said.
+  // Camera with the best fit, starting at `from`; `from` itself without enough constraints.
   PinholeCamera fitted(const PinholeCamera& from, Freedom freedom, CameraStep& last) const {
     PinholeCamera best = from;
     const float near = OutlineOptions().reach_pixels, wide = std::max(near, static_cast<float>(kWideRad * from.fx));
@@ -172,7 +173,7 @@ class Fit {
     return best;
   }
 
-  // `out` gets the spreads.
+  // `out` receives the spreads.
   bool clearlyBetter(const PinholeCamera& from, const PinholeCamera& to, double deviation_pixels,
                      CameraRefit& out) const {
     const float reach = OutlineOptions().reach_pixels;
@@ -183,7 +184,7 @@ class Fit {
     for (const BlockedPoint& s : before) spread[0].push_back(s.point.residual_pixels);
     for (const BlockedPoint& s : after) spread[1].push_back(s.point.residual_pixels);
     out.spread_before_pixels = robustScale(spread[0]), out.spread_after_pixels = robustScale(spread[1]);
-    // Far off, few edges are within reach at all.
+    // With a large error, few edges are within reach.
     return out.spread_after_pixels < out.spread_before_pixels || after.size() > kMorePoints * double(before.size());
   }
 
@@ -223,9 +224,9 @@ CameraRefit refitCamera(const PinholeCamera& current, const PinholeCamera& given
 
 namespace {
 
-constexpr uint32_t kLargestGap = 8;  // frames between two that are looked at
-constexpr uint32_t kWindow = 3;      // frames before and after that count for one
-constexpr double kLeastFall = 0.05;  // share by which the other cameras' misfit must fall
+constexpr uint32_t kLargestGap = 8;  // frames between two samples
+constexpr uint32_t kWindow = 3;      // frames before and after that contribute to one
+constexpr double kLeastFall = 0.05;  // minimum relative reduction of the other cameras' residuals
 constexpr SurfaceFitOptions kOptions{.bound_m = 0.005, .stiffness = 3, .keep = 4, .keep_at_median = false};
 
 uint32_t distance(uint32_t a, uint32_t b, uint32_t loop_frames) {
@@ -233,7 +234,7 @@ uint32_t distance(uint32_t a, uint32_t b, uint32_t loop_frames) {
   return loop_frames > 0 ? std::min(straight, loop_frames - straight) : straight;
 }
 
-// [frame][vertex] offsets from the claims of every `step`-th camera, beginning with the first.
+// [frame][vertex] offsets from the constraints of every `step`-th camera, beginning with the first.
 std::vector<std::vector<float>> fitFrom(std::span<const SlowFrame> frames, std::span<const InnerEdge> edges,
                                         size_t vertices, uint32_t loop_frames, size_t step) {
   const std::vector<float> none(vertices);

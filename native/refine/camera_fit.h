@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turns, moves and zooms one camera, and shifts it in time, such that a surface's outlines come to lie on its mattes,
-// and says how sure that is. The surface is a mesh, or the visual hull of the other cameras' mattes (silhouettes/).
+// Fits pose, focal length and time offset of one camera such that a surface's outlines align with its mattes, with
+// standard deviations. The surface is a mesh, or the visual hull of the other cameras' mattes (silhouettes/). Includes
+// offsets of the surface that vary slowly with time.
 #pragma once
 
 #include <array>
@@ -14,86 +15,83 @@
 #include "refine/surface_fit.h"
 
 namespace fourdvt::refine {
-// A change of a camera: first turned about its own axes, then moved along them, then zoomed.
+// Change of a camera, applied in this order: rotation about its own axes, translation along them, zoom.
 struct CameraChange {
   glm::dvec3 turn_rad{0};  // rotation vector in the camera's frame
   glm::dvec3 move_m{0};    // of the world in the camera's frame
   double zoom_log = 0;     // focal length × exp
-  double frames = 0;       // added to the camera's offset_frames; changed() leaves it to its caller
+  double frames = 0;       // added to the camera's offset_frames by the caller; changed() ignores it
 };
 PinholeCamera changed(const PinholeCamera& camera, const CameraChange& change);
 
-// A point and the block of the surface that it belongs to. The mesh's own errors are alike within a block, and in all
-// frames: blocks, not points, are independent.
+// Outline point and the block of the surface that contains it. Errors of a mesh are correlated within a block and
+// across frames: blocks, not points, are independent samples.
 struct BlockedPoint {
   OutlinePoint point;
   uint32_t block = 0;
-  float pixels_per_frame = 0;  // how fast the matte's edge moves along `outward`; 0: not known
+  float pixels_per_frame = 0;  // speed of the matte's edge along `outward`; 0: unknown
 };
 
 struct CameraStep {
   CameraChange change;
-  bool solvable = false;              // enough points all round
-  glm::dvec3 turn_deviation_rad{0};   // standard deviation of the rotation, by leaving out one block at a time
-  double shift_deviation_pixels = 0;  // the same as the root mean square of the points' places in the picture
-  double frames_deviation = 0;        // of the shift in time
+  bool solvable = false;              // enough points in all directions
+  glm::dvec3 turn_deviation_rad{0};   // standard deviation of the rotation, by a jackknife over blocks
+  double shift_deviation_pixels = 0;  // the same as the RMS displacement of the points in the picture
+  double frames_deviation = 0;        // standard deviation of the time offset
 };
 
-// Unknowns of a fit. `place`: position and focal length.
+// Unknowns of a fit besides rotation. `place`: position and focal length.
 struct Freedom {
   bool turn = true, place = false, time = false;
 };
 
-// Kind of surface. A hull lies outside the performer nearly everywhere and on the outline in few places: points that
-// say "too large" count less, and the fit follows those that say "too small" most.
+// Kind of surface. A hull contains the performer and touches the outline in few places: points with "too large"
+// residuals get less weight, "too small" ones dominate the fit.
 enum class SurfaceKind { Mesh, Hull };
 
-// One Gauss-Newton step with Tukey's weights. Position and focal length are held near those of `given`, the camera
-// before any step, by how well rigs are calibrated. A uniform error of the mesh's size does not turn into a change of
-// the camera: it has an unknown of its own.
+// One Gauss-Newton step with Tukey's weights. Priors with the usual accuracy of calibrated rigs hold position and focal
+// length near `given`, the camera before any step. A uniform offset of the surface is an unknown of its own, so that
+// errors of the mesh's size leave the camera unchanged.
 CameraStep fitCamera(const PinholeCamera& camera, const PinholeCamera& given, std::span<const BlockedPoint> points,
                      Freedom freedom, SurfaceKind surface = SurfaceKind::Mesh);
 
-// Root mean square of how far the points lie apart in two cameras' pictures, pixels. They were taken with `a`.
+// RMS distance between the points' projections by two cameras, pixels. The points were measured with `a`.
 double shiftPixels(const PinholeCamera& a, const PinholeCamera& b, std::span<const BlockedPoint> points);
 
-// Fits a camera step by step to points that are measured anew after every step, and keeps the change only if it
-// explains more than chance could. Does NOT measure: the outlines of a mesh or of a visual hull come from its caller.
+constexpr double kClearDeviations = 3;  // standard deviations; larger changes are significant
 
-constexpr double kClearDeviations = 3;  // standard deviations that chance does not explain
-
-// Measures the outline against a camera's mattes as if it were `as`; edges are searched up to `reach_pixels` away.
+// Measures the outline against a camera's mattes with the camera replaced by `as`; edges are searched within
+// `reach_pixels`.
 using MeasurePoints = std::function<std::vector<BlockedPoint>(const PinholeCamera& as, float reach_pixels)>;
 
-// How far a camera would move, as the root mean square of the outline's shift in the picture, and how sure that is.
+// Displacement by a camera's change, as RMS of the outline's shift in the picture, with its standard deviation.
 struct CameraShift {
   double pixels = 0, deviation_pixels = 0;
 };
 
 struct CameraRefit {
-  PinholeCamera camera;              // the refined one, or the current one
-  bool changed = false;              // clearly better than the current one
-  std::optional<CameraShift> best;   // against the given camera; none: the outline says too little
-  glm::dvec3 turn_deviation_deg{0};  // with `best`
+  PinholeCamera camera;                                      // refined, or the current one
+  bool changed = false;                                      // significantly better than the current one
+  std::optional<CameraShift> best;                           // relative to the given camera; none: too few constraints
+  glm::dvec3 turn_deviation_deg{0};                          // set with `best`
   double spread_before_pixels = 0, spread_after_pixels = 0;  // robust scale of the residuals
 };
 
-// Turns first, then, `with_place`, moves and zooms, too. `given`: before any refinement. `deviations`: how many of them
-// a change must exceed.
+// Fits rotation, then, with `with_place`, position and focal length too; points are measured anew after every step.
+// `given`: camera before any refinement. The change is kept only if it exceeds `deviations` standard deviations.
 CameraRefit refitCamera(const PinholeCamera& current, const PinholeCamera& given, const MeasurePoints& measure,
                         bool with_place, SurfaceKind surface, double deviations = kClearDeviations);
 
-// Offsets that vary slowly with time, for meshes whose error depends on the pose.
-
-// What the outlines of one frame still lack, given the constant offsets.
+// Residual offsets of one frame, beyond the constant offsets.
 struct SlowFrame {
   uint32_t index = 0;
   std::vector<std::vector<OffsetClaim>> claims;  // [camera]
 };
 
-// Departures from the constant offsets at the frames given, each from its neighbours in time. None where the data do
-// not support them: the frames must be close in time, and what the cameras with even numbers say must bring the
-// outlines closer in those with odd numbers. `loop_frames`: of a loop, else 0.
+// Fits slowly varying departures from the constant offsets, for meshes whose error depends on the pose: one per given
+// frame, from its neighbours in time. Returns none where the data do not support them: the frames must be close in
+// time, and offsets fitted to even-numbered cameras must reduce the residuals of odd-numbered ones. `loop_frames`:
+// length of a loop, else 0.
 std::optional<capture::SlowOffsets> fitSlowOffsets(std::span<const SlowFrame> frames, std::span<const InnerEdge> edges,
                                                    size_t vertices, uint32_t loop_frames);
 

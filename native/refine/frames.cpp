@@ -12,11 +12,11 @@ namespace fourdvt::refine {
 namespace {
 
 constexpr uint32_t kMostFrames = 40, kFewestFrames = 4;
-constexpr double kMatteBytes = 256e6;  // in memory, if that leaves kFewestFrames
-constexpr double kFigureShare = 0.5;   // of a picture, at most, round the figure
-constexpr int kEdgeStride = 4;         // pixels of the matte's edge between two places where the picture's is sought
+constexpr double kMatteBytes = 256e6;  // limit in memory, above kFewestFrames
+constexpr double kFigureShare = 0.5;   // maximum share of a picture around the figure
+constexpr int kEdgeStride = 4;  // pixels between samples on the matte's edge at which the picture's edge is searched
 
-// Every how many frames one is looked at.
+// Stride between sampled frames.
 uint32_t strideOf(const capture::Capture& capture) {
   double frame_bytes = 0, all = 0;
   for (const auto& camera : capture.cameras) frame_bytes += kFigureShare * camera.pinhole.width * camera.pinhole.height;
@@ -25,7 +25,7 @@ uint32_t strideOf(const capture::Capture& capture) {
   return std::max(1u, static_cast<uint32_t>(std::ceil(all / most)));
 }
 
-// The matte alone, cut to what is not empty.
+// Matte cropped to its non-empty rectangle.
 MatteCrop cropOf(const Image& rgba) {
   int left = rgba.width, top = rgba.height, right = 0, bottom = 0;
   for (int y = 0; y < rgba.height; ++y)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A refinement in a file, to be kept between bakes (store/folder.h).
+// Serialisation of a refinement, cached between bakes (store/folder.h).
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace fourdvt::refine {
 
-// Errors: FileMissing, FileUnreadable; Internal for a damaged file, and for one that does not fit this capture.
+// Errors: FileMissing, FileUnreadable; Internal for a damaged file or one of another capture.
 Result<Refinement> loadRefinement(const std::string& path, const capture::Capture& capture);
-// Hash of what it changes in a capture, not of what it measured.
+// Hash of the changes to a capture, without the measurements.
 uint64_t changeHash(const Refinement& refinement);
 
 }  // namespace fourdvt::refine

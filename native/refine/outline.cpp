@@ -15,12 +15,12 @@ namespace fourdvt::refine {
 namespace {
 
 constexpr float kNearest = 0.05f;  // metres in front of the camera
-// Beyond the outline nothing of the mesh may lie within these pixels: fillConvexPoly draws up to a pixel too much.
+// Beyond the outline no part of the mesh may lie within these pixels; fillConvexPoly draws up to a pixel too much.
 constexpr float kClearFrom = 2, kClearTo = 8;
-// A clear edge: this far inside the matte's edge alpha is at least kInside, this far outside at most kOutside.
+// Clear edge: alpha is at least kInside kPlateau pixels inside the matte's edge, at most kOutside as far outside.
 constexpr float kPlateau = 2, kInside = 192, kOutside = 64;
 
-// What the mesh covers in one camera's picture.
+// Coverage of one camera's picture by the mesh.
 class Coverage {
  public:
   Coverage(const PinholeCamera& camera, std::span<const glm::uvec3> face_vertices, std::span<const glm::vec2> pixels,
@@ -59,8 +59,7 @@ class Coverage {
   cv::Mat mask_;
 };
 
-// The crossing from figure to background along `outward` that is nearest to `pixel`.
-// Nothing is known beyond the picture's border: an edge must lie well inside.
+// Nearest crossing from figure to background to `pixel` along `outward`. Edges must lie well inside the picture.
 std::optional<float> findEdge(const MatteCrop& matte, const glm::vec2& size, const glm::vec2& pixel,
                               const glm::vec2& outward, float reach) {
   constexpr float kStep = 0.5f;
@@ -69,7 +68,7 @@ std::optional<float> findEdge(const MatteCrop& matte, const glm::vec2& size, con
     const glm::vec2 p = pixel + t * outward;
     return matte.at(p.x, p.y);
   };
-  // Interval after interval on both sides, so that the first crossings found are the nearest.
+  // Alternates intervals on both sides, so that the first crossings found are the nearest.
   std::optional<float> best;
   const auto look = [&](float inner, float at_inner, float at_outer) {
     if (at_inner < kHalf || at_outer >= kHalf) return;
@@ -96,7 +95,7 @@ std::optional<float> findEdge(const MatteCrop& matte, const glm::vec2& size, con
 }  // namespace
 
 std::vector<InnerEdge> innerEdges(std::span<const glm::uvec3> face_vertices) {
-  std::map<std::pair<uint32_t, uint32_t>, std::vector<std::pair<uint32_t, bool>>> faces;  // with: runs low → high
+  std::map<std::pair<uint32_t, uint32_t>, std::vector<std::pair<uint32_t, bool>>> faces;  // runs low → high
   for (uint32_t f = 0; f < face_vertices.size(); ++f)
     for (int k = 0; k < 3; ++k) {
       const uint32_t a = face_vertices[f][k], b = face_vertices[f][(k + 1) % 3];
@@ -160,12 +159,12 @@ std::vector<OutlinePoint> outlinePoints(const PinholeCamera& camera, std::span<c
       const glm::vec3 normal = rotation * glm::mix(normals[edge.from], normals[edge.to], s.to_share);
       const glm::vec3& p = s.point_in_cam;
       const glm::vec2 moves = focal * (glm::vec2(normal) - glm::vec2(p) * (normal.z / p.z)) / p.z;
-      // Outward is across the edge, on the side that the normal points to.
+      // Perpendicular to the edge, on the side of the normal.
       const glm::vec2 across = glm::vec2(along.y, -along.x) / length;
       s.outward = glm::dot(across, moves) < 0 ? -across : across;
       s.pixels_per_metre = glm::dot(s.outward, moves);
       const glm::vec2 pixel = glm::mix(pixels[edge.from], pixels[edge.to], s.to_share);
-      // Where the vertex normals do not lie across the edge, an offset along them does not move the outline.
+      // Skips samples whose normals lie along the edge's view ray: an offset there hardly moves the outline.
       if (s.pixels_per_metre < 0.5f * focal.x / p.z || !coverage.clearBeyond(pixel, s.outward)) continue;
       const glm::vec2 edge_at = pixel + options.matte_bias_pixels * s.outward;
       const auto found =
@@ -235,8 +234,8 @@ Image beside(const Image& left, const Image& right) {
 namespace {
 
 constexpr float kInner = 4, kOuter = 7;  // pixels from the matte's edge
-constexpr float kContrast = 0.06f;       // smallest distance of the two colours, linear light
-constexpr float kReach = 4;              // pixels; an edge further off is not this matte's
+constexpr float kContrast = 0.06f;       // minimum distance between the two colours, linear light
+constexpr float kReach = 4;              // pixels; edges further away belong to something else
 
 struct LinearLight {
   std::array<float, 256> of;
@@ -275,7 +274,7 @@ class Profile {
   const glm::vec2 origin_, outward_;
 };
 
-// Where `value` falls through one half on the way out, nearest to 0.
+// Nearest position to 0 at which `value` falls through one half towards the outside.
 template <class Value>
 std::optional<float> crossing(const Value& value, float reach) {
   constexpr float kStep = 0.25f;
@@ -322,7 +321,7 @@ std::vector<double> matteEdgeOffsets(const Image& rgba, int stride) {
   for (int y = margin; y < rgba.height - margin; ++y)
     for (int x = margin; x < rgba.width - margin; ++x) {
       const uint8_t here = rgba.at(x, y)[3];
-      // A pixel beside the edge: at least half inside, with a neighbour that is not.
+      // Pixel beside the edge: at least half inside, with a neighbour that is not.
       if (here < 128) continue;
       if (rgba.at(x + 1, y)[3] >= 128 && rgba.at(x - 1, y)[3] >= 128 && rgba.at(x, y + 1)[3] >= 128 &&
           rgba.at(x, y - 1)[3] >= 128)

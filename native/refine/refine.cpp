@@ -16,20 +16,20 @@
 namespace fourdvt::refine {
 namespace {
 
-// A measured bias of the mattes below this is not corrected: keyers, codecs and textures are worth as much.
+// Minimum measured bias of the mattes that is corrected: below are the errors of keyers, codecs and textures.
 constexpr double kLeastBiasPixels = 0.25;
-// A mesh whose outlines lie as close to the mattes' in the median, and nowhere far from them, stays as given: a bias of
-// the mattes below kLeastBiasPixels cannot be told from the mesh's.
+// A mesh stays as given if the median of its residuals is below kExactPixels and their 95 % quantile below
+// kExactP95Pixels: biases of mattes and mesh below kLeastBiasPixels are not distinguishable.
 constexpr double kExactPixels = kLeastBiasPixels, kExactP95Pixels = 1;
 constexpr size_t kFewestMatteEdges = 200;
-constexpr size_t kCameraFrames = 10;  // a camera is fitted to at most so many frames
+constexpr size_t kCameraFrames = 10;  // maximum number of frames for the fit of a camera
 constexpr int kSurfaceRounds = 5;
-constexpr float kFurthest_m = 0.015f;  // no vertex moves further, offsets that vary with time included
-constexpr double kLeastGain = 0.01;    // another round must lower the residual by this share
-constexpr int kCameraRounds = 2;       // of fitting the cameras to the corrected mesh
+constexpr float kFurthest_m = 0.015f;  // maximum displacement of a vertex, time-varying offsets included
+constexpr double kLeastGain = 0.01;    // minimum relative reduction of the residual by another round
+constexpr int kCameraRounds = 2;       // fits of the cameras to the corrected mesh
 constexpr double kBlock_m = 0.2;       // side of a block of the surface
 constexpr size_t kWorstPictures = 3;
-constexpr uint32_t kFewestOfPicture = 50;  // points, for a picture to count among the worst
+constexpr uint32_t kFewestOfPicture = 50;  // minimum number of points for a picture among the worst
 
 Residuals summary(const std::vector<double>& residuals) {
   std::vector<double> sizes;
@@ -47,7 +47,7 @@ Histogram histogramOf(const std::vector<double>& residuals) {
   return out;
 }
 
-// [vertex] which cube of the first mesh it lies in.
+// [vertex] block by the grid of cubes on the first mesh.
 std::vector<uint32_t> blocksOf(const Positions& positions) {
   std::map<std::array<int, 3>, uint32_t> known;
   std::vector<uint32_t> out;
@@ -75,12 +75,12 @@ class Refiner {
   Status tell(const std::string& what, double share) const;
   void findClearances();
   void useMatteBias(const std::vector<std::vector<double>>& edges);
-  void moveMeshes();  // to offsets_
+  void moveMeshes();  // by offsets_
   AllPoints measureAll() const;
   std::vector<BlockedPoint> pointsOf(size_t camera, const PinholeCamera& as, float reach) const;
-  bool refitCamera(size_t camera, bool with_position);  // whether it changed
-  bool fitCameras(bool with_position);                  // whether any of them did
-  // Whether what half of the cameras say brings the outlines closer in the other half.
+  bool refitCamera(size_t camera, bool with_position);  // returns true if it changed
+  bool fitCameras(bool with_position);                  // returns true if any changed
+  // True if offsets fitted to half of the cameras reduce the residuals of the other half.
   bool supported(const AllPoints& points) const;
   bool alreadyExact(const AllPoints& points) const;
   void fitSurface();
@@ -99,12 +99,12 @@ class Refiner {
   std::vector<glm::uvec3> faces_;
   std::vector<InnerEdge> edges_;
   std::vector<RefineFrame> frames_;
-  std::vector<size_t> camera_frames_;  // of frames_, to which cameras are fitted
-  std::vector<Clearance> clearances_;  // in most of these
+  std::vector<size_t> camera_frames_;  // indices into frames_ for camera fits
+  std::vector<Clearance> clearances_;  // present in more than half of these
   Offsets offsets_;
   bool moved_any_ = false;     // offsets were fitted
-  bool exact_ = false;         // they serve only to judge the cameras by: the mesh stays as given
-  std::vector<Offsets> slow_;  // [frame] departures, or empty
+  bool exact_ = false;         // offsets are used for the cameras' fit only; the mesh stays as given
+  std::vector<Offsets> slow_;  // [frame] time-varying departures, or empty
   struct Moved {
     Positions positions;
     std::vector<glm::vec3> normals;
@@ -347,7 +347,7 @@ void Refiner::record(const AllPoints& points, bool after) {
   }
 }
 
-// Draws the worst views before and after. The meshes must be moved.
+// Draws the worst views before and after. Requires moved meshes.
 Status Refiner::drawWorst(const OpenVideo& open_video) {
   for (WorstPicture& worst : out_.worst) {
     capture::Capture alone = capture_;
@@ -403,7 +403,7 @@ Result<Refinement> Refiner::run(const OpenVideo& open_video) {
     FOURDVT_TRY(tell("surface", 0.95));
     offsets->slow = fitSlow();
   } else {
-    std::fill(offsets_.begin(), offsets_.end(), 0.0f);  // found only to judge the cameras by
+    std::fill(offsets_.begin(), offsets_.end(), 0.0f);  // used for the cameras' fit only
   }
   moveMeshes();
   record(measureAll(), true);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes a capture's mesh and cameras agree with its pictures: the mesh moves along its normals until its outlines lie
-// on the mattes' (surface_fit.h), and a camera turns, moves and zooms where that explains more than chance could
-// (camera_fit.h). What is trusted: the pictures. Mattes are corrected by the edges that the pictures themselves show
-// (outline.h); against the mesh, all mattes too small look like a mesh too large. The mesh's place in the world is
-// trusted too: if all cameras and the mesh err alike, nothing changes. algorithms/refinement.md has the formulas.
+// Aligns a capture's mesh and cameras with its pictures: offsets along the vertex normals move the mesh until its
+// outlines match the mattes' (surface_fit.h), and pose and focal length of a camera change where that is statistically
+// significant (camera_fit.h). Mattes are corrected by the edges in the pictures (matteEdgeOffsets in outline.h), since
+// uniformly eroded mattes look like a mesh that is too large. The mesh's pose in the world is fixed: an error common to
+// all cameras and the mesh is not observable. Formulas: algorithms/refinement.md.
 //
-// Does NOT use held-out pictures, does NOT write files.
+// Uses no held-out pictures.
 #pragma once
 
 #include <functional>
@@ -23,64 +23,64 @@ namespace fourdvt::refine {
 struct RefineOptions {
   bool outline = true;
   bool cameras = true;
-  // How far the mattes' edges lie outside the figure's, pixels; negative: eroded. Unset: measured in the pictures.
+  // Distance of the mattes' edges outside the figure's, pixels; negative: eroded. Unset: measured in the pictures.
   std::optional<double> matte_bias_pixels;
   bool any() const { return outline || cameras; }
 };
 
 // Distances between the outlines of mesh and matte.
 struct Residuals {
-  uint32_t points = 0;                       // of the outline, in all frames looked at
+  uint32_t points = 0;                       // outline points in all frames used
   double bias_pixels = 0;                    // median; > 0: the mesh is too small
-  double median_pixels = 0, p95_pixels = 0;  // of their sizes
+  double median_pixels = 0, p95_pixels = 0;  // of absolute values
 };
 
 struct CameraRefinement {
   std::string name;
   Residuals before, after;
-  std::optional<double> measured_bias_pixels;  // of the matte, where enough places on its edge have contrast
+  std::optional<double> measured_bias_pixels;  // of the matte; unset: too few edge samples with contrast
   double used_bias_pixels = 0;
-  // The change that fits best; it was made only if it is clearly more than its deviation. None where cameras were not
-  // asked about, or where the outline says too little.
+  // Change with the best fit; applied only if significant. None where cameras were not refined, or constraints are too
+  // few.
   std::optional<CameraShift> best;
   bool changed = false;
-  glm::dvec3 turn_deg{0}, turn_deviation_deg{0};  // of the changed camera, about its own axes
+  glm::dvec3 turn_deg{0}, turn_deviation_deg{0};  // of the applied change, about the camera's own axes
   double move_m = 0, zoom_percent = 0;
 };
 
-// A picture whose outline was far off.
+// Picture with a large outline error.
 struct WorstPicture {
   std::string sequence;
   uint32_t frame = 0, camera = 0;
   Residuals before, after;
-  Image picture;  // RGB: outlinePicture before and after, beside each other
+  Image picture;  // RGB: outlinePicture before and after, side by side
 };
 
-// Shares of the points in bins of kBinPixels from -kReachPixels to kReachPixels; what lies beyond is in the last bins.
+// Shares of points in bins of kBinPixels from -kReachPixels to kReachPixels; the outer bins include all beyond.
 constexpr double kBinPixels = 0.25, kReachPixels = 3;
 using Histogram = std::vector<double>;
 
 struct Refinement {
   RefineOptions options;
   std::shared_ptr<const capture::SurfaceOffsets> offsets;  // null: the mesh stays as given
-  std::vector<PinholeCamera> cameras;                      // all of the capture
+  std::vector<PinholeCamera> cameras;                      // all cameras of the capture
   std::vector<CameraRefinement> by_camera;
   Histogram before, after;
-  std::vector<WorstPicture> worst;  // the first is the worst before; of different cameras
-  uint32_t frames = 0, rounds = 0;  // looked at; of the surface fit
+  std::vector<WorstPicture> worst;  // the worst before refinement first; one per camera
+  uint32_t frames = 0, rounds = 0;  // used; of the surface fit
   std::vector<std::string> slow;    // sequences whose offsets vary with time
-  std::string note;                 // why the surface stayed as given although that was not asked for; else empty
-  double offset_low_m = 0, offset_median_m = 0, offset_high_m = 0;  // 5 %, 50 %, 95 % of the constant offsets
+  std::string note;                 // reason for an unchanged surface that was to be refined; else empty
+  double offset_low_m = 0, offset_median_m = 0, offset_high_m = 0;  // 5 %, 50 %, 95 % quantiles of the constant offsets
   bool changedCameras() const;
 };
 
-// `on_progress` hears what is done and its share of the whole, and returns false to stop. The capture must be as given.
-// Errors: those of the capture, Interrupted.
+// `on_progress` receives a stage and the finished share of the whole, and returns false to stop. The capture must be
+// unrefined. Errors: those of the capture, Interrupted.
 Result<Refinement> refineCapture(const capture::Capture& capture, const OpenVideo& open_video,
                                  const RefineOptions& options,
                                  const std::function<bool(const std::string& what, double share)>& on_progress);
 
-// From now on the capture's meshes are read with the offsets, and its cameras are the refined ones.
+// Adds the offsets to the meshes that the capture reads from now on, and replaces its cameras by the refined ones.
 void applyRefinement(const Refinement& refinement, capture::Capture& capture);
 
 }  // namespace fourdvt::refine

@@ -31,7 +31,7 @@ std::vector<float> fitOffsets(std::span<const OffsetClaim> claims, std::span<con
   Eigen::VectorXd offset(count);
   for (Eigen::Index v = 0; v < count; ++v) offset[v] = current[size_t(v)];
   if (claims.empty()) return {current.begin(), current.end()};
-  // What each claim asks of its edge in all: what the edge lacks, and the offset that it has already.
+  // Total offset constraint per point: the remaining offset of its edge plus the present one.
   std::vector<double> wanted(claims.size());
   for (size_t i = 0; i < claims.size(); ++i) {
     const OffsetClaim& c = claims[i];
@@ -83,12 +83,12 @@ std::vector<float> fitOffsets(std::span<const OffsetClaim> claims, std::span<con
 
 namespace {
 
-constexpr float kShare = 0.8f;          // of the thickness may be used up
-constexpr float kLeastOpposite = 0.5f;  // cosine between two sides, one of them turned round
-constexpr float kCovered_m = 0.05f;     // what covers a place is looked for up to here
+constexpr float kShare = 0.8f;          // share of the thickness that offsets may take up
+constexpr float kLeastOpposite = 0.5f;  // minimum cosine between one side's normal and the other's, reversed
+constexpr float kCovered_m = 0.05f;     // search range for surfaces that cover a sample
 constexpr int kPushRounds = 200;
-constexpr float kSettled_m = 2e-6f;                 // a smaller step of every vertex ends it
-constexpr float kCell_m = 0.02f, kMostCells = 200;  // side; along the mesh's longest side
+constexpr float kSettled_m = 2e-6f;                 // termination: maximum step of all vertices
+constexpr float kCell_m = 0.02f, kMostCells = 200;  // side; maximum number along the mesh's longest side
 constexpr glm::vec3 kPlaces[] = {
     {4 / 6.f, 1 / 6.f, 1 / 6.f}, {1 / 6.f, 4 / 6.f, 1 / 6.f}, {1 / 6.f, 1 / 6.f, 4 / 6.f}, {1 / 3.f, 1 / 3.f, 1 / 3.f}};
 
@@ -97,7 +97,7 @@ uint64_t keyOf(const glm::ivec3& cell) {
   return part(cell.x) << 42 | part(cell.y) << 21 | part(cell.z);
 }
 
-// The faces by the cells that their boxes touch.
+// Uniform grid of the faces' bounding boxes.
 class Faces {
  public:
   Faces(std::span<const glm::uvec3> face_vertices, std::span<const glm::vec3> positions)
@@ -117,11 +117,11 @@ class Faces {
 
   struct Hit {
     uint32_t face = 0;
-    glm::vec3 shares{0};  // of the face's corners
+    glm::vec3 shares{0};  // barycentric weights
     float distance_m = 0;
     bool from_behind = false;
   };
-  // The nearest face but `own` along the unit vector `ray`, closer than `reach`.
+  // Nearest face but `own` along the unit vector `ray`, closer than `reach`.
   std::optional<Hit> along(const glm::vec3& from, const glm::vec3& ray, uint32_t own, float reach) const {
     std::optional<Hit> nearest;
     const auto before = [&] { return nearest ? nearest->distance_m : reach; };
@@ -151,11 +151,12 @@ class Faces {
   glm::ivec3 cellOf(const glm::vec3& point) const { return glm::floor((point - low_) / cell_m_); }
   glm::vec3 corner(uint32_t face, int k) const { return positions_[face_vertices_[face][k]]; }
 
-  // A ray and a triangle (MT97).
+  // Intersects a ray with a triangle. Source: Tomas Möller, Ben Trumbore: Fast, Minimum Storage Ray/Triangle
+  // Intersection. Journal of Graphics Tools 2(1), 1997.
   std::optional<Hit> meet(const glm::vec3& from, const glm::vec3& ray, uint32_t face) const {
     const glm::vec3 a = corner(face, 0), ab = corner(face, 1) - a, ac = corner(face, 2) - a;
     const glm::vec3 p = glm::cross(ray, ac);
-    const float size = glm::dot(ab, p);  // negative: met from behind
+    const float size = glm::dot(ab, p);  // negative: hit from behind
     if (size == 0) return std::nullopt;
     const glm::vec3 to = from - a, q = glm::cross(to, ab);
     const float u = glm::dot(to, p) / size, v = glm::dot(ray, q) / size, distance = glm::dot(ac, q) / size;
@@ -191,7 +192,7 @@ std::vector<Clearance> clearancesOf(std::span<const glm::uvec3> face_vertices, s
       const glm::uvec3 other = face_vertices[behind->face];
       const float opposite = glm::dot(inward, mixed(other, behind->shares, normals));
       if (opposite < kLeastOpposite) continue;
-      // Inside another part of the mesh, what lies behind is not the other side of this one.
+      // Inside another part of the mesh, the surface behind is not the other side of this part.
       const auto before = faces.along(point, -inward, f, kCovered_m);
       if (before && before->from_behind) continue;
       Clearance c{.place = f * uint32_t(std::size(kPlaces)) + i, .most_m = kShare * behind->distance_m};
@@ -201,7 +202,7 @@ std::vector<Clearance> clearancesOf(std::span<const glm::uvec3> face_vertices, s
         c.vertices[3 + k] = other[k];
         c.shares[3 + k] = -opposite * behind->shares[k];
       }
-      for (int k = 3; k < 6; ++k)  // a vertex of both faces counts once, with both shares
+      for (int k = 3; k < 6; ++k)  // a vertex shared by both faces gets the sum of both shares
         for (int j = 0; j < 3; ++j)
           if (c.vertices[k] == c.vertices[j]) c.shares[j] += std::exchange(c.shares[k], 0.f);
       out.push_back(c);
@@ -223,7 +224,7 @@ std::vector<Clearance> usualClearances(std::vector<Clearance> of_all_frames, siz
 }
 
 void keepClear(std::span<const Clearance> clearances, std::span<float> offsets_m) {
-  std::vector<float> pushed(clearances.size(), 0);  // so far, never below 0
+  std::vector<float> pushed(clearances.size(), 0);  // accumulated, never below 0
   for (int round = 0; round < kPushRounds; ++round) {
     float furthest_m = 0;
     for (size_t i = 0; i < clearances.size(); ++i) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Marching squares, the plane case of LC87. A sample is a pixel's centre; a frame of performer samples surrounds the
-// picture. A cell has the samples' corners 0…3 clockwise from the top left, and its side k runs from corner k to corner
-// k + 1.
+// Marching squares, the planar case of marching cubes. Source: William E. Lorensen, Harvey E. Cline: Marching Cubes: A
+// High Resolution 3D Surface Construction Algorithm. Computer Graphics 21(4) (SIGGRAPH), 1987.
+//
+// Samples are pixel centres; a border of foreground samples surrounds the picture. A cell has corners 0…3 clockwise
+// from the top left; its side k runs from corner k to corner k + 1.
 #include "silhouette/contour.h"
 
 #include <algorithm>
@@ -16,14 +18,15 @@ namespace fourdvt::silhouette {
 namespace {
 
 constexpr double kContourLevel = 127.5;
-constexpr uint8_t kPerformer = 128;   // the least value above the level
-constexpr double kLeastShare = 0.02;  // of a cell's side, between a ring and a sample: keeps rings apart
+constexpr uint8_t kPerformer = 128;  // minimum value above the level
+constexpr double kLeastShare =
+    0.02;  // minimum distance of a ring from a sample, as a share of a cell's side: keeps rings apart
 constexpr int kCornerX[4] = {0, 1, 1, 0}, kCornerY[4] = {0, 0, 1, 1};
-constexpr int kBeyondX[4] = {0, 1, 0, -1}, kBeyondY[4] = {-1, 0, 1, 0};  // the cell on the other side of side k
+constexpr int kBeyondX[4] = {0, 1, 0, -1}, kBeyondY[4] = {-1, 0, 1, 0};  // neighbouring cell across side k
 
-// Whether eight samples are all the performer's, or all background.
+// True if eight samples are all foreground (`performer`) or all background.
 bool sameForEight(const uint8_t* samples, bool performer) {
-  constexpr uint64_t kTopBits = 0x8080808080808080;  // set from kPerformer on
+  constexpr uint64_t kTopBits = 0x8080808080808080;  // set for values >= kPerformer
   uint64_t eight;
   std::memcpy(&eight, samples, sizeof eight);
   return (eight & kTopBits) == (performer ? kTopBits : 0);
@@ -38,7 +41,7 @@ class Tracer {
     std::vector<Ring> all;
     for (int y = 0; y < coverage_.height; ++y) {
       const uint8_t* row = coverage_.at(0, y);
-      bool before = true;  // performer, as outside of the picture
+      bool before = true;  // foreground, as outside the picture
       for (int x = 0; x <= coverage_.width; ++x) {
         while (x + 8 <= coverage_.width && sameForEight(row + x, before)) x += 8;
         const bool here = x == coverage_.width || row[x] >= kPerformer;
@@ -57,9 +60,9 @@ class Tracer {
   bool performer(int x, int y) const { return sample(x, y) >= kPerformer; }
   uint8_t& visited(int x, int y) { return visited_[size_t(y + 1) * (coverage_.width + 1) + x + 1]; }
 
-  // The ring through the side between samples (x, y) and (x + 1, y).
+  // Traces the ring through the side between samples (x, y) and (x + 1, y).
   Ring trace(int x, int y) {
-    // It enters the cell in which its side, clockwise, runs from background to performer.
+    // The first cell is the one whose side, clockwise, runs from background to foreground.
     const bool below = !performer(x, y);
     int cell_y = below ? y : y - 1, cell_x = x, side = below ? 0 : 2;
     Ring ring;
@@ -82,18 +85,18 @@ class Tracer {
     return ring;
   }
 
-  // Here a ring turns at a right angle, so that the picture's border stays straight.
+  // True for cells in which a ring turns at a right angle, so that the picture's border stays straight.
   bool pictureCorner(int x, int y) const {
     return (x == -1 || x == coverage_.width - 1) && (y == -1 || y == coverage_.height - 1);
   }
 
-  // A ring that enters at side k has background at corner k and the performer at corner k + 1.
+  // Exit side of a ring that enters at side k, with background at corner k and foreground at corner k + 1.
   int exitOf(int x, int y, int entry) const {
     std::array<int, 4> value;
     for (int k = 0; k < 4; ++k) value[k] = sample(x + kCornerX[k], y + kCornerY[k]);
     const auto inside = [&](int k) { return value[k % 4] >= kPerformer; };
     const bool saddle = !inside(entry + 2) && inside(entry + 3);
-    // At a saddle the cell's mean says which of the two is connected.
+    // Saddle: the cell's mean selects which two corners are connected.
     if (saddle && value[0] + value[1] + value[2] + value[3] > 4 * kContourLevel) return (entry + 3) % 4;
     int exit = entry + 1;
     while (inside(exit + 1)) ++exit;
@@ -108,7 +111,7 @@ class Tracer {
     return {x0 + 0.5 + share * (x1 - x0), y0 + 0.5 + share * (y1 - y0)};
   }
 
-  // Samples lie on the steps, so that a crossing does where its share is a multiple of them.
+  // Samples lie on multiples of the step, so that a crossing does where its share is a multiple.
   double crossingShare(double share) const {
     if (steps_ == 0) return std::clamp(share, kLeastShare, 1 - kLeastShare);
     return std::clamp(std::round(share * steps_), 1.0, steps_ - 1.0) / steps_;
@@ -116,7 +119,7 @@ class Tracer {
 
   const Image& coverage_;
   const int steps_;
-  std::vector<uint8_t> visited_;  // of the sides between horizontal neighbours: every ring crosses one
+  std::vector<uint8_t> visited_;  // sides between horizontal neighbours; every ring crosses at least one
 };
 
 }  // namespace
@@ -133,9 +136,9 @@ Outline outlineOf(const Image& coverage, const OutlineRules& rules) {
 
 namespace {
 
-constexpr double kClearance_px = 0.01;  // between an edge and the points that it passes
-constexpr double kStraight_px2 = 1e-9;  // twice the area that a point on a straight line spans
-constexpr double kCell_px = 8;          // of the grid that finds points
+constexpr double kClearance_px = 0.01;  // minimum, between an edge and other vertices
+constexpr double kStraight_px2 = 1e-9;  // twice the maximum area of a triangle that counts as straight
+constexpr double kCell_px = 8;          // cell size of the vertex grid
 
 double distanceSquared(const glm::dvec2& point, const glm::dvec2& from, const glm::dvec2& to) {
   const glm::dvec2 along = to - from, away = point - from;
@@ -147,20 +150,20 @@ double distanceSquared(const glm::dvec2& point, const glm::dvec2& from, const gl
 
 struct Vertex {
   glm::dvec2 point{0};
-  uint32_t ring = 0, previous = 0, next = 0;  // vertices that still stand
-  uint32_t version = 0;                       // of its neighbourhood
+  uint32_t ring = 0, previous = 0, next = 0;  // remaining vertices
+  uint32_t version = 0;                       // incremented with changes of its neighbours
   bool stands = true;
 };
 
 struct Removal {
   double distance2 = 0;
   uint32_t vertex = 0, version = 0;
-  bool operator<(const Removal& other) const {  // the least distance is on top of the queue; ties by index
+  bool operator<(const Removal& other) const {  // the minimum distance is on top of the queue; ties by index
     return distance2 != other.distance2 ? distance2 > other.distance2 : vertex > other.vertex;
   }
 };
 
-// Buckets of the vertices by place.
+// Spatial hash of the vertices.
 class Grid {
  public:
   explicit Grid(const std::vector<Vertex>& vertices) {
@@ -176,7 +179,7 @@ class Grid {
           .push_back(v);
   }
 
-  // Whether `holds` is true for a vertex near the box.
+  // True if `holds` returns true for a vertex near the box.
   template <class Holds>
   bool any(const glm::dvec2& low, const glm::dvec2& high, const Holds& holds) const {
     const int x0 = cell(low.x - low_.x, columns_), x1 = cell(high.x - low_.x, columns_);
@@ -210,7 +213,7 @@ class Simplifier {
   }
 
   void run() {
-    for (bool changed = true; changed;) {  // again: a point that was in the way may be gone
+    for (bool changed = true; changed;) {  // repeated: a vertex that blocked a removal may have been removed
       changed = false;
       for (uint32_t v = 0; v < vertices_.size(); ++v) propose(v);
       while (!queue_.empty()) {
@@ -242,7 +245,7 @@ class Simplifier {
     return vertices;
   }
 
-  // Puts the vertex into the queue if the tolerance lets it go.
+  // Queues the vertex for removal if the tolerance permits it.
   void propose(uint32_t index) {
     const Vertex& v = vertices_[index];
     if (!v.stands || left_[v.ring] <= 3) return;
@@ -253,12 +256,12 @@ class Simplifier {
     if (farthest2 <= tolerance2_) queue_.push({farthest2, index, v.version});
   }
 
-  // The next vertex of the given ring, standing or not.
+  // Next vertex of the input ring, removed or not.
   uint32_t given(uint32_t index, uint32_t ring) const {
     return index + 1 == first_[ring + 1] ? first_[ring] : index + 1;
   }
 
-  // Whether another vertex lies in the triangle with the neighbours, or nearly on the edge that would replace it.
+  // True if another vertex lies in the triangle with the neighbours, or within the clearance of the replacing edge.
   bool inTheWay(const Vertex& v) const {
     const glm::dvec2 &a = vertices_[v.previous].point, &b = v.point, &c = vertices_[v.next].point;
     const auto holds = [&](uint32_t index) {
@@ -285,14 +288,14 @@ class Simplifier {
   }
 
   double tolerance2_;
-  std::vector<Vertex> vertices_;  // ring after ring
-  std::vector<uint32_t> first_;   // per ring: its first vertex; the end at last
-  std::vector<uint32_t> left_;    // per ring: vertices that stand
+  std::vector<Vertex> vertices_;  // in the order of rings
+  std::vector<uint32_t> first_;   // [ring] first vertex; the total at the end
+  std::vector<uint32_t> left_;    // [ring] remaining vertices
   Grid grid_;
   std::priority_queue<Removal> queue_;
 };
 
-// Straight runs have many points that no one needs to look at again.
+// Removes collinear points, so that simplification need not visit them.
 void dropStraightPoints(Ring& ring) {
   Ring kept;
   for (size_t i = 0; i < ring.size(); ++i) {

@@ -13,16 +13,16 @@ namespace {
 
 constexpr int kMargin = 24;  // pixels
 constexpr float kOutlineLevel = 127.5f, kStraight = 2.5f;
-constexpr float kNowhereNear = 1e5f;  // there is no outline; less than kOutside
+constexpr float kNowhereNear = 1e5f;  // value without an outline; less than kOutside
 
-// Where between two neighbouring centres the coverage is kOutlineLevel, as a share of the way from `here`; 2 if
-// nowhere.
+// Position between two neighbouring centres at which coverage equals kOutlineLevel, as a share of the way from `here`;
+// 2 if there is none.
 float crossing(float here, float there) {
   if ((here > kOutlineLevel) == (there > kOutlineLevel)) return 2;
   return (kOutlineLevel - here) / (there - here);
 }
 
-// Coverage grows along this, by Sobel's operator; beyond the picture it goes on as at its border.
+// Gradient of coverage by Sobel's operator; the picture is extended by its border pixels.
 glm::vec2 gradient(const Image& coverage, int x, int y) {
   const auto at = [&](int u, int v) {
     return float(*coverage.at(std::clamp(u, 0, coverage.width - 1), std::clamp(v, 0, coverage.height - 1)));
@@ -36,12 +36,12 @@ glm::vec2 gradient(const Image& coverage, int x, int y) {
   return sum;
 }
 
-// A point of the outline and the unit direction across it, into the performer.
+// Point on the outline, with the unit normal towards the performer.
 struct Foot {
   glm::vec2 at{0}, normal{0};
 };
 
-// The outline beside a pixel's centre, if it passes between it and a neighbour: through the crossing on the row or the
+// Outline point near a pixel's centre, if the outline passes between it and a neighbour: the crossing on the row or the
 // column, whichever is nearer along the normal.
 std::optional<Foot> footBeside(const Image& coverage, int x, int y) {
   const float here = *coverage.at(x, y);
@@ -95,7 +95,7 @@ SilhouetteDistance::SilhouetteDistance(const Image& coverage) : width_(coverage.
   left_ = kept.x, top_ = kept.y, columns_ = kept.width, rows_ = kept.height;
   pixels_.assign(size_t(columns_) * rows_, 0);
 
-  // Pixels beside the outline know the way to it; the others take the outline's point that the nearest one knows.
+  // Pixels beside the outline have an outline point of their own; all others use that of the nearest such pixel.
   cv::Mat beside(rows_, columns_, CV_8U, cv::Scalar(255)), labels, way;
   std::vector<Foot> feet(pixels_.size());
   for (int y = 0; y < rows_; ++y)
@@ -118,7 +118,7 @@ SilhouetteDistance::SilhouetteDistance(const Image& coverage) : width_(coverage.
     for (int x = 0; x < columns_; ++x) {
       const Foot& foot = of_label[size_t(labels.at<int>(y, x))];
       const glm::vec2 to = foot.at - glm::vec2(x, y);
-      // Near the outline it is a straight line, farther away the point is what counts.
+      // Near the outline: distance to its tangent; farther away: distance to the point.
       const float distance = way.at<float>(y, x) <= kStraight ? std::abs(glm::dot(to, foot.normal)) : glm::length(to);
       pixels_[size_t(y) * columns_ + x] = *coverage.at(x + left_, y + top_) > kOutlineLevel ? distance : -distance;
     }
@@ -127,7 +127,7 @@ SilhouetteDistance::SilhouetteDistance(const Image& coverage) : width_(coverage.
 float SilhouetteDistance::at(double x, double y) const {
   if (x < 0 || y < 0 || x > width_ || y > height_) return kOutside;
   if (pixels_.empty()) return full_ ? kNowhereNear : -kNowhereNear;
-  // The picture ends half a pixel beyond its outermost centres; nothing else is known there.
+  // The picture ends half a pixel beyond its outermost centres; positions are clamped to the centres.
   const double u = std::clamp(x - 0.5, 0.0, width_ - 1.0) - left_, v = std::clamp(y - 0.5, 0.0, height_ - 1.0) - top_;
   const double inner_u = std::clamp(u, 0.0, columns_ - 1.0), inner_v = std::clamp(v, 0.0, rows_ - 1.0);
   const int i = std::min(int(inner_u), std::max(0, columns_ - 2)), j = std::min(int(inner_v), std::max(0, rows_ - 2));
@@ -138,7 +138,7 @@ float SilhouetteDistance::at(double x, double y) const {
       (row[0] * (1 - s) + row[right] * s) * (1 - t) + (row[below] * (1 - s) + row[below + right] * s) * t;
   const auto beyond = float(std::hypot(u - inner_u, v - inner_v));
   if (beyond == 0) return value;
-  // The outline keeps the margin from the edge of what is kept, and a distance changes by no more than the way does.
+  // Lower bound: the outline lies at least the margin inside the stored part, and distances are 1-Lipschitz.
   const double far_u = std::max({kMargin - u, u - (columns_ - 1 - kMargin), 0.0});
   const double far_v = std::max({kMargin - v, v - (rows_ - 1 - kMargin), 0.0});
   return std::min(value + beyond, -float(std::hypot(far_u, far_v)));

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Silhouettes: what one camera shows about where the performer can be, and how far a point of its picture lies from the
-// outline.
+// Silhouettes of the performer in camera pictures, and signed distances to their outlines.
 #pragma once
 
 #include <vector>
@@ -10,29 +9,29 @@
 
 namespace fourdvt::silhouette {
 
-// The picture elements in which a camera sees the performer. What lies outside the picture is unknown, not empty.
+// Foreground mask of a camera's picture. Space that projects outside the picture is unknown, not empty.
 struct Silhouette {
   PinholeCamera camera;
-  Image coverage;  // 1 channel, the camera's size: 0 background, 255 performer, the outline at 127.5 between centres
+  Image coverage;  // 1 channel, camera size: 0 background, 255 performer, the outline at 127.5 between centres
 };
 
-// Signed distances to the outline (coverage 127.5), pixels, positive inside the performer. Kept for the silhouette's
-// bounding rectangle with a margin; sampled bilinearly.
+// Signed distances to the outline (coverage 127.5), pixels, positive inside the performer. Stored for the silhouette's
+// bounding rectangle plus a margin; sampled bilinearly.
 class SilhouetteDistance {
  public:
-  // `coverage`: 1 channel. Exact to about a tenth of a pixel where the outline is straight.
+  // `coverage`: 1 channel. Accurate to about 0.1 pixels along straight outlines.
   explicit SilhouetteDistance(const Image& coverage);
-  // No pixel belongs to the performer, or all do: there is no outline.
+  // True if there is no outline: all pixels are background, or all are performer.
   bool empty() const { return empty_; }
   bool full() const { return full_; }
-  // In pixels of the camera's picture, centres at + 0.5. Beyond the margin no more than the true distance; outside the
-  // picture kOutside: what is not seen is not carved.
+  // Signed distance at a position in the picture, pixels, centres at + 0.5. Beyond the margin: a lower bound of the
+  // distance. Outside the picture: kOutside, so that unseen space is not carved.
   float at(double x, double y) const;
   static constexpr float kOutside = 1e6f;
 
  private:
-  int width_ = 0, height_ = 0;                       // of the whole picture
-  int left_ = 0, top_ = 0, columns_ = 0, rows_ = 0;  // the part that is kept
+  int width_ = 0, height_ = 0;                       // whole picture
+  int left_ = 0, top_ = 0, columns_ = 0, rows_ = 0;  // stored part
   std::vector<float> pixels_;
   bool empty_ = true, full_ = false;
 };

@@ -40,7 +40,7 @@ Result<Calibration> calibrateCapture(const CalibrateOptions& options, const Open
     FOURDVT_ASSIGN(target, capture::checkedTarget(options.folder, options.capture_folder, kWriter));
   }
   if (options.jobs > 0) cv::setNumThreads(options.jobs);
-  // Meshes go along as they are: none is read here.
+  // Meshes are linked unread.
   FOURDVT_ASSIGN(auto capture, mattes::openCapture(options.capture_folder, open_video, options.sequences,
                                                    capture::MeshNeed::Nothing));
   FOURDVT_TRY(capture::leaveOut(options.leave_out, capture));

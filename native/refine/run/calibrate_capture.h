@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// `fourdvt calibrate`: measures cameras' times and poses from silhouettes, and writes a capture folder that has them.
+// Command `fourdvt calibrate`: estimates cameras' times and poses from silhouettes, writes a capture folder with them,
+// and reports the result as text, calibrate.html and calibrate.json.
 //   pictures, mattes or plates → capture.json ("offset_frames", "first_frame", "frames"), a calibration, a report
-// Everything else in the folder is links. Nothing is put into place before all is there.
+// All other entries of the folder are links. The folder is put into place once it is complete.
 #pragma once
 
 #include <functional>
@@ -15,7 +16,7 @@ inline constexpr const char* kCalibrationJson = "calibrate.json";
 inline constexpr const char* kCalibrationHtml = "calibrate.html";
 
 struct CalibrateOptions {
-  std::string capture_folder, folder;  // read, written; no folder: only measured
+  std::string capture_folder, folder;  // input, output; without output folder only measures
   std::vector<std::string> sequences;  // empty: all
   std::vector<std::string> leave_out;  // cameras
   CalibrationOptions calibration;
@@ -26,13 +27,11 @@ struct CalibrateOptions {
 Result<Calibration> calibrateCapture(const CalibrateOptions& options, const OpenVideo& open_video,
                                      const std::function<bool(const std::string& what, double share)>& on_progress);
 
-// A calibration for people and for programs: text, calibrate.html, calibrate.json. Does NOT measure.
-
-// One line a camera that is off, "cam03 is off by −2.08 ± 0.01 frames in "walk"", or one line that none is, or that
-// nothing was changed; the warnings are not among them.
+// One line per camera that is off, e.g. "cam03 is off by −2.08 ± 0.01 frames in "walk"", or one line that none is or
+// that nothing changed; without the warnings.
 std::vector<std::string> calibrationLines(const Calibration& calibration);
 
-// Errors: WriteFailed. `name`: of the capture, for the title.
+// Errors: WriteFailed. `name`: capture name for the title.
 Status writeCalibrationReport(const std::string& folder, const std::string& name, const Calibration& calibration);
 
 }  // namespace fourdvt::refine

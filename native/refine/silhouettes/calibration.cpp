@@ -13,24 +13,24 @@
 namespace fourdvt::refine {
 namespace {
 
-constexpr uint32_t kMostFrames = 48, kFewestFrames = 8;  // of a sequence
-constexpr uint32_t kMostKeyedFrames = 16;                // where mattes have to be made for them
-constexpr size_t kMostClips = 4;                         // sequences that cameras are placed by
-constexpr int kRounds = 3;                               // times, cameras, times …
-// A time changes from so many frames on, if that is more than three standard deviations.
+constexpr uint32_t kMostFrames = 48, kFewestFrames = 8;  // per sequence
+constexpr uint32_t kMostKeyedFrames = 16;                // where mattes have to be computed
+constexpr size_t kMostClips = 4;                         // sequences used for poses
+constexpr int kRounds = 3;                               // alternations of times and cameras
+// Minimum change of a time; it must exceed kDeviations standard deviations, too.
 constexpr double kLeastFrames = 0.1, kDeviations = 3;
-// Times and poses are taken if silhouettes stick out by less than this share of before, and by more than the mattes'
-// own error before.
+// Times and poses are accepted if the outline error falls below this share of the previous one, and the previous one
+// exceeded the mattes' own error.
 constexpr double kClearGain = 0.7, kConsistentPixels = 0.1;
-constexpr double kMostNear_deg = 0.1, kAsGood = 1.2;  // of cameras that stay as given, see keepAsGiven
-constexpr double kFarShare = 0.1;                     // of a camera's outline: above, something does not fit
-constexpr size_t kDrawnPoints = 2000;                 // of an outline, in the report's picture
+constexpr double kMostNear_deg = 0.1, kAsGood = 1.2;  // cameras that stay as given, see keepAsGiven
+constexpr double kFarShare = 0.1;                     // share of a camera's outline; above, the camera is inconsistent
+constexpr size_t kDrawnPoints = 2000;                 // outline points in the report's picture
 constexpr float kDrawnReachPixels = 30;
-constexpr double kCulprit = 0.5;  // without that camera, the others stick out by less than this share of before
+constexpr double kCulprit = 0.5;  // without that camera, the others' error falls below this share
 
 Error interrupted() { return {ErrorId::Interrupted, "stopped; nothing was saved, run the same command again"}; }
 
-// Mattes of some camera have to be made.
+// True if mattes of some camera have to be computed.
 Result<bool> keyed(const capture::Capture& capture, const OpenVideo& open_video) {
   for (const capture::CaptureSequence& sequence : capture.sequences)
     for (const capture::CaptureCamera& camera : capture.cameras) {
@@ -127,14 +127,14 @@ class Calibrator {
     return points > 0 ? sum / points : 0;
   }
 
-  // True if silhouettes stick out clearly less with these times than with the given ones. Where they hardly do in the
-  // first place, as with few cameras, the hull's slack is all that a fit sees.
+  // True if these times reduce the outline error significantly. Where it is small from the start, as with few cameras,
+  // a fit only follows the hull's slack.
   bool explainsMore(const SilhouetteClip& clip, const std::vector<double>& offset_frames) const {
     const double given = outside({{&clip, std::vector<double>(offset_frames.size(), 0.0)}}, now_);
     return given > kConsistentPixels && outside({{&clip, offset_frames}}, now_) < kClearGain * given;
   }
 
-  // Returns true if a camera turned. Changes are kept on the same terms.
+  // Returns true if a camera changed. Changes are accepted by the same criteria.
   bool fitCameras() {
     const double given = outside(timed(), given_);
     now_ = given_;
@@ -154,7 +154,7 @@ class Calibrator {
     return moved;
   }
 
-  // Takes the rig that turns fewest cameras, among those that fit as well.
+  // Selects the rig with the minimum rotation among those that fit equally well.
   void keepAsGiven(std::vector<PinholeCamera>& cameras) {
     const SilhouetteClip& clip = clips_.front();
     const double instant = double(clip.frames() / 2);
@@ -167,7 +167,7 @@ class Calibrator {
     if (outside(timed(), fewer) <= std::max(kConsistentPixels, kAsGood * outside(timed(), cameras))) cameras = fewer;
   }
 
-  // The camera without which the others agree, if they do not with it.
+  // Camera without which the others are consistent, if they are inconsistent with it.
   std::optional<size_t> culprit() const {
     const auto all = stickOut(timed(), now_, ignored_);
     const auto worst = std::max_element(all.begin(), all.end(),
@@ -188,7 +188,7 @@ class Calibrator {
     return best;
   }
 
-  // Takes cameras that nothing explains out of the comparison, and places the others anew.
+  // Excludes inconsistent cameras from the comparison and refits the others.
   void findUnexplained() {
     for (size_t most = (given_.size() - 1) / 3; most > 0; --most) {
       if (!go_on("agreement", 0.9)) return;
@@ -303,9 +303,9 @@ class Calibrator {
   const Progress& progress_;
   bool stopped_ = false;
   std::vector<SilhouetteClip> clips_;           // [sequence]
-  std::vector<std::vector<double>> offsets_;    // [sequence][camera] in use
+  std::vector<std::vector<double>> offsets_;    // [sequence][camera] current
   std::vector<std::vector<CameraTime>> times_;  // [sequence][camera] measured
-  std::vector<PinholeCamera> given_, now_;      // of the reduced pictures
+  std::vector<PinholeCamera> given_, now_;      // reduced pictures
   std::vector<CameraRefit> refits_;
   std::vector<char> ignored_;
   Calibration out_;
@@ -329,13 +329,13 @@ void applyCalibration(const Calibration& calibration, capture::Capture& capture)
   for (size_t c = 0; c < capture.cameras.size(); ++c) capture.cameras[c].pinhole = calibration.cameras[c];
   for (size_t s = 0; s < calibration.sequences.size(); ++s) {
     capture::CaptureSequence& sequence = capture.sequences[s];
-    int64_t earliest = 0, latest = 0;  // whole frames beyond those that are read already
+    int64_t earliest = 0, latest = 0;  // whole frames beyond those already applied
     bool any = false;
     for (size_t c = 0; c < capture.cameras.size(); ++c) {
       const CameraCalibration& camera = calibration.by_camera[c];
       if (!camera.time_changed[s]) continue;
       any = true;
-      // Silhouettes were those of the nearest pictures by the offsets so far.
+      // The silhouettes used the nearest pictures by the previous offsets.
       const double so_far = std::round(sequence.offsetOf(camera.name));
       sequence.offset_frames[camera.name] = so_far + camera.times[s].offset_frames;
       const int64_t whole = std::llround(so_far + camera.times[s].offset_frames) - int64_t(so_far);

@@ -8,12 +8,12 @@
 namespace fourdvt::refine {
 namespace {
 
-constexpr int kDepths = 64;      // tried along a ray
-constexpr int kFiner = 2;        // times that the best one's surroundings are tried again
-constexpr int kFinerDepths = 4;  // on either side
+constexpr int kDepths = 64;      // samples along a ray
+constexpr int kFiner = 2;        // rounds of refinement around the best sample
+constexpr int kFinerDepths = 4;  // per side
 constexpr size_t kFewestOthers = 2;
 constexpr double kBlock_m = 0.2;
-constexpr float kFarPixels = 2;  // further out, a point contradicts the hull
+constexpr float kFarPixels = 2;  // beyond, a point contradicts the hull
 constexpr int kSearchSteps = 16, kRootSteps = 3;
 
 glm::dmat3 intrinsics(const PinholeCamera& camera) {
@@ -126,7 +126,7 @@ std::optional<OutlinePoint> OthersHull::outlineAt(const EdgePoint& edge, float r
   if (!here.seen) return std::nullopt;
   const bool outward = here.inside_pixels >= 0;
   const float most = outward ? std::min(kMostSlackPixels, reach_pixels) : reach_pixels, sign = outward ? 1.0f : -1.0f;
-  // Brackets the crossing between a way inside the hull and one outside, then halves by the secant's rule.
+  // Brackets the crossing between a position inside the hull and one outside, then applies the secant method.
   float in = 0, out = 0, value_in = here.inside_pixels, value_out = here.inside_pixels, way = 0;
   Deepest at = here;
   bool crossed = false;

@@ -10,7 +10,7 @@
 namespace fourdvt::refine {
 namespace {
 
-constexpr size_t kFrames = 12, kPoints = 60;  // of a clip; of a picture
+constexpr size_t kFrames = 12, kPoints = 60;  // per clip; per picture
 constexpr size_t kMostRounds = 8;             // changes per camera, on average
 constexpr size_t kSeveral = 3;                // cameras
 constexpr int kPlaceRounds = 50;
@@ -35,8 +35,8 @@ class Rig {
     for (size_t c = 0; c < given.size(); ++c) out_[c].camera = given[c];
   }
 
-  // Changes cameras until none is clearly off. Where several were, each has been judged by hulls that the others'
-  // errors made uncertain: then once more with less asked of a change.
+  // Changes cameras until no change is significant. If several changed, each was compared with hulls that contained the
+  // others' errors: repeats with a lower threshold.
   std::vector<CameraRefit> fit() {
     settle(kClearDeviations);
     size_t moved = 0;
@@ -46,7 +46,7 @@ class Rig {
   }
 
  private:
-  // Sweeps over the cameras that may still change; the one that gains most does.
+  // Sweeps over the cameras that may still change; applies the change with the largest gain.
   void settle(double deviations) {
     const size_t cameras = given_.size();
     std::vector<char> asked(cameras, 1);
@@ -62,7 +62,7 @@ class Rig {
     }
   }
 
-  // Refits the cameras that are `asked`, forgets those that stay, and returns the one that gains most, or -1.
+  // Refits the cameras marked in `asked`, unmarks unchanged ones, and returns the one with the largest gain, or -1.
   int sweep(std::vector<char>& asked, double deviations) {
     std::vector<CameraRefit> tried(given_.size());
     inParallel(given_.size(), [&](int c) {
@@ -113,18 +113,18 @@ std::vector<CameraRefit> fitRig(const std::vector<TimedClip>& clips, const std::
 std::vector<PinholeCamera> leastTurned(const std::vector<PinholeCamera>& given, const std::vector<PinholeCamera>& found,
                                        const glm::dvec3& middle_in_world, const std::vector<double>& near_deg) {
   const size_t cameras = given.size();
-  // A performer who stands elsewhere by `at` asks camera c to turn by by_place[c] · at, in radians.
+  // A shift `at` of the performer corresponds to rotations by_place[c] · at of camera c, radians.
   std::vector<glm::dvec3> turn(cameras);
   std::vector<glm::dmat3> by_place(cameras);
   for (size_t c = 0; c < cameras; ++c) {
     const glm::dmat3 r = glm::dmat3(found[c].cam_from_world) * glm::transpose(glm::dmat3(given[c].cam_from_world));
     turn[c] = 0.5 * glm::dvec3(r[1][2] - r[2][1], r[2][0] - r[0][2], r[0][1] - r[1][0]);
     const glm::dvec3 p(given[c].cam_from_world * glm::dvec4(middle_in_world, 1));
-    const glm::dmat3 cross(0, p.z, -p.y, -p.z, 0, p.x, p.y, -p.x, 0);  // of p and a vector
+    const glm::dmat3 cross(0, p.z, -p.y, -p.z, 0, p.x, p.y, -p.x, 0);  // cross product of p with a vector
     by_place[c] = cross * glm::dmat3(given[c].cam_from_world) / glm::dot(p, p);
   }
   glm::dvec3 at(0);
-  for (int round = 0; round < kPlaceRounds; ++round) {  // least absolute values, by reweighting
+  for (int round = 0; round < kPlaceRounds; ++round) {  // least absolute deviations, by reweighting
     glm::dmat3 left(1e-9);
     glm::dvec3 right(0);
     for (size_t c = 0; c < cameras; ++c) {

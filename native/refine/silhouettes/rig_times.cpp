@@ -12,14 +12,15 @@ namespace {
 
 constexpr size_t kCoarseFrames = 12, kCoarsePoints = 40;
 constexpr size_t kFineFrames = 24, kFinePoints = 80;
-constexpr double kFramesCost = 0.002;  // pixels a frame: of two times that fit alike, the nearer one
+constexpr double kFramesCost = 0.002;  // pixels per frame: prefers the smaller of two offsets with equal fit
 constexpr int kCoarseRounds = 6, kFineRounds = 10;
 constexpr double kSettledFrames = 0.01, kLargestStep = 1, kDamping = 0.7;
 constexpr float kReachPixels = 12;
-constexpr double kMostDeviation = 0.2;  // frames; above, a time is not known
-constexpr size_t kToleratedFrom = 7;    // cameras; with so many, one of them may be off while the others are compared
+constexpr double kMostDeviation = 0.2;  // frames; above, an offset counts as unknown
+constexpr size_t kToleratedFrom =
+    7;  // cameras; from this number on, one other camera may be inconsistent in a comparison
 
-// The whole number of frames near `middle` with which a camera fits the others best.
+// Whole number of frames near `middle` with which a camera fits the others best.
 double bestWhole(const SilhouetteClip& clip, const RigState& rig, size_t camera, double middle,
                  const TimeOptions& options, size_t tolerated) {
   const int count = 2 * options.most_frames + 1;
@@ -34,7 +35,7 @@ double bestWhole(const SilhouetteClip& clip, const RigState& rig, size_t camera,
   return *least < 1e9 ? middle + double(least - costs.begin()) - options.most_frames : rig.offset_frames[camera];
 }
 
-// Whole frames, camera after camera, until none changes.
+// Optimises whole frames, camera by camera, until none changes.
 void fitWhole(const SilhouetteClip& clip, RigState& rig, const TimeOptions& options, size_t tolerated) {
   for (int round = 0; round < kCoarseRounds; ++round) {
     bool changed = false;
@@ -48,7 +49,7 @@ void fitWhole(const SilhouetteClip& clip, RigState& rig, const TimeOptions& opti
   }
 }
 
-// One step of every camera's time; the largest of them.
+// One step of every camera's offset; returns the largest.
 double stepTimes(const SilhouetteClip& clip, const std::vector<size_t>& frames, RigState& rig,
                  std::vector<CameraTime>& out) {
   const size_t cameras = rig.cameras.size();

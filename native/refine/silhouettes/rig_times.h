@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Offsets of cameras in time, in fractions of frames: the ones with which silhouettes of one instant have a common
-// volume. Does NOT change calibrations.
+// Time offsets of cameras, in fractional frames, with which simultaneous silhouettes have a common volume. Calibrations
+// are fixed.
 #pragma once
 
 #include "refine/silhouettes/others_hull.h"
@@ -8,17 +8,17 @@
 namespace fourdvt::refine {
 
 struct CameraTime {
-  double offset_frames = 0;     // picture number f + offset_frames shows the instant f
+  double offset_frames = 0;     // picture f + offset_frames shows the instant f
   double deviation_frames = 0;  // standard deviation
-  bool known = false;           // something moves clearly enough
+  bool known = false;           // enough motion to determine the offset
 };
 
 struct TimeOptions {
-  int most_frames = 8;  // offsets beyond this, of one camera to the median of all, are not searched; 0: only fractions
+  int most_frames = 8;  // maximum difference of an offset from the median; 0: fractions only
 };
 
-// One offset per camera; their median is 0, for nothing says which camera is on time. `rig`: calibration, and the
-// offsets to start from.
+// Fits one offset per camera; their median is 0, since absolute time is not observable. `rig`: calibration and initial
+// offsets.
 std::vector<CameraTime> fitTimes(const SilhouetteClip& clip, const RigState& rig, const TimeOptions& options);
 
 }  // namespace fourdvt::refine

@@ -12,9 +12,9 @@
 namespace fourdvt::refine {
 namespace {
 
-constexpr double kDistanceBytes = 300e6;  // of all distances together
-constexpr double kFigureShare = 0.4;      // of a picture, round the figure
-constexpr int kBorderPixels = 2;          // nothing is known of an outline so near to the picture's border
+constexpr double kDistanceBytes = 300e6;  // all distances together
+constexpr double kFigureShare = 0.4;      // share of a picture around the figure
+constexpr int kBorderPixels = 2;          // outlines are unreliable this close to the picture's border
 
 std::vector<glm::vec2> outlineOf(const Image& coverage) {
   cv::Mat inside(coverage.height, coverage.width, CV_8U);
@@ -104,7 +104,7 @@ std::vector<EdgePoint> SilhouetteClip::edge(size_t camera, size_t frame, size_t 
     const glm::vec2 p = outline[i];
     const glm::vec2 inward(here.at(p.x + 1, p.y) - here.at(p.x - 1, p.y),
                            here.at(p.x, p.y + 1) - here.at(p.x, p.y - 1));
-    if (!(glm::length(inward) > 1)) continue;  // a thin part: no clear side
+    if (!(glm::length(inward) > 1)) continue;  // thin part without a clear side
     point.outward = -glm::normalize(inward);
     point.pixel = p + here.at(p.x, p.y) * point.outward;
     const glm::vec2 q = point.pixel;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The silhouettes of all cameras over a window of consecutive frames, as signed distances to their outlines, also
-// between frames. Does NOT place frames of different cameras in one time: others_hull.h does.
+// Silhouettes of all cameras over a window of consecutive frames, as signed distances to their outlines, interpolated
+// between frames. Each camera has its own time; others_hull.h aligns them.
 #pragma once
 
 #include <functional>
@@ -14,32 +14,32 @@
 
 namespace fourdvt::refine {
 
-// A place on the outline of a silhouette.
+// Sample on a silhouette's outline.
 struct EdgePoint {
-  glm::vec2 pixel{0}, outward{0};  // of the reduced picture; unit
-  float pixels_per_frame = 0;      // how fast the outline moves along `outward`
+  glm::vec2 pixel{0}, outward{0};  // in the reduced picture; unit
+  float pixels_per_frame = 0;      // speed of the outline along `outward`
 };
 
 class SilhouetteClip {
  public:
-  // `cameras`: of the pictures that silhouettes are added of. `loop`: the frames follow each other round.
+  // `cameras`: those of the added silhouettes. `loop`: the last frame is followed by the first.
   SilhouetteClip(std::vector<PinholeCamera> cameras, bool loop) : cameras_(std::move(cameras)), loop_(loop) {}
-  // The next frame: coverages (1 channel) of the cameras' sizes, one per camera.
+  // Appends a frame: coverages (1 channel) of the cameras' sizes, one per camera.
   void add(const std::vector<Image>& coverages);
 
   const std::vector<PinholeCamera>& cameras() const { return cameras_; }
   size_t frames() const { return frames_.size(); }
-  uint32_t first_frame = 0;  // of the sequence
+  uint32_t first_frame = 0;  // in the sequence
   // At most `most` frames, evenly spread.
   std::vector<size_t> spreadFrames(size_t most) const;
-  // About `count` places along the outline, the picture's border left out.
+  // About `count` samples along the outline, without the picture's border.
   std::vector<EdgePoint> edge(size_t camera, size_t frame, size_t count) const;
 
-  // The two frames beside an instant of a camera's own time, in frames from the first; null before the first and after
-  // the last of a clip that is no loop, and where the camera saw nothing.
+  // The two frames around an instant of a camera's own time, in frames from the first; null before the first and after
+  // the last frame of a clip that is no loop, and where the camera has no silhouette.
   struct Instant {
     const silhouette::SilhouetteDistance *before = nullptr, *after = nullptr;
-    float share = 0;  // of `after`
+    float share = 0;  // weight of `after`
     // Pixels, positive inside; kOutside beyond the picture.
     float at(double x, double y) const {
       const float first = before->at(x, y);
@@ -47,7 +47,7 @@ class SilhouetteClip {
     }
   };
   Instant instant(size_t camera, double frame) const;
-  // Least and greatest pixel of the silhouette at the frame nearest to an instant; none as of instant().
+  // Bounding box, pixels, of the silhouette at the frame nearest to an instant; none as in instant().
   std::optional<std::pair<glm::dvec2, glm::dvec2>> boundsAt(size_t camera, double frame) const;
 
  private:
@@ -57,9 +57,9 @@ class SilhouetteClip {
   std::vector<std::vector<std::vector<glm::vec2>>> outlines_;        // [frame][camera] pixels beside the outline
 };
 
-// Reads the middle of a sequence: at most `most_frames` frames, pictures reduced such that the distances of `clips`
-// such clips take at most about 300 MB. All frames of a loop or none wrap round. `on_frame` hears the share of the work
-// done and returns false to stop: then the error is Interrupted. Other errors: those of FrameReader.
+// Reads the middle of a sequence: at most `most_frames` frames, with pictures reduced such that the distances of
+// `clips` such clips take at most about 300 MB. The clip is a loop only if it has all frames of one. `on_frame`
+// receives the finished share and returns false to stop (error Interrupted). Other errors: those of FrameReader.
 Result<SilhouetteClip> readSilhouetteClip(const capture::Capture& capture, const capture::CaptureSequence& sequence,
                                           const OpenVideo& open_video, uint32_t most_frames, size_t clips,
                                           const std::function<bool(double share)>& on_frame);
