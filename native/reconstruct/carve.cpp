@@ -15,18 +15,18 @@ namespace {
 
 constexpr double kBandVoxels = 3;
 constexpr int kMaxLevels = 20;                       // 2^20 blocks along each side of space
-constexpr int kCoarseLevels = 9, kCommonLevels = 7;  // halvings after which a message's figures are counted
+constexpr int kCoarseLevels = 9, kCommonLevels = 7;  // halvings for the counts in an error message
 constexpr size_t kNoView = SIZE_MAX;
 
 enum class Share : uint8_t { Outside, Mixed, Inside };
 
 class Carver {
  public:
-  // The camera `without` is not asked.
+  // Excludes the camera `without`.
   explicit Carver(std::span<const CarvingView> views, size_t without = kNoView)
       : views_(views), without_(without), needed_(views.size() / 2 + 1) {}
 
-  // What is certain of a sphere: outside as a whole, inside as a whole, or neither.
+  // Conservative classification of a sphere: entirely outside, entirely inside, or undecided.
   Share judge(const glm::dvec3& centre, double radius) const {
     size_t seen = 0;
     bool inside = true;
@@ -35,7 +35,7 @@ class Carver {
       const PinholeCamera& camera = views_[i].silhouette->camera;
       const glm::dvec3 p = camera.project(centre);
       if (p.z <= -radius) continue;
-      if (p.z <= 1.5 * radius) {  // the camera may stand in it
+      if (p.z <= 1.5 * radius) {  // may contain the camera
         ++seen;
         inside = false;
         continue;
@@ -45,7 +45,7 @@ class Carver {
       if (beside > reach) continue;
       ++seen;
       if (beside > -reach) {
-        inside = false;  // some of it may lie beyond the picture's edge
+        inside = false;  // partly beyond the picture's edge
         continue;
       }
       const float distance = views_[i].distance.at(p.x, p.y);
@@ -83,14 +83,14 @@ std::vector<PinholeCamera> camerasOf(std::span<const CarvingView> views) {
   return out;
 }
 
-// Cubes of blocks, halved again and again.
+// Cubes of blocks, for recursive subdivision.
 struct Cells {
   glm::dvec3 origin{0};  // of the grid
   double block_m = 0;
   int blocks_along = 0;            // of one cell
-  std::vector<glm::ivec3> at;      // in blocks
-  std::vector<glm::ivec3> inside;  // blocks that need no look any more
-  size_t judged = 0;               // cells so far
+  std::vector<glm::ivec3> at;      // origins, in blocks
+  std::vector<glm::ivec3> inside;  // blocks entirely inside
+  size_t judged = 0;               // cells classified so far
 };
 
 double radiusOf(const Cells& cells) { return std::sqrt(0.75) * cells.block_m * cells.blocks_along; }
@@ -119,7 +119,7 @@ void halve(const Carver& carver, Cells& cells) {
   }
 }
 
-// One cell round everything that the cameras may see, aligned to the grid of blocks.
+// One cell around all visible space, aligned to the grid of blocks.
 Cells wholeSpace(std::span<const CarvingView> views, double voxel_m) {
   const std::vector<PinholeCamera> cameras = camerasOf(views);
   const glm::dvec3 middle = middleOf(cameras);
@@ -134,7 +134,7 @@ Cells wholeSpace(std::span<const CarvingView> views, double voxel_m) {
   return cells;
 }
 
-// The same space with a grid of its own, which depends on the rig alone; `levels` halvings lead to single blocks.
+// The same space with a grid that depends on the rig alone; `levels` halvings give single blocks.
 Cells rigSpace(std::span<const CarvingView> views, int levels) {
   const std::vector<PinholeCamera> cameras = camerasOf(views);
   const glm::dvec3 middle = middleOf(cameras);
@@ -147,13 +147,13 @@ Cells rigSpace(std::span<const CarvingView> views, int levels) {
   return cells;
 }
 
-// Returns true if the cell's middle is left: a large cell may be left for its corners alone.
+// True if the cell's centre is inside: a large cell may remain for its corners alone.
 bool middleHeld(const Carver& carver, const Cells& cells, const glm::ivec3& at) {
   return carver.judge(centreOf(cells, at), radiusOf(cells) / 8) != Share::Outside;
 }
 
 Error nothingLeft(std::span<const CarvingView> views) {
-  // How much is left on a coarse grid without one camera.
+  // Remaining volume on a coarse grid without one camera.
   const auto left = [&](size_t without) {
     const Carver carver(views, without);
     Cells cells = rigSpace(views, kCoarseLevels);
@@ -214,7 +214,7 @@ Result<CoarseBounds> coarseBounds(std::span<const CarvingView> views, int cells_
       low = glm::min(low, at);
       high = glm::max(high, at + cells.blocks_along);
     }
-    if (low.x > high.x) continue;  // too coarse for the performer
+    if (low.x > high.x) continue;  // voxels larger than the performer
     const glm::ivec3 along = (high - low) / cells.blocks_along;
     if (std::max({along.x, along.y, along.z}) < cells_along) continue;
     return CoarseBounds{cells.origin + glm::dvec3(low) * cells.block_m, cells.origin + glm::dvec3(high) * cells.block_m,
@@ -258,8 +258,8 @@ Result<SparseDistance> carve(std::span<const CarvingView> views, double voxel_m)
 
 namespace {
 
-constexpr double kNearReach = 4, kFarReach = 32;  // spreads of the cameras: rays that meet, rays side by side
-constexpr double kSideBySide = 0.94;              // cosine between any two rays: they fix no distance
+constexpr double kNearReach = 4, kFarReach = 32;  // in spreads of the cameras: converging rays, parallel rays
+constexpr double kSideBySide = 0.94;              // minimum cosine between any two rays: the distance is undetermined
 constexpr double kEverywhere = 1e9;               // pixels
 constexpr size_t kEnoughCells = 20'000;
 constexpr int kMostHalvings = 20;
@@ -289,7 +289,7 @@ double reachOf(std::span<const PinholeCamera> cameras, const glm::dvec3& middle)
     }
   }
   const double reach = std::max(2 * from_middle, spread * (least_cosine > kSideBySide ? kFarReach : kNearReach));
-  return reach > 0 ? reach : 1;  // one centre for all: no distance is better than another
+  return reach > 0 ? reach : 1;  // all cameras at one centre: any distance will do
 }
 
 bool isSeen(std::span<const PinholeCamera> cameras, size_t least_cameras, const glm::dvec3& centre, double radius) {
@@ -325,7 +325,7 @@ double seenVolume(std::span<const PinholeCamera> cameras) {
 
 namespace {
 
-// Merged faces may cross their neighbours; then fewer are merged.
+// Merged faces may cross their neighbours; adaptivity is then reduced.
 constexpr size_t kMostChecked = 500'000;
 constexpr double kAdaptivityShares[] = {1, 0.25, 0};
 

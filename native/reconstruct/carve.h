@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Carves space with silhouettes: what is left is where the performer can be. Blocks of voxels from large to small, so
-// that empty space costs little. Does NOT make a surface.
+// Voxel carving by silhouettes, from large blocks to small ones so that empty space costs little; the space that a
+// rig's cameras see; and the volumetric visual hull, which is robust against unclean outlines.
 #pragma once
 
 #include <functional>
@@ -12,41 +12,36 @@
 #include "silhouette/silhouette.h"
 
 namespace fourdvt::reconstruct {
-// A silhouette and the distances to its outline.
+// Silhouette with signed distances to its outline.
 struct CarvingView {
   const silhouette::Silhouette* silhouette = nullptr;
   silhouette::SilhouetteDistance distance;
 };
 
-// The smallest distance over the cameras that see a point, metres (pixels times depth over focal length). A point
-// counts only where more than half of the cameras see it: beyond, two opposite ones would leave phantoms. Grid cells
-// are aligned to multiples of the voxel, the same in every frame. Error NothingVisible: no point is left; the message
-// names the camera that disagrees with most others, or says that the cameras see no common volume.
+// Signed distance: the minimum over the cameras that see a point, metres (pixels times depth over focal length). Points
+// seen by at most half of the cameras are outside, since two opposite cameras would leave phantoms there. Grid cells
+// are aligned to multiples of the voxel, equally in every frame. Error NothingVisible: the hull is empty; the message
+// names the camera that disagrees with the most others, or reports that the cameras see no common volume.
 Result<SparseDistance> carve(std::span<const CarvingView> views, double voxel_m);
 
-// A box round the performer, from cells that are halved until it is so many of them long: no length is given, so that a
-// rig in other units gives the same cells. World, metres. Errors: those of carve().
+// Bounding box of the performer, by halving cells until it is at least `cells_along` of them long. Independent of the
+// rig's unit of length. World, metres. Errors: those of carve().
 struct CoarseBounds {
   glm::dvec3 low{0}, high{0};
   double cell_m = 0;
 };
 Result<CoarseBounds> coarseBounds(std::span<const CarvingView> views, int cells_along);
 
-// The space that the cameras of a rig look at: the bounds within which silhouettes carve. Does NOT look at pictures.
-
-// The point that lies closest to the rays through the middle of all pictures, metres.
+// Point closest to the rays through the centres of all pictures, metres.
 glm::dvec3 middleOf(std::span<const PinholeCamera> cameras);
-// The largest distance from the middle at which the performer may be; grows with the rig.
+// Maximum distance of the performer from `middle`; scales with the rig.
 double reachOf(std::span<const PinholeCamera> cameras, const glm::dvec3& middle);
-// True if at least so many cameras see the sphere or part of it.
+// True if at least `least_cameras` cameras see part of the sphere.
 bool isSeen(std::span<const PinholeCamera> cameras, size_t least_cameras, const glm::dvec3& centre, double radius);
 
-// Volume that more than half of the cameras see, m³, to within a few percent: all that silhouettes which cover the
-// pictures would leave. 0: there is none.
+// Volume seen by more than half of the cameras, m³, within a few percent: an upper limit of the hull, reached by
+// silhouettes that cover the pictures. 0: there is none.
 double seenVolume(std::span<const PinholeCamera> cameras);
-
-// The visual hull by voxels: the robust choice. Its surface lies within about a fifth of a voxel of the cones' common
-// part, and its edges are rounded. Does NOT need clean outlines.
 
 struct VolumetricOptions {
   double voxel_m = 0.005;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The planes that bound a polyhedral visual hull: six of the bounds, and one wedge between two viewing lines for every
-// edge of an outline. Normals point out of the hull. Coordinates are scaled: the bounds' centre is the origin, the
-// longest half of the bounds is 1.
+// Planes that bound a polyhedral visual hull: the six faces of the bounds, and per edge of an outline a wedge between
+// two viewing lines. Normals point out of the hull. Coordinates are scaled: the bounds' centre is the origin, their
+// longest half side is 1. Plane predicates are exact, since vertices are represented by their planes.
+//
+// Source: Steven Fortune, Christopher J. Van Wyk: Static Analysis Yields Efficient Exact Integer Arithmetic for
+// Computational Geometry. ACM Transactions on Graphics 15(3), 1996.
 #pragma once
 
 #include <array>
@@ -16,34 +19,30 @@
 #include "reconstruct/polyhedral_hull.h"
 
 namespace fourdvt::reconstruct {
-// On which side of a plane three other planes meet, answered exactly. A vertex of a hull is known by its planes only,
-// so that whoever asks about it gets the same answer (FV96). Does NOT break ties: planes that meet in no single point,
-// or four in one, give 0.
-
-// n · x + d, with integers of at most 2^29 as coefficients: the determinant of four planes fits into 128 bits.
+// Plane n · x + d = 0 with integer coefficients of at most 2^29, so that the determinant of four planes fits into 128
+// bits.
 struct Plane {
   std::array<double, 4> coefficients{};  // integers; n and d
 
-  // The plane through points with normal · x + offset = 0, rounded. The normal is a unit vector. x within [-1, 1]³ is
-  // where the answers are to be good; its rounding then moves the plane by about 2^-27.
+  // Rounds the plane normal · x + offset = 0 with unit normal, which moves it by about 2^-27 within [-1, 1]³.
   static Plane rounded(const glm::dvec3& normal, double offset);
 };
 
-// The line in which two planes meet, directed along the cross product of their normals.
+// Intersection line of two planes, directed along the cross product of their normals.
 struct PlaneLine {
   PlaneLine(const Plane& first, const Plane& second);
   const Plane *first, *second;          // borrowed
   double m01, m02, m03, m12, m13, m23;  // minors of the two rows
 };
 
-// The point in which three planes meet.
+// Intersection point of three planes.
 class PlanePoint {
  public:
   PlanePoint() = default;
   PlanePoint(const PlaneLine& line, const Plane& third);  // borrows the planes
-  // 1: the third plane's value grows along the line; -1: it falls; 0: they do not meet in a point.
+  // 1: the third plane's value grows along the line; -1: it falls; 0: no unique intersection.
   int heading() const { return heading_; }
-  // The sign of n · x + d of another plane here; 0: it passes through the point.
+  // Exact sign of n · x + d of another plane at the point; 0: the plane passes through it, or the point is not unique.
   int side(const Plane& other) const;
   glm::dvec3 position() const;
 
@@ -54,25 +53,25 @@ class PlanePoint {
 };
 
 constexpr uint32_t kBoundPlanes = 6;
-constexpr int kBounds = -1;  // in place of a camera
+constexpr int kBounds = -1;  // index in place of a camera
 
 struct HullPlane {
   Plane plane;
-  glm::dvec3 normal{0};  // unit, world and scaled alike
+  glm::dvec3 normal{0};  // unit, equal in world and scaled coordinates
   int camera = kBounds;
-  // A wedge alone: the planes of the edges before and after in its ring. Where a point of this plane lies on these
-  // sides of them, it lies between the wedge's two viewing lines and in front of the camera.
+  // Wedges only: planes of the previous and next edge in the ring. A point of this plane on the given sides of them
+  // lies between the wedge's two viewing lines and in front of the camera.
   uint32_t previous = 0, next = 0;
   int previous_side = 0, next_side = 0;
-  glm::dvec2 from{0}, to{0};   // pixels: the edge; background has cross(to - from, x - from) > 0
+  glm::dvec2 from{0}, to{0};   // edge, pixels; background has cross(to - from, x - from) > 0
   glm::dvec3 from_ray{0};      // unit direction of the viewing line through `from`
-  bool reaches_bounds = true;  // false: no point of it lies within the bounds
+  bool reaches_bounds = true;  // false: it lies outside the bounds
 };
 
 struct HullPlanes {
-  std::vector<HullPlane> planes;    // the bounds', then the wedges camera after camera
-  std::vector<uint32_t> first;      // per camera its first plane; the end at last
-  std::vector<glm::dvec3> centres;  // per camera, scaled
+  std::vector<HullPlane> planes;    // bounds first, then wedges by camera
+  std::vector<uint32_t> first;      // [camera] first plane; the total at the end
+  std::vector<glm::dvec3> centres;  // [camera] scaled
   glm::dvec3 centre_in_world{0};    // metres
   double metres_per_unit = 1;
 
@@ -85,21 +84,19 @@ struct HullPlanes {
 // How planes are brought into general position, in which no four of them meet in a point. Corners of an outline that
 // are too flat are left out: the line in which their planes meet would move far when these are rounded.
 struct PlaneRounding {
-  uint32_t seed = 1;            // of the chance by which coefficients are moved
-  double jiggle = 0x1p-21;      // the most that they are moved; scaled
-  double least_turn_px = 0.01;  // between a corner and the line between its neighbours; flatter ones are left out
+  uint32_t seed = 1;            // of the random perturbation
+  double jiggle = 0x1p-21;      // maximum change of a coefficient; scaled
+  double least_turn_px = 0.01;  // minimum distance of a corner from the line between its neighbours
 };
 
-// The planes of all cameras' outlines and of the bounds. Errors: InvalidArgument (no cones or bounds, a camera within
-// the bounds or a thousandth of their size from them, two cameras at one place, numbers that are not finite).
+// Planes of the bounds and of all cameras' outlines. Errors: InvalidArgument (no cones or bounds, a camera within the
+// bounds or closer to them than a thousandth of their size, two cameras at one position, non-finite numbers).
 Result<HullPlanes> hullPlanes(std::span<const SilhouetteCone> cones, const BoundingBox& bounds,
                               const PlaneRounding& rounding = {});
 
-// Which wedges of two cameras can meet. The half planes from the line through both centres sort the viewing lines of
-// both cameras by angle; two wedges meet only where their angles overlap.
-
-// Calls `visit` with the planes of every pair that may meet within the bounds: first one of camera `first`, then one of
-// camera `second`. Each pair once. Stops when `visit` returns false.
+// Visits every pair of wedges of two cameras that may meet within the bounds, once, as (plane of `first`, plane of
+// `second`). The half planes through the baseline sort both cameras' viewing lines by angle; only wedges with
+// overlapping angles can meet. Stops when `visit` returns false.
 void visitEpipolarPairs(const HullPlanes& planes, int first, int second,
                         const std::function<bool(uint32_t, uint32_t)>& visit);
 

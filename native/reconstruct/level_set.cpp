@@ -17,7 +17,7 @@ TriangleMesh zeroSurface(const SparseDistance& distance, double adaptivity) {
   static_assert(Leaf::DIM == kBlock);
   const auto coordOf = [](const glm::ivec3& at) { return openvdb::Coord(at.x, at.y, at.z); };
   for (const SparseDistance::Block& block : distance.blocks) {
-    auto* leaf = new Leaf(coordOf(block.at), distance.band_m, true);  // the tree takes it
+    auto* leaf = new Leaf(coordOf(block.at), distance.band_m, true);  // owned by the tree
     for (size_t i = 0; i < block.values.size(); ++i) leaf->setValueOnly(openvdb::Index(i), -block.values[i]);
     tree.addLeaf(leaf);
   }

@@ -19,7 +19,7 @@ Triangle corners(const TriangleMesh& mesh, uint32_t face) {
   return {glm::dvec3(mesh.positions[f.x]), glm::dvec3(mesh.positions[f.y]), glm::dvec3(mesh.positions[f.z])};
 }
 
-// Each edge must have two faces, which pass it in opposite directions.
+// Counts edges without exactly two faces of opposite direction.
 void checkEdges(const TriangleMesh& mesh, MeshReport& report) {
   struct Directed {
     uint64_t ends;  // the lower vertex in the upper half
@@ -45,7 +45,7 @@ void checkEdges(const TriangleMesh& mesh, MeshReport& report) {
   report.euler = int(std::count(used.begin(), used.end(), true)) - distinct + int(mesh.faces.size());
 }
 
-// Per face the number of its component; returns how many there are.
+// Computes the component of each face; returns the number of components.
 int componentsOf(const TriangleMesh& mesh, std::vector<int>& component) {
   std::vector<uint32_t> root(mesh.positions.size());
   std::iota(root.begin(), root.end(), 0u);
@@ -64,7 +64,8 @@ int componentsOf(const TriangleMesh& mesh, std::vector<int>& component) {
   return count;
 }
 
-// The solid angle that the face covers seen from p, over 4π, > 0 seen from behind (OS83).
+// Solid angle of the face seen from p, over 4π, > 0 from behind. Source: Adriaan van Oosterom, Jan Strackee: The Solid
+// Angle of a Plane Triangle. IEEE Transactions on Biomedical Engineering 30(2), 1983.
 double winding(const Triangle& t, const glm::dvec3& p) {
   const glm::dvec3 a = t[0] - p, b = t[1] - p, c = t[2] - p;
   const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
@@ -77,7 +78,7 @@ void checkComponents(const TriangleMesh& mesh, MeshReport& report) {
   std::vector<int> component;
   report.components = componentsOf(mesh, component);
   std::vector<double> volumes(report.components, 0);
-  std::vector<glm::dvec3> points(report.components);  // one of each
+  std::vector<glm::dvec3> points(report.components);  // one point per component
   for (uint32_t f = 0; f < mesh.faces.size(); ++f) {
     const Triangle t = corners(mesh, f);
     const glm::dvec3 origin(mesh.positions[mesh.faces[0].x]);
@@ -86,7 +87,7 @@ void checkComponents(const TriangleMesh& mesh, MeshReport& report) {
   }
   report.volume_m3 = std::accumulate(volumes.begin(), volumes.end(), 0.0);
   for (int c = 0; c < report.components; ++c) {
-    double round = 0;  // how often the others surround it
+    double round = 0;  // winding number of the other components around it
     for (uint32_t f = 0; f < mesh.faces.size(); ++f)
       if (component[f] != c) round += winding(corners(mesh, f), points[c]);
     const bool surrounded = round > 0.5;
@@ -103,7 +104,7 @@ void checkDegenerate(const TriangleMesh& mesh, double tolerance_m, MeshReport& r
   }
 }
 
-// Sorts the faces' boxes along the longest axis and compares those that overlap.
+// Sorts the faces' boxes along the longest axis and compares overlapping ones.
 void checkCrossings(const TriangleMesh& mesh, double tolerance_m, MeshReport& report) {
   struct Box {
     glm::dvec3 low, high;
@@ -150,9 +151,6 @@ std::string describe(const MeshReport& r) {
       r.volume_m3);
 }
 
-// The separating axis theorem: convex bodies are apart where their shadows on the normal of a face, or of two edges,
-// are apart; for two triangles in one plane, on the normals of edges within the plane.
-
 namespace {
 
 // Unit, or zero for a triangle's side without length.
@@ -161,12 +159,14 @@ glm::dvec3 direction(const glm::dvec3& v) {
   return length > 0 ? v / length : glm::dvec3(0);
 }
 
-// How deep the shadows of both on the axis reach into each other; infinity for an axis without direction.
+// Overlap of the projections onto the axis; infinity for a zero axis. By the separating axis theorem, convex bodies are
+// disjoint if their projections onto a face normal or a cross product of edges are; coplanar triangles if those onto
+// edge normals within the plane are.
 double overlap(const Triangle& a, const Triangle& b, const glm::dvec3& axis) {
   const double length = glm::length(axis);
   if (length < 1e-150) return std::numeric_limits<double>::infinity();
   const glm::dvec3 unit = axis / length;
-  const glm::dvec3& origin = a[0];  // small numbers round less
+  const glm::dvec3& origin = a[0];  // keeps numbers, and hence rounding errors, small
   const auto shadow = [&](const Triangle& t) {
     const double p = glm::dot(t[0] - origin, unit), q = glm::dot(t[1] - origin, unit),
                  r = glm::dot(t[2] - origin, unit);
@@ -190,7 +190,7 @@ double crossingDepth(const Triangle& a, const Triangle& b, double tolerance) {
     depth = std::min(depth, overlap(a, b, axis));
     return depth <= tolerance;
   };
-  // A triangle in the plane of another has no depth along its normal; within the plane it may have.
+  // Coplanar triangles have zero overlap along the normal; within the plane they may overlap.
   const auto spread = [&](const Triangle& of, const Triangle& from, const glm::dvec3& normal) {
     double most = 0;
     for (const glm::dvec3& p : of) most = std::max(most, std::abs(glm::dot(p - from[0], direction(normal))));
@@ -198,14 +198,14 @@ double crossingDepth(const Triangle& a, const Triangle& b, double tolerance) {
   };
   const bool flat = glm::length(normal_a) > 0 && glm::length(normal_b) > 0 && spread(b, a, normal_a) <= tolerance &&
                     spread(a, b, normal_b) <= tolerance;
-  if (flat && glm::dot(normal_a, normal_b) < 0) return 0;  // the two sides of a sheet
+  if (flat && glm::dot(normal_a, normal_b) < 0) return 0;  // two sides of a sheet
   if (!flat && (apart(normal_a) || apart(normal_b))) return 0;
   for (int i = 0; i < 3; ++i) {
     if (apart(glm::cross(normal_a, edges_a[i])) || apart(glm::cross(normal_b, edges_b[i]))) return 0;
     for (int k = 0; k < 3 && !flat; ++k)
       if (apart(glm::cross(edges_a[i], edges_b[k]))) return 0;
   }
-  return std::isfinite(depth) ? depth : 0;  // points have no depth
+  return std::isfinite(depth) ? depth : 0;  // no overlap between points
 }
 
 }  // namespace fourdvt::reconstruct

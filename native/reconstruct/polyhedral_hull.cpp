@@ -8,7 +8,7 @@ namespace fourdvt::reconstruct {
 namespace {
 
 constexpr int kMostAttempts = 4;
-constexpr double kCoarser = 3;  // every attempt leaves out corners that are flatter by this
+constexpr double kCoarser = 3;  // growth of the flatness threshold per attempt
 
 }  // namespace
 

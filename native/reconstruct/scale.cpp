@@ -10,12 +10,12 @@
 namespace fourdvt::reconstruct {
 namespace {
 
-constexpr int kCellsAlong = 48;                // of the first, coarse bounds
-constexpr double kVoxelsAlong = 96;            // of the carving that is measured
-constexpr int kFinerTries = 3;                 // halvings of its voxels where a thin performer falls between them
-constexpr double kPersonThickness_m = 0.1228;  // of a person's hull
-constexpr double kFacesPerVoxel = 3;           // surface nets: 1.5 vertices, so 3 faces, per voxel's face of area
-constexpr double kSpareFaces = 4;              // made, per face that is kept
+constexpr int kCellsAlong = 48;                // first, coarse bounds
+constexpr double kVoxelsAlong = 96;            // measuring carve
+constexpr int kFinerTries = 3;                 // halvings of the voxel for thin performers that fall between voxels
+constexpr double kPersonThickness_m = 0.1228;  // hull of a person
+constexpr double kFacesPerVoxel = 3;           // surface nets: 1.5 vertices, so 3 faces, per voxel face of area
+constexpr double kSpareFaces = 4;              // maximum ratio of extracted to kept faces
 
 // Signed volume, its centroid, and area.
 struct Solid {
@@ -55,7 +55,7 @@ double medianFootprint(std::span<const CarvingView> views, const glm::dvec3& cen
   return median(std::move(footprints));
 }
 
-// The surface of a carving with voxels that suit the bounds.
+// Surface of a carving with voxels that suit the bounds.
 Result<TriangleMesh> coarseSurface(std::span<const CarvingView> views) {
   FOURDVT_ASSIGN(const CoarseBounds box, coarseBounds(views, kCellsAlong));
   const glm::dvec3 sides = box.high - box.low;

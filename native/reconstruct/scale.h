@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The performer's place and size, and the size of a pixel there: the measures that all lengths of a reconstruction
-// follow, so that a scene in other units, or a figurine, gives the same surface. Does NOT make a surface.
+// Position and size of the performer and of a pixel there. All lengths of a reconstruction are multiples of these, so
+// that scaled scenes, such as a figurine, have the same surface.
 #pragma once
 
 #include <span>
@@ -10,30 +10,30 @@
 
 namespace fourdvt::reconstruct {
 
-// Measures of the silhouettes' hull, from a coarse carving. A rig that is scaled by s gives lengths that are scaled by s.
+// Measures of the silhouettes' hull, from a coarse carving; scaling the rig by s scales all lengths by s.
 struct SceneScale {
   BoundingBox bounds;             // world, metres
-  glm::dvec3 centre_in_world{0};  // of the volume, metres
-  double extent_m = 0;            // the longest side of the bounds
+  glm::dvec3 centre_in_world{0};  // centroid of the volume, metres
+  double extent_m = 0;            // longest side of the bounds
   double area_m2 = 0;
-  double thickness_m = 0;  // three volumes over the area: a ball's radius; hardly changes with a pose or a group
-  double footprint_m = 0;  // of a pixel at the centre: the median over the views of depth over focal length
+  double thickness_m =
+      0;  // three volumes over the area: a ball's radius; nearly independent of pose and number of people
+  double footprint_m = 0;  // size of a pixel at the centre: median over the views of depth over focal length
 };
 
-// At least two views. Errors: those of carve().
+// Requires at least two views. Errors: those of carve().
 Result<SceneScale> scaleOf(std::span<const CarvingView> views);
 
-// Footprints of a pixel along a voxel: 5 mm for a person who fills 480 x 640 pixels.
+// Voxel size in pixel footprints: 5 mm for a person who fills 480 x 640 pixels.
 inline constexpr double kVoxelFootprints = 1.35;
-// The side of a voxel for a scene: that many footprints, or more where the surface would have over four times
-// `most_faces`.
+// Voxel size for a scene: kVoxelFootprints, or more where the surface would exceed four times `most_faces`.
 double voxelFor(const SceneScale& scale, size_t most_faces);
 
-// Metres of the world per metre of a scene in which the performer is as thick as a person. Lengths that suit a person
-// hold in the latter.
+// Metres of the world per metre of a normalised scene, in which the performer is as thick as a person. Lengths tuned
+// for a person apply in the normalised scene.
 double metresPerPersonMetre(const SceneScale& scale);
 
-// The camera of a scene whose lengths are divided by `divisor`, round the world's origin.
+// Camera of the scene with all lengths divided by `divisor`, about the world's origin.
 PinholeCamera dividedCamera(const PinholeCamera& camera, double divisor);
 
 }  // namespace fourdvt::reconstruct

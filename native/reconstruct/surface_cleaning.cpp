@@ -26,7 +26,7 @@ uint32_t rootOf(std::vector<uint32_t>& parent, uint32_t v) {
   return v;
 }
 
-// Largest volume first.
+// Connected components, by decreasing volume.
 std::vector<Component> componentsOf(const TriangleMesh& mesh) {
   std::vector<uint32_t> parent(mesh.positions.size()), index(mesh.positions.size(), UINT32_MAX);
   std::iota(parent.begin(), parent.end(), 0u);
@@ -50,7 +50,7 @@ std::vector<Component> componentsOf(const TriangleMesh& mesh) {
   return out;
 }
 
-// 255 where the component is in the camera's picture.
+// Mask of the component in the camera's picture, 255 inside.
 cv::Mat drawn(const PinholeCamera& camera, const TriangleMesh& mesh, const Component& component) {
   cv::Mat out(camera.height, camera.width, CV_8U, cv::Scalar(0));
   for (const uint32_t f : component.faces) {
@@ -92,7 +92,7 @@ double leastVolume(const std::vector<Component>& components, double least_volume
   return std::max(components.front().volume_m3 * kSpeckShare, least_volume_m3);
 }
 
-// The largest component stays; `choose` says which of the others. Returns how many were left out.
+// Keeps the largest component and those selected by `choose`. Returns the number of removed components.
 template <class Choose>
 size_t dropOthers(TriangleMesh& mesh, const Choose& choose) {
   if (mesh.faces.empty()) return 0;
@@ -118,7 +118,7 @@ size_t dropNeedless(TriangleMesh& mesh, std::span<const silhouette::Silhouette* 
                     double least_volume_m3) {
   return dropOthers(mesh, [&](const std::vector<Component>& components, std::vector<bool>& keep) {
     const double least = leastVolume(components, least_volume_m3);
-    std::vector<cv::Mat> explained;  // per camera, by the components that are kept
+    std::vector<cv::Mat> explained;  // [camera] mask of the components kept so far
     for (size_t i = 1; i < components.size(); ++i) {
       const double volume = components[i].volume_m3;
       if (volume < 0) keep[i] = -volume >= least;
@@ -170,7 +170,7 @@ size_t dropHollows(TriangleMesh& mesh) {
 namespace {
 
 constexpr float kStep = 0.5f;
-constexpr float kBeyond_px = 0.25f;  // how far a vertex may come to lie outside of a silhouette
+constexpr float kBeyond_px = 0.25f;  // maximum distance of a vertex outside a silhouette
 constexpr int kHalvings = 5;
 
 // Vertex pairs of all edges, each twice.
@@ -182,7 +182,7 @@ std::vector<std::pair<uint32_t, uint32_t>> edgesOf(const TriangleMesh& mesh) {
   return out;
 }
 
-// Each vertex moves by `share` of the way to the mean of its neighbours.
+// Moves each vertex by `share` of the way to the mean of its neighbours.
 void relax(Positions& positions, const std::vector<std::pair<uint32_t, uint32_t>>& edges, float share) {
   std::vector<glm::vec3> sum(positions.size(), glm::vec3(0));
   std::vector<float> count(positions.size(), 0);
@@ -194,7 +194,7 @@ void relax(Positions& positions, const std::vector<std::pair<uint32_t, uint32_t>
     if (count[v] > 0) positions[v] += share * (sum[v] / count[v] - positions[v]);
 }
 
-// How far a point lies inside the silhouette that it is nearest to leaving, pixels; negative outside.
+// Minimum signed distance of a point over the silhouettes, pixels; negative outside.
 float clearance(std::span<const CarvingView> views, const glm::vec3& point) {
   float least = silhouette::SilhouetteDistance::kOutside;
   for (const CarvingView& view : views) {
@@ -227,7 +227,7 @@ int fairSurface(TriangleMesh& mesh, std::span<const CarvingView> views, int roun
 
 namespace {
 
-constexpr float kAnyError = 1;  // of the mesh's extent: the number of faces decides
+constexpr float kAnyError = 1;  // relative to the mesh's extent: only the number of faces is limited
 
 }  // namespace
 

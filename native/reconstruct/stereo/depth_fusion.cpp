@@ -11,9 +11,9 @@
 namespace fourdvt::reconstruct {
 namespace {
 
-constexpr float kOneSurface_m = 0.03f;  // depths of neighbouring pixels that differ by less belong together
+constexpr float kOneSurface_m = 0.03f;  // maximum depth difference of neighbouring pixels on one surface
 
-// Signed distance of a place to the surface of a map, metres along the optical axis, positive behind it.
+// Signed distance of a point to a map's surface, metres along the optical axis, positive behind it.
 struct Evidence {
   float distance = 0, weight = 0;
 };
@@ -26,7 +26,7 @@ class MapAtPoint {
     k[2][0] = map.camera.cx - map.x, k[2][1] = map.camera.cy - map.y;
     pixel_from_world_ = glm::mat4(k * map.camera.cam_from_world);
   }
-  // False where the map does not know.
+  // False where the map has no depth.
   bool at(const glm::vec3& point, float truncation, Evidence& out) const {
     const glm::vec3 p(pixel_from_world_ * glm::vec4(point, 1));
     if (p.z <= 0) return false;
@@ -38,7 +38,7 @@ class MapAtPoint {
     const size_t near = i + (fx > 0.5f) + (fy > 0.5f ? map_.width : 0);
     const float nearest = map_.depth_m[near];
     if (nearest <= 0) return false;
-    // Bilinear where the four depths belong to one surface.
+    // Bilinear if the four depths belong to one surface.
     const float d[4] = {map_.depth_m[i], map_.depth_m[i + 1], map_.depth_m[i + map_.width],
                         map_.depth_m[i + map_.width + 1]};
     const float low = std::min(std::min(d[0], d[1]), std::min(d[2], d[3])),
@@ -58,7 +58,7 @@ class MapAtPoint {
   glm::mat4 pixel_from_world_;
 };
 
-// The weighted median of n > 0 values.
+// Weighted median of n > 0 values.
 float median(Evidence* e, int n, float total) {
   std::sort(e, e + n, [](const Evidence& a, const Evidence& b) { return a.distance < b.distance; });
   float sum = 0;
@@ -69,8 +69,8 @@ float median(Evidence* e, int n, float total) {
   return e[n - 1].distance;
 }
 
-// What the hull says of a place, `hull_m`, and the maps: the mean of those that lie near their median. `trust`: their
-// weight, 0 if it is too little.
+// Fuses the hull's distance `hull_m` at a point with those of the maps: their mean near the median. `trust`: total
+// weight of the maps, 0 if below the minimum.
 float fused(const std::vector<MapAtPoint>& maps, const glm::vec3& point, float hull_m, const FusionOptions& options,
             std::vector<Evidence>& evidence, float& trust) {
   const float truncation = float(options.truncation_m), stays = float(options.hull_stays_m);
@@ -119,7 +119,7 @@ namespace {
 constexpr int kVoxels = kBlock * kBlock * kBlock;
 using Blocks = std::vector<BlockValues>;
 
-// Which blocks lie beside each block: −x, +x, −y, +y, −z, +z; -1: none.
+// Indices of the adjacent blocks: −x, +x, −y, +y, −z, +z; -1: none.
 class Neighbours {
  public:
   explicit Neighbours(const SparseDistance& distance) : beside_(distance.blocks.size()) {
@@ -133,7 +133,7 @@ class Neighbours {
         beside_[b][k] = found == index.end() ? -1 : found->second;
       }
   }
-  // The six values round voxel i of a block; `none` where there is no block.
+  // Values of the six neighbours of voxel i; `none` outside the blocks.
   std::array<float, 6> round(const Blocks& blocks, size_t block, int i, float none) const {
     const std::array<float, kVoxels>& here = blocks[block];
     std::array<float, 6> out;
@@ -152,7 +152,7 @@ class Neighbours {
   std::vector<std::array<int, 6>> beside_;
 };
 
-// New values of all voxels from those of the round before.
+// Updates all voxels from the values of the previous round.
 template <class Rule>
 void update(Blocks& blocks, Blocks& next, const Rule& rule) {
   inParallel(blocks.size(), [&](int b) {
@@ -167,7 +167,7 @@ Blocks valuesOf(const SparseDistance& distance) {
   return out;
 }
 
-// 1 where the hull is thick: a voxel as deep as the band is near; else 0.
+// Mask of thick parts: 1 near a voxel at least as deep as the band, else 0.
 Blocks thickOf(const Blocks& hull, const Neighbours& neighbours, float band_m, int reach) {
   Blocks thick = hull, next = hull;
   for (BlockValues& block : thick)
@@ -180,7 +180,7 @@ Blocks thickOf(const Blocks& hull, const Neighbours& neighbours, float band_m, i
   return thick;
 }
 
-// How near maps know something: 1 up to half of `reach` steps away, 0 beyond it.
+// Proximity of depth data: 1 up to half of `reach` steps away, 0 beyond it.
 Blocks evidenceOf(std::span<const BlockValues> trust, const Neighbours& neighbours, int reach) {
   Blocks near(trust.begin(), trust.end());
   for (BlockValues& block : near)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth maps and a hull to one signed distance. Does NOT leave the hull, and leaves it alone where no map knows better.
+// Fuses depth maps and a hull into one signed distance inside the hull, and fills regions without depths by a membrane.
 #pragma once
 
 #include <algorithm>
@@ -11,40 +11,38 @@
 
 namespace fourdvt::reconstruct {
 struct FusionOptions {
-  double truncation_m = 0.03;   // what lies deeper behind a map's surface is unknown to it
-  double hull_stays_m = 0.003;  // the hull stays where the maps go no deeper than this; from thrice as much on they win
-  double least_weight = 0.25;   // of all maps together; below, the hull stays
+  double truncation_m = 0.03;  // maximum depth behind a map's surface with data
+  double hull_stays_m =
+      0.003;  // maps no deeper than this are ignored; from three times as much on they replace the hull
+  double least_weight = 0.25;  // minimum total weight of the maps; below, the hull is kept
 };
 
-// On the hull's grid.
+// Fused distance on the hull's grid.
 struct FusedDistance {
-  SparseDistance distance;         // with values in all blocks of the hull
-  std::vector<BlockValues> trust;  // by block: weight of the maps; 0: they know nothing and the hull stays
+  SparseDistance distance;         // values in all blocks of the hull
+  std::vector<BlockValues> trust;  // [block] total weight of the maps; 0: no data, hull value
 };
 
 FusedDistance fuseDepths(const SparseDistance& hull, std::span<const DepthMap> maps, const FusionOptions& options);
 
-// Spans the distance where the maps leave it open, as a membrane would: pits and tunnels that wrong depths have dug are
-// filled, and what no map knows follows its surroundings instead of the hull. Does NOT dig where maps know the surface
-// or where the hull is thin, as at fingers, and nothing leaves the hull.
-
+// Membrane options.
 struct MembraneOptions {
-  double stiffness = 2;  // of the pull towards each of six neighbours, beside a map's weight of 0 … 1; 0: no membrane
-  int thin_voxels = 5;   // the hull is thin where no voxel so near lies deeper in it than the band
-  int reach_voxels = 16;  // beyond this from what a map knows the hull stays, from half of it on partly; 0: everywhere
+  double stiffness = 2;  // weight of each of six neighbours, relative to a map's weight of 0 … 1; 0: no membrane
+  int thin_voxels = 5;   // radius: the hull is thin where no voxel within it is as deep as the band
+  int reach_voxels =
+      16;  // the hull is kept beyond this distance from depth data, partly from half of it on; 0: no limit
   int rounds = 20;
 };
 
-// `hull` has values in all blocks (withValuesInside), `distance` has the same blocks, `trust` a weight for each of
-// their voxels; 0: no map knows it. Minimises Σ trust (u − distance)² + stiffness Σ (u − u of each neighbour)² by
-// rounds of Jacobi's method, never above the hull, and never below `distance` where trust is above 0. What is thin and
-// not known keeps the hull, and so does what lies far from anything known: no map knows anything, nothing changes.
+// Interpolates the distance where maps have no data: fills pits and tunnels dug by wrong depths. `hull` has values in
+// all blocks (withValuesInside), `distance` the same blocks, `trust` a weight per voxel; 0: no data. Minimises Σ trust
+// (u − distance)² + stiffness Σ (u − u of each neighbour)² by Jacobi iterations, at most the hull, and at least
+// `distance` where trust is above 0. Thin parts without data, such as fingers, and regions far from data keep the hull.
+// Without depth data the hull is unchanged.
 void spanMembrane(const SparseDistance& hull, std::span<const BlockValues> trust, const MembraneOptions& options,
                   SparseDistance& distance);
 
-// Values of a sparse distance between its voxels. Does NOT change it.
-
-// Finds the blocks of a grid by their places. Distances on the same blocks share one.
+// Spatial hash of a grid's blocks. Distances on the same blocks can share one.
 class BlockIndex {
  public:
   explicit BlockIndex(std::span<const SparseDistance::Block> blocks);
@@ -60,7 +58,7 @@ class BlockIndex {
   size_t mask_ = 0;
 };
 
-// Trilinear; minus the band where there is no block. Borrows both, which have the same blocks and none inside.
+// Trilinear interpolation; minus the band outside the blocks. Borrows both, which have the same blocks and no `inside`.
 class DistanceSampler {
  public:
   DistanceSampler(const SparseDistance& distance, const BlockIndex& index)

@@ -13,12 +13,12 @@ namespace {
 
 constexpr int kTile = 16;  // pixels
 constexpr double kStep_voxels = 0.5;
-constexpr float kSafeStep = 0.7f;   // share of a distance that no ray passes a surface in
-constexpr float kHullShare = 0.1f;  // how much a place deeper in the hull is preferred among those taken as far
-constexpr float kMore = 1.3f;       // times what is missing is given: voxels beside the place get less of it
-constexpr float kLess = 0.02f;      // voxels: what is missing by less counts as there
+constexpr float kSafeStep = 0.7f;   // step, as a share of the distance, that cannot pass a surface
+constexpr float kHullShare = 0.1f;  // preference for depth in the hull among points with equal removal
+constexpr float kMore = 1.3f;       // overshoot of the added distance, since voxels beside the point get less
+constexpr float kLess = 0.02f;      // voxels: tolerance for gaps
 
-// Gap of a ray: the distance at a place is to rise by so much.
+// Required increase of the distance at a point of a ray.
 struct Gap {
   glm::dvec3 at{0};
   float missing_m = 0;
@@ -27,10 +27,10 @@ struct Gap {
 struct Ray {
   uint32_t view = 0;
   uint16_t x = 0, y = 0;
-  float inside_px = 0;  // of its camera's outline
+  float inside_px = 0;  // pixels inside its camera's outline
 };
 
-// The depths in which each tile of a picture may meet the hull.
+// Depth range in which each tile of a picture may meet the hull.
 struct TileDepths {
   int across = 0, down = 0;
   std::vector<float> near_m, far_m;
@@ -100,7 +100,7 @@ class Outlines {
     return world_from_cam_[ray.view] * glm::dvec3((ray.x + 0.5 - c.cx) / c.fx, (ray.y + 0.5 - c.cy) / c.fy, 1);
   }
 
-  // All pixels near the outlines, and some of the others.
+  // All pixels near the outlines, and a subset of the others.
   std::vector<Ray> all() const {
     std::vector<Ray> out;
     for (size_t v = 0; v < views_.size(); ++v) {
@@ -118,14 +118,14 @@ class Outlines {
     return out;
   }
 
-  // How deep the surface must reach on a ray that enters the hull by `hull_m`.
+  // Required depth in the surface for a ray with depth `hull_m` in the hull.
   float needed(const Ray& ray, double depth_m, float hull_m) const {
     const PinholeCamera& c = views_[ray.view].silhouette->camera;
     const float pixel_m = float(depth_m * 2 / (c.fx + c.fy));
     return std::min(hull_m - float(options_.tolerance_px) * pixel_m, float(options_.depth_voxels * hull_.voxel_m));
   }
 
-  // Steps along the ray through [near, far] while `at`, given depth and place, returns the way to go on; 0 ends it.
+  // Steps along the ray through [near, far]; `at`, called with depth and point, returns the step; 0 stops.
   template <class At>
   void march(const Ray& ray, const At& at) const {
     const TileDepths& tiles = tiles_[ray.view];
@@ -152,7 +152,7 @@ class Outlines {
     return hit;
   }
 
-  // Missing depth of the ray at the place where the least was taken of what it needs of the hull; 0: nothing.
+  // Gap of the ray at the point where the surface lacks the least of its required depth; 0: none.
   Gap gapOf(const Ray& ray) const {
     struct Place {
       double depth;
@@ -185,7 +185,7 @@ class Outlines {
     return out;
   }
 
-  // The gaps, and of the rays those that have one.
+  // Computes all gaps, and keeps only the rays that have one.
   std::vector<Gap> gapsOf(std::vector<Ray>& rays) const {
     std::vector<Gap> gaps(rays.size());
     inParallel(rays.size(), [&](int i) {
@@ -200,7 +200,7 @@ class Outlines {
 
   double reachOf(const Gap& gap) const { return options_.reach_voxels * hull_.voxel_m + gap.missing_m; }
 
-  // Raises the distance round every gap by what is missing there, less and less with the way, up to the hull.
+  // Raises the distance around every gap, with fall-off, up to the hull.
   void fill(const std::vector<Gap>& gaps) {
     std::vector<std::vector<uint32_t>> by_block(hull_.blocks.size());
     for (size_t g = 0; g < gaps.size(); ++g) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps the silhouettes that the hull keeps: what stereo took away although some camera's silhouette needs it is given
-// back, at the place along the ray where the least was taken. Does NOT give back what the hull lacks, nor change what
-// no ray misses.
+// Restores silhouettes of the hull: surface removed by stereo although a camera's silhouette requires it is added
+// again, at the point of the ray where the least was removed. Raises the distance up to the hull, and only around rays
+// that miss the surface.
 #pragma once
 
 #include <span>
@@ -11,23 +11,23 @@
 namespace fourdvt::reconstruct {
 
 struct OutlineOptions {
-  int rounds = 3;             // of looking for rays that miss the surface; 0: nothing is given back
-  double tolerance_px = 0.1;  // by which the surface's outline may lie inside the hull's
-  double depth_voxels = 1;    // into which a ray enters the surface at least, where it enters the hull as deep
-  double reach_voxels = 2.5;  // over which a given distance fades, beside as much as was missing
-  double rim_px = 6;          // nearer to the outline every pixel has a ray, beyond only some
-  int stride_px = 2;          // between those
+  int rounds = 3;             // iterations of finding rays that miss the surface; 0: off
+  double tolerance_px = 0.1;  // permitted gap between the surface's outline and the hull's
+  double depth_voxels = 1;    // required depth of a ray in the surface, where it is as deep in the hull
+  double reach_voxels = 2.5;  // fall-off radius of an added distance, in addition to the gap
+  double rim_px = 6;          // within this distance of the outline every pixel has a ray, beyond every `stride_px`-th
+  int stride_px = 2;          // stride of rays beyond `rim_px`
 };
 
-// Rays of all cameras.
+// Ray counts over all cameras.
 struct OutlineFigures {
-  size_t rays = 0;     // that meet the hull
-  size_t missing = 0;  // that missed the surface before
-  size_t left = 0;     // that miss it still
+  size_t rays = 0;     // meet the hull
+  size_t missing = 0;  // missed the surface before
+  size_t left = 0;     // still miss it
 };
 
 // `hull` has values in all blocks (withValuesInside), `distance` has the same blocks. `views`: those that the hull was
-// carved with. Only raises `distance`, never above the hull. The same result whatever the threads.
+// carved with. Only raises `distance`, at most to the hull. Deterministic for any number of threads.
 OutlineFigures keepOutlines(const SparseDistance& hull, std::span<const CarvingView> views,
                             const OutlineOptions& options, SparseDistance& distance);
 

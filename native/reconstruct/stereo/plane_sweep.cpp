@@ -12,12 +12,13 @@ namespace fourdvt::reconstruct {
 namespace {
 
 constexpr int kTableWidth = 1024;
-constexpr size_t kMostCompared = 32;  // cameras whose mattes bound the depths: what uniforms hold on every GPU
+constexpr size_t kMostCompared =
+    32;  // maximum number of cameras whose mattes bound the depths, by the uniforms available on every GPU
 const char kTableDefine[] = "TABLE_WIDTH 1024\n";
 
 int rowsFor(size_t texels) { return std::max(1, int((texels + kTableWidth - 1) / kTableWidth)); }
 
-// Replaces the table's texture where it has too few rows, and uploads whole rows of `table`, which is padded.
+// Uploads whole rows of `table`, padded; replaces the texture if it has too few rows.
 template <class T>
 Status uploadTable(gpu::Device& device, gpu::PixelFormat format, const char* label, std::vector<T>& table, int& rows,
                    gpu::Texture& texture) {
@@ -32,7 +33,7 @@ Status uploadTable(gpu::Device& device, gpu::PixelFormat format, const char* lab
   return {};
 }
 
-// Picture coordinates in pixels times depth, and depth, from (x z, y z, z, 1) of the reference.
+// Maps (x z, y z, z, 1) of the reference to (pixel times depth, depth) of the camera.
 glm::mat4 pixelFromReference(const PinholeCamera& camera, const PinholeCamera& reference) {
   const auto intrinsics = [](const PinholeCamera& c) {
     glm::dmat4 k(1.0);
@@ -43,7 +44,7 @@ glm::mat4 pixelFromReference(const PinholeCamera& camera, const PinholeCamera& r
                    glm::inverse(intrinsics(reference)));
 }
 
-// The sources, then others: all, or some all over the list where there are too many.
+// Sources, then other cameras: all, or an even subset if there are too many.
 std::vector<size_t> comparedOrder(size_t cameras, const std::vector<size_t>& sources) {
   std::vector<size_t> others, order = sources;
   for (size_t c = 0; c < cameras; ++c)
@@ -182,7 +183,7 @@ Result<CostVolume> PlaneSweep::costs(const StereoReference& reference) {
   out.costs.resize(front.size() * out.labels);
   for (size_t i = 0; i < front.size(); ++i)
     out.first_plane[i] = front[i].x > 0 ? int(std::floor(front[i].x / options_.step_m)) : CostVolume::kNone;
-  // What is read has its top row first: the last block stands on top.
+  // Rows are read from the top: the last block is the topmost.
   const size_t block_bytes = front.size() * 4;
   for (int b = 0; b < blocks; ++b) {
     const uint8_t* from = read.data() + block_bytes * (blocks - 1 - b);
@@ -193,9 +194,9 @@ Result<CostVolume> PlaneSweep::costs(const StereoReference& reference) {
 
 namespace {
 
-constexpr uint16_t kFar = 20000;     // more than any path cost
-constexpr int kSameMinimum = 2;      // planes: what lies nearer to the best one is no rival
-constexpr float kClearMargin = 254;  // by which a sum over eight directions is better than any rival's: weight 1
+constexpr uint16_t kFar = 20000;     // exceeds all path costs
+constexpr int kSameMinimum = 2;      // planes: labels this close to the best one are the same minimum
+constexpr float kClearMargin = 254;  // margin over the second minimum, in a sum over eight directions, for weight 1
 constexpr float kLeastWeight = 0.05f;
 using Path = std::array<uint16_t, kMaxLabels + 2>;  // label l at l + 1, kFar at both ends
 
@@ -205,7 +206,7 @@ struct PathState {
   int first_plane = CostVolume::kNone;
 };
 
-// One step along a path: the state of `previous` shifted to this pixel's planes, and this pixel's costs on top.
+// One step along a path: shifts the state of `previous` to this pixel's planes and adds this pixel's costs.
 void advance(const uint8_t* costs, int labels, int first_plane, const PathState& previous, int step_penalty,
              int jump_penalty, PathState& next, uint16_t* sums) {
   next.first_plane = first_plane;
@@ -237,8 +238,8 @@ void advance(const uint8_t* costs, int labels, int first_plane, const PathState&
   for (int l = 0; l < labels; ++l) sums[l] = uint16_t(sums[l] + next.costs[l + 1]);
 }
 
-// Four directions: along the row, and from the three pixels of the row before. `down`: rows from the top, else from
-// the bottom (and columns from the right).
+// Aggregates four directions: along the row, and from the three pixels of the previous row. `down`: rows from the top,
+// else from the bottom (and columns from the right).
 void scan(const CostVolume& volume, const SemiGlobalOptions& options, bool down, std::vector<uint16_t>& sums) {
   const int w = volume.width, h = volume.height, labels = volume.labels;
   sums.assign(volume.costs.size(), 0);
@@ -268,20 +269,20 @@ void scan(const CostVolume& volume, const SemiGlobalOptions& options, bool down,
   }
 }
 
-// A pixel's costs, summed over all directions.
+// Costs of a pixel, summed over all directions.
 struct Sums {
-  const uint8_t* costs = nullptr;  // of the pixel alone
+  const uint8_t* costs = nullptr;  // without aggregation
   std::vector<int> sums;
 
   bool candidate(int label) const { return costs[label] != CostVolume::kOutside; }
-  // The candidate with the smallest sum of cost and `bias` per plane; -1 if there is none.
+  // Candidate with the minimum of sum plus `bias` per plane; -1: none.
   int best(int bias) const {
     int best = -1;
     for (int l = 0; l < int(sums.size()); ++l)
       if (candidate(l) && (best < 0 || sums[l] + l * bias < sums[best] + best * bias)) best = l;
     return best;
   }
-  // Where the sums have their minimum beside this label, planes: two lines of equal slope.
+  // Sub-label position of the minimum, planes, by two lines of equal slope.
   float offset(int label) const {
     if (label == 0 || label + 1 == int(sums.size())) return 0;
     const float before = float(sums[label - 1] - sums[label]), after = float(sums[label + 1] - sums[label]);
@@ -335,12 +336,12 @@ float depthAt(const DepthMap& map, double x, double y) {
 
 namespace {
 
-constexpr float kSlopeReach = 2;                 // pixels over which a slope is taken
-constexpr float kOtherSurface_m = 0.1f;          // depths that far apart are not of one surface
-constexpr double kChance = 0.78, kSound = 0.92;  // shares of confirmed depths: by chance; of a sound calibration
-constexpr float kEdgeCosine = 0.2f;              // beside such a step
+constexpr float kSlopeReach = 2;                 // pixels, for the slope estimate
+constexpr float kOtherSurface_m = 0.1f;          // minimum difference between depths of separate surfaces
+constexpr double kChance = 0.78, kSound = 0.92;  // shares of confirmed depths: by chance; with correct calibration
+constexpr float kEdgeCosine = 0.2f;              // at such a discontinuity
 
-// Squared cosine between the surface and the ray at a pixel, from the depths round it.
+// Squared cosine between normal and ray at a pixel, from neighbouring depths.
 float facing(const DepthMap& map, int x, int y) {
   const int reach = int(kSlopeReach);
   if (x < reach || y < reach || x + reach >= map.width || y + reach >= map.height) return kEdgeCosine * kEdgeCosine;
@@ -354,8 +355,7 @@ float facing(const DepthMap& map, int x, int y) {
   return 1 / (1 + across * across + along * along);
 }
 
-// How much a map is believed as a whole: depths of a camera that is calibrated badly are refuted about as often as
-// confirmed, by chance.
+// Confidence of a whole map: depths of a miscalibrated camera are refuted about as often as confirmed.
 float believedOf(double confirmed, double refuted) {
   if (confirmed <= 0) return 0;
   const double share = confirmed / (confirmed + refuted);

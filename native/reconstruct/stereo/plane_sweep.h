@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the pictures on planes inside the hull, on the GPU. Does NOT decide where the surface is.
-// Order of calls: setFrame → costs….
+// Plane sweep stereo inside the hull, on the GPU: matching costs per pixel and depth, then depth maps by semi-global
+// matching, filtered by consistency between cameras. Order of calls: setFrame → costs….
 #pragma once
 
 #include <cstdint>
@@ -19,36 +19,36 @@ namespace fourdvt::reconstruct {
 constexpr int kMaxLabels = 128;  // planes per pixel
 
 struct StereoReference {
-  PinholeCamera camera;         // of the size of the reduced pictures
-  std::vector<size_t> sources;  // whose patches are compared: the first with each of the others
+  PinholeCamera camera;         // size of the reduced pictures
+  std::vector<size_t> sources;  // compared patches: the first with each of the others
 };
 
-// Costs of a band of depths at each pixel of a part of a reference's picture. Depths are planes, the same for all
-// pixels: number k lies at k times `step_m` along the optical axis.
+// Matching costs of a band of depths at each pixel of a part of the reference picture. Plane k lies at depth k ·
+// `step_m` along the optical axis, for all pixels.
 struct CostVolume {
   static constexpr uint8_t kOutside = 255;  // not inside the hull
-  int x = 0, y = 0, width = 0, height = 0;  // pixels of the reference
+  int x = 0, y = 0, width = 0, height = 0;  // reference pixels
   int labels = 0;                           // a multiple of 4
   float step_m = 0;
-  std::vector<int> first_plane;  // height × width; the label l means plane first_plane + l; kNone: no hull
+  std::vector<int> first_plane;  // height × width; label l is plane first_plane + l; kNone: no hull
   std::vector<uint8_t> costs;    // height × width × labels
   static constexpr int kNone = -1;
 };
 
 struct DepthMap {
   PinholeCamera camera;
-  int x = 0, y = 0, width = 0, height = 0;  // the part of the camera's picture that is kept
+  int x = 0, y = 0, width = 0, height = 0;  // stored part of the camera's picture
   std::vector<float> depth_m;               // height × width along the optical axis; 0: unknown
-  std::vector<float> weight;                // 0 … 1: how much it is trusted
-  std::vector<float> front_m;               // of the hull; 0: none
+  std::vector<float> weight;                // 0 … 1: confidence
+  std::vector<float> front_m;               // hull's front; 0: none
 };
 
 struct PlaneSweepOptions {
-  int radius = 1;                  // of a patch: 2 radius + 1 samples along each side
-  float spacing = 1.5f;            // of its samples, pixels of the reduced picture
+  int radius = 1;                  // patch of 2 radius + 1 samples along each side
+  float spacing = 1.5f;            // between samples, pixels of the reduced picture
   float step_m = 0.004f;           // between planes, along the optical axis
   int labels = 64;                 // planes per pixel, from the hull's front; a multiple of 4, at most kMaxLabels
-  float correlation_share = 0.6f;  // of the cost; the rest is the difference of mean colours
+  float correlation_share = 0.6f;  // weight in the cost; the rest is the difference of mean colours
 };
 
 class PlaneSweep {
@@ -58,7 +58,7 @@ class PlaneSweep {
                                    const PlaneSweepOptions& options);
   // RGBA of the cameras' sizes, alpha = matte. Errors: GpuFailure.
   Status setFrame(std::span<const Image> pictures, const TriangleMesh& hull);
-  // Costs in the band inside the hull's front. Width 0 if the reference does not see the hull. Errors: GpuFailure.
+  // Costs in the band behind the hull's front. Width 0 if the reference has no hull in its picture. Errors: GpuFailure.
   Result<CostVolume> costs(const StereoReference& reference);
 
  private:
@@ -70,7 +70,7 @@ class PlaneSweep {
   PlaneSweepOptions options_;
   int layer_width_ = 0, layer_height_ = 0;
   gpu::Program front_program_;
-  std::vector<gpu::Program> cost_programs_;  // by number of sources
+  std::vector<gpu::Program> cost_programs_;  // [sources]
   gpu::Texture pictures_, corners_, positions_, front_, costs_;
   gpu::Target front_target_, costs_target_;
   Positions hull_;
@@ -78,30 +78,28 @@ class PlaneSweep {
   int front_width_ = 0, front_height_ = 0, costs_width_ = 0, costs_height_ = 0;
 };
 
-// From costs to depths: semi-global matching (H08 in algorithms/stereo.md) along eight directions, with depths between
-// the planes.
-
 struct SemiGlobalOptions {
-  int step_penalty = 12;  // where a neighbour lies one plane away; costs are 0 … 254
-  int jump_penalty = 60;  // where it lies further away
-  int front_bias = 12;    // per plane, of the sum over eight directions: where nothing is textured, the hull stays
+  int step_penalty = 12;  // neighbour one plane away; costs are 0 … 254
+  int jump_penalty = 60;  // neighbour further away
+  int front_bias = 12;    // per plane, in the sum over eight directions: untextured surfaces stay at the hull
 };
 
-// A pixel without any candidate has depth 0. The weight says how much better the best depth is than any other, and how
-// well the pictures agree there. An empty volume gives an empty map.
+// Semi-global matching along eight directions, with depths interpolated between planes. Depth 0: no candidate. The
+// weight grows with the margin over other depths and with the agreement of the pictures. An empty volume gives an empty
+// map.
+//
+// Source: Heiko Hirschmüller: Stereo Processing by Semiglobal Matching and Mutual Information. IEEE Transactions on
+// Pattern Analysis and Machine Intelligence 30(2), 2008.
 DepthMap semiGlobalDepth(const StereoReference& reference, const CostVolume& volume, const SemiGlobalOptions& options);
-
-// Depth maps against each other: what no other one confirms is not trusted.
 
 // Depth of the map at a pixel of its camera; 0 where unknown or outside.
 float depthAt(const DepthMap& map, double x, double y);
 
-// Multiplies the weights with the squared cosine between the surface and the ray: what a camera sees edge-on it
-// measures badly.
+// Multiplies the weights with the squared cosine between normal and ray, since depths at grazing angles are inaccurate.
 void weighByAngle(DepthMap& map);
 
-// Sets depths to 0 that another map looks through, or that none confirms to `tolerance_m`. A whole map loses weight the
-// more of its depths others refute: from none where few are, to all where it is as many as by chance.
+// Sets depths to 0 that another map sees through, or that no map confirms within `tolerance_m`. The weight of a whole
+// map falls with its share of refuted depths, to zero where it equals that of chance.
 void keepConsistent(std::span<DepthMap> maps, double tolerance_m);
 
 }  // namespace fourdvt::reconstruct

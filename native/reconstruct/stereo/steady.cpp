@@ -13,18 +13,18 @@ namespace fourdvt::reconstruct {
 namespace {
 
 constexpr float kNoise = 2.5f, kClear = 6.0f;           // mean difference in a window, levels of 255
-constexpr float kHullStill = 0.05f, kHullMoves = 0.2f;  // voxels by which the hull's distance changes
-constexpr int kWindow = 7;                              // pixels of the reduced picture
-constexpr float kSeen_m = 0.03f;  // a camera sees what lies no deeper behind the surface than this
+constexpr float kHullStill = 0.05f, kHullMoves = 0.2f;  // change of the hull's distance, voxels
+constexpr int kWindow = 7;                              // reduced pixels
+constexpr float kSeen_m = 0.03f;                        // maximum depth of a visible point behind the surface
 
 struct Changed {
   std::vector<float> change;
   const DepthMap* map;
-  glm::mat4 pixel_from_world;  // of the map's part of the picture
+  glm::mat4 pixel_from_world;  // to pixels of the map's part of the picture
   int picture_width;
 };
 
-// The largest change that a camera sees at a place; 1 if none sees it.
+// Maximum change over the cameras that see a point; 1 if none does.
 float changeAt(const std::vector<Changed>& cameras, const glm::vec3& point) {
   float most = 0;
   bool seen = false;
@@ -75,7 +75,7 @@ KnownBlocks knownBlocks(const SparseDistance& distance) {
   return out;
 }
 
-// Value `i` of the block at `at`; outside where no block is.
+// Previous values of a block; outside where there was none.
 class BlockBefore {
  public:
   BlockBefore(const KnownBlocks& known, const glm::ivec3& at, float band_m) : band_m_(band_m) {

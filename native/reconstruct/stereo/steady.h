@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps a surface still where the pictures stand still: there its signed distance is averaged over time. Does NOT touch
-// what a camera sees change, so that nothing lags behind.
+// Temporal averaging of the signed distance where the pictures are static. Surfaces with visible change follow without
+// lag.
 #pragma once
 
 #include <span>
@@ -14,12 +14,11 @@ namespace fourdvt::reconstruct {
 
 class SteadyDistance {
  public:
-  // `kept`: share of the frame before where nothing changed, 0 … 1.
+  // `kept`: weight of the previous frame where nothing changed, 0 … 1.
   explicit SteadyDistance(float kept) : kept_(kept) {}
-  // Frames in order of time, of the same cameras and voxel size. `pictures`: RGBA of the sizes of the maps' cameras;
-  // `maps`: one per picture, empty ones allowed. `hull` has the blocks of `distance`; where both are
-  // the same and the hull moves, nothing is kept: a surface without texture looks the same when it moves. Keeps this
-  // one frame.
+  // Blends frames in temporal order, of the same cameras and voxel size. `pictures`: RGBA of the sizes of the maps'
+  // cameras; `maps`: one per picture, possibly empty. `hull` has the blocks of `distance`. Where both are equal and the
+  // hull moves, the previous frame is ignored: motion of untextured surfaces is invisible. Stores this one frame.
   void blend(std::span<const Image> pictures, std::span<const DepthMap> maps, const SparseDistance& hull,
              SparseDistance& distance);
   void forget();
@@ -30,7 +29,7 @@ class SteadyDistance {
   SparseDistance before_, hull_;
 };
 
-// How much a picture changed at each pixel, height × width: 0 not at all, or no more than a codec's noise; 1 clearly.
+// Change of a picture per pixel, height × width: 0 up to the level of codec noise, 1 for clear changes.
 std::vector<float> changeOf(const Image& before, const Image& now);
 
 }  // namespace fourdvt::reconstruct

@@ -17,7 +17,7 @@ namespace fourdvt::reconstruct {
 namespace {
 
 constexpr double kSameAngle_deg = 1e-6;
-constexpr float kBelieved = 0.05f;  // weight of a depth: five such are too few to move the surface
+constexpr float kBelieved = 0.05f;  // weight of a valid depth: five of these are too few to move the surface
 
 double believedShare(const DepthMap& map) {
   size_t hull = 0, believed = 0;
@@ -29,7 +29,7 @@ double angleBetween_deg(const PinholeCamera& a, const PinholeCamera& b) {
   return glm::degrees(std::acos(std::clamp(glm::dot(a.middleRayInWorld(), b.middleRayInWorld()), -1.0, 1.0)));
 }
 
-// Every camera with those it is compared with; those that have none are left without any source but themselves.
+// Every camera with its neighbours; cameras without neighbours have only themselves as source.
 std::vector<StereoReference> referencesOf(const std::vector<PinholeCamera>& cameras, const StereoOptions& options) {
   std::vector<StereoReference> out;
   for (size_t c = 0; c < cameras.size(); ++c) {
@@ -71,7 +71,7 @@ class Refiner final : public StereoRefiner {
   // Adds the time since the last call to `to`.
   void lap(double& to) { to += watch_.lap_ms() / 1e3; }
 
-  std::vector<PinholeCamera> full_, cameras_;  // cameras_: of the reduced pictures
+  std::vector<PinholeCamera> full_, cameras_;  // cameras_: reduced pictures
   StereoOptions options_;
   std::vector<StereoReference> references_;
   PlaneSweep sweep_;
@@ -180,9 +180,10 @@ Result<std::unique_ptr<StereoRefiner>> StereoRefiner::create(gpu::Device& device
 
 namespace {
 
-constexpr int kDetail = 5, kAround = 9;  // pixels along each side: of the mean that details stand out from, around
-constexpr int kOpaque = 250;             // of a matte
-// Variances of the details, three channels together, levels of 255: of noise, and beyond it where half is believed.
+constexpr int kDetail = 5,
+              kAround = 9;    // window sizes, pixels: local mean that details are relative to; their variance
+constexpr int kOpaque = 250;  // minimum alpha
+// Variance of the details, sum of three channels, levels of 255: noise; excess over it with weight one half.
 constexpr float kTextureNoise = 6, kHalf = 12;
 
 }  // namespace
@@ -193,7 +194,7 @@ std::vector<float> textureOf(const Image& rgba) {
   cv::extractChannel(picture, alpha, 3);
   cv::erode(alpha >= kOpaque, opaque, cv::Mat(), {-1, -1}, 1, cv::BORDER_REPLICATE);
   opaque.convertTo(weight, CV_32F, 1 / 255.0);
-  cv::cvtColor(picture, colour, cv::COLOR_BGRA2BGR);  // the order of colours does not matter
+  cv::cvtColor(picture, colour, cv::COLOR_BGRA2BGR);  // channel order is irrelevant
   colour.convertTo(colour, CV_32FC3);
   for (int i = 0; i < int(weight.total()); ++i) colour.at<cv::Vec3f>(i) *= weight.at<float>(i);
   cv::boxFilter(colour, mean, -1, {kDetail, kDetail});

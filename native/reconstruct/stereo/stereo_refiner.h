@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stereo refinement of the visual hull: the hull says where the surface may be, the pictures' agreement says where it
-// is. Does NOT move anything out of the hull, needs no mesh of the performer and corrects no calibration.
-// Stages in order of execution: plane_sweep.h, plane_sweep.h, plane_sweep.h, depth_fusion.h,
-// depth_fusion.h, steady.h, outlines.h.
+// Stereo refinement of the visual hull: the hull bounds the surface, photo-consistency locates it inside. Uses given
+// calibrations and no mesh of the performer. Stages: plane sweep, semi-global matching and consistency (plane_sweep.h),
+// fusion and membrane (depth_fusion.h), temporal averaging (steady.h), silhouettes (outlines.h).
 #pragma once
 
 #include <memory>
@@ -21,55 +20,54 @@
 
 namespace fourdvt::reconstruct {
 struct StereoOptions {
-  int reduction = 2;           // pictures are reduced by this factor along each side first
-  size_t neighbours = 2;       // cameras that each camera is compared with, the nearest in angle
-  double narrowest_deg = 20;   // below this angle pictures say little about depth: cameras beyond it come first
-  double widest_deg = 100;     // beyond this angle between the rays through their middles cameras are not compared
-  double agreement_m = 0.010;  // between depth maps of two cameras
-  float kept = 0.8f;           // share of the frame before where the pictures stand still, 0 … 1
+  int reduction = 2;           // reduction factor of pictures along each side
+  size_t neighbours = 2;       // nearest cameras in angle that each camera is compared with
+  double narrowest_deg = 20;   // below this angle depth is uncertain: cameras beyond it are preferred
+  double widest_deg = 100;     // maximum angle between the central rays of compared cameras
+  double agreement_m = 0.010;  // tolerance between depth maps of two cameras
+  float kept = 0.8f;           // weight of the previous frame where pictures are static, 0 … 1
   double adaptivity = 0.3;     // of the mesh, 0 … 1: fewer faces where the surface is flat
   PlaneSweepOptions sweep;
   SemiGlobalOptions smoothing;
   FusionOptions fusion;
   MembraneOptions membrane;
   OutlineOptions outlines;
-  std::string check() const;  // what is wrong, or nothing
+  std::string check() const;  // error message, or empty
 };
 
-// The cameras that one camera is compared with: the nearest in angle from `narrowest_deg` on, then those below it, the
-// widest first. Fewer than `neighbours` where the others are too far.
+// Cameras compared with `camera`: the nearest in angle from `narrowest_deg` on, then those below it in decreasing
+// order. Fewer than `neighbours` where others are beyond `widest_deg`.
 std::vector<size_t> comparedWith(std::span<const PinholeCamera> cameras, size_t camera, const StereoOptions& options);
 
-struct StereoTimes {  // of one frame, seconds
+struct StereoTimes {  // one frame, seconds
   double sweep = 0, smoothing = 0, agreement = 0, fusion = 0, outlines = 0, mesh = 0;
 };
 
 class StereoRefiner {
  public:
-  // At least two cameras. `device` is borrowed and must outlive this. Errors: InvalidArgument, GpuFailure.
+  // Requires at least two cameras. `device` is borrowed and must outlive the object. Errors: InvalidArgument,
+  // GpuFailure.
   static Result<std::unique_ptr<StereoRefiner>> create(gpu::Device& device, std::vector<PinholeCamera> cameras,
                                                        const StereoOptions& options = {});
   virtual ~StereoRefiner() = default;
-  // Frames in order of time; the same frames in the same order give the same surfaces. `hull`: the zero surface of
+  // Refines frames in temporal order; equal sequences of frames have equal surfaces. `hull`: zero surface of
   // `hull_distance`. `rgba_pictures`: one per camera, of its size, alpha = matte. `views`: those that the hull was
-  // carved with. Keeps one frame. Errors: InvalidArgument (a picture's size), GpuFailure.
+  // carved with. Stores one frame. Errors: InvalidArgument (a picture's size), GpuFailure.
   virtual Result<TriangleMesh> refine(const SparseDistance& hull_distance, const TriangleMesh& hull,
                                       std::span<const Image> rgba_pictures, std::span<const CarvingView> views) = 0;
-  // The next frame follows no other: a cut.
+  // Resets the temporal state before a cut.
   virtual void forget() = 0;
-  virtual const StereoTimes& times() const = 0;  // of the last frame
-  // Last frame, per camera: the share of its picture of the hull in which its depths are believed.
+  virtual const StereoTimes& times() const = 0;  // last frame
+  // Last frame, per camera: share of the hull's picture with valid depths.
   virtual const std::vector<double>& believed() const = 0;
 };
 
-// How much a picture shows that stereo can match. Does NOT look at other pictures.
-
-// Per pixel of an RGBA picture whose alpha is the matte, height × width: 0 where the surroundings show nothing but
-// noise and slow shading, towards 1 where they are full of contrast. Pixels beside the outline do not count: the
-// backdrop's colour and the codec reach into them.
+// Texture of an RGBA picture (alpha = matte) for stereo, height × width: 0 where the neighbourhood has only noise and
+// slow shading, towards 1 for high contrast. Pixels beside the outline are excluded, since they contain the backdrop's
+// colour and codec artefacts.
 std::vector<float> textureOf(const Image& rgba);
 
-// Multiplies the weights of a map with what its camera's picture shows there, and forgets depths where that is nothing.
+// Multiplies a map's weights with the picture's texture; depths without texture become unknown.
 void weighByTexture(const Image& rgba, DepthMap& map);
 
 }  // namespace fourdvt::reconstruct
