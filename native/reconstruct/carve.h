@@ -45,21 +45,22 @@ double seenVolume(std::span<const PinholeCamera> cameras);
 
 struct VolumetricOptions {
   double voxel_m = 0.005;
-  double adaptivity = 0.1;  // 0 … 1: fewer faces where the surface is flat; less where faces would cross
+  double adaptivity = 0.1;  // 0 … 1: fewer faces where the surface is flat; reduced where faces would cross
 };
 
 struct VolumetricHull {
-  SparseDistance distance;  // what the surface was taken from
+  SparseDistance distance;  // source of the mesh
   TriangleMesh mesh;
-  size_t dropped = 0;  // components that were left out: specks below 27 voxels and phantoms, see dropNeedless
+  size_t dropped = 0;  // removed components: specks below 27 voxels and phantoms, see dropNeedless
 };
 
-// The surface where the distance is zero: with fewer merged faces, or none, where merged ones would cross. `drop`
-// leaves parts of it out first.
+// Extracts the zero surface, with less adaptivity, down to 0, where merged faces would cross. `drop` removes components
+// first.
 TriangleMesh solidSurface(const SparseDistance& distance, double adaptivity,
                           const std::function<void(TriangleMesh&)>& drop);
 
-// The mesh passes checkMesh, except where voxels alone leave it no choice. Errors: those of carve().
+// Visual hull by voxels. Its surface lies within about a fifth of a voxel of the cones' intersection; its edges are
+// rounded. The mesh passes checkMesh, except where the voxel grid itself prevents it. Errors: those of carve().
 Result<VolumetricHull> volumetricHull(std::span<const CarvingView> views, const VolumetricOptions& options);
 
 }  // namespace fourdvt::reconstruct

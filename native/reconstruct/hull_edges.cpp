@@ -13,7 +13,7 @@
 namespace fourdvt::reconstruct {
 namespace {
 
-// Where a plane cuts the line at hand.
+// Intersection of a plane with the current line.
 struct Cut {
   uint32_t plane = 0;
   PlanePoint point;
@@ -46,7 +46,7 @@ class EdgeFinder {
   }
 
  private:
-  // The line between planes of two cameras, or of the bounds.
+  // Finds the edges on the line between planes of two cameras, or of the bounds.
   void find(uint32_t a, uint32_t b) {
     begin(a, b);
     for (uint32_t p : {a, b}) {
@@ -57,7 +57,7 @@ class EdgeFinder {
     cutAndKeep(-1);
   }
 
-  // The viewing line between a wedge and the next one in its ring.
+  // Finds the edges on the viewing line between a wedge and the next one in its ring.
   void findViewing(uint32_t a) {
     const uint32_t b = planes_[a].next;
     begin(a, b);
@@ -73,7 +73,7 @@ class EdgeFinder {
     end_.reset();
   }
 
-  // Cuts off what does not lie on that side of the plane. Returns false if nothing is left.
+  // Clips the line to one side of the plane. Returns false if nothing is left.
   bool limit(uint32_t plane, int side) {
     const Cut cut{plane, PlanePoint(*line_, planes_[plane].plane)};
     if (cut.point.heading() == 0) return tie();
@@ -82,7 +82,7 @@ class EdgeFinder {
     return !failed_ && (!start_ || !end_ || before(*start_, *end_));
   }
 
-  // Whether one cut comes before another on the line.
+  // True if one cut precedes another on the line.
   bool before(const Cut& one, const Cut& other) {
     if (one.plane == other.plane) return false;
     const int side = one.point.side(planes_[other.plane].plane);
@@ -95,7 +95,7 @@ class EdgeFinder {
     return false;
   }
 
-  // `face_side`: the side of the line's second plane on which the face in its first one lies.
+  // `face_side`: side of the line's second plane on which the first plane's face lies.
   void cutAndKeep(int face_side) {
     for (uint32_t p = 0; p < kBoundPlanes; ++p)
       if (p != a_ && p != b_ && !(p / 2 == a_ / 2 && a_ < kBoundPlanes) && !(p / 2 == b_ / 2 && b_ < kBoundPlanes) &&
@@ -106,7 +106,7 @@ class EdgeFinder {
     const glm::dvec3 from = start_->point.position(), to = end_->point.position();
     for (size_t i = 0; i < order_.size(); ++i)
       if (order_[i] != planes_[a_].camera && order_[i] != planes_[b_].camera && !cutBy(order_[i], from, to)) {
-        // Neighbouring lines, which come next, are likely to lose against the same camera.
+        // Neighbouring lines are likely to be excluded by the same camera: it is tested earlier next time.
         std::swap(order_[i], order_[i / 2]);
         return;
       }
@@ -114,7 +114,7 @@ class EdgeFinder {
     if (!failed_) keep(face_side);
   }
 
-  // Collects where the camera's wedges cut the line. Returns false if it lets none of the line stand.
+  // Collects the cuts of the line by the camera's wedges. Returns false if it excludes the whole line.
   bool cutBy(int camera, const glm::dvec3& from, const glm::dvec3& to) {
     bool ties = false;
     const bool holds = lookups_[camera].mayHold(start_->point, from, ties);
@@ -137,7 +137,7 @@ class EdgeFinder {
     return holds || cuts_.size() > first_cut;
   }
 
-  // Emits the pieces that lie outside of no camera's silhouette.
+  // Emits the segments inside all cameras' silhouettes.
   void keep(int face_side) {
     uint32_t from = start_->plane;
     for (const Cut& cut : cuts_) {
@@ -152,7 +152,7 @@ class EdgeFinder {
 
   void emit(uint32_t from_plane, uint32_t to_plane, int face_side) {
     VertexName from = vertexName(a_, b_, from_plane), to = vertexName(a_, b_, to_plane);
-    // The first plane's face lies on the line's left if that is the second plane's inside.
+    // The first plane's face lies left of the line if that is inside the second plane.
     if (face_side > 0) std::swap(from, to);
     edges_.push_back({a_, from, to});
     edges_.push_back({b_, to, from});
@@ -165,7 +165,7 @@ class EdgeFinder {
   std::vector<HalfEdge> edges_;
   bool failed_ = false;
 
-  // The line at hand.
+  // Current line.
   uint32_t a_ = 0, b_ = 0;
   std::optional<PlaneLine> line_;
   std::optional<Cut> start_, end_;
@@ -231,7 +231,7 @@ class FaceLinker {
     return PlanePoint(PlaneLine(p[a].plane, p[b].plane), p[c].plane).position();
   }
 
-  // The loops of one plane, triangulated.
+  // Triangulates the loops of one plane.
   Status addFaces(std::span<const HalfEdge> edges) {
     const glm::dvec3 normal = planes_.planes[edges[0].plane].normal;
     const glm::dvec3 axis = std::abs(normal.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
@@ -244,7 +244,7 @@ class FaceLinker {
     std::vector<FlatLoop> loops;
     for (const HalfEdge& edge : edges) {
       const uint32_t first = numbers_.at(edge.from);
-      if (next_[first] == kNoPlace) continue;  // in a loop already
+      if (next_[first] == kNoPlace) continue;  // already in a loop
       FlatLoop loop;
       uint32_t at = first;
       do {
@@ -261,9 +261,9 @@ class FaceLinker {
   const HullPlanes& planes_;
   std::vector<HalfEdge>& edges_;
   std::unordered_map<VertexName, uint32_t, NameHash> numbers_;
-  std::vector<glm::dvec3> places_;  // per vertex, scaled
-  std::vector<int> edges_at_;       // per vertex: half edges that begin or end there
-  std::vector<uint32_t> next_;      // per vertex: the next one on the face at hand
+  std::vector<glm::dvec3> places_;  // [vertex] scaled
+  std::vector<int> edges_at_;       // [vertex] half edges that begin or end there
+  std::vector<uint32_t> next_;      // [vertex] successor on the current face
   TriangleMesh mesh_;
 };
 
@@ -275,11 +275,11 @@ Result<TriangleMesh> hullFaces(const HullPlanes& planes, std::vector<HalfEdge>& 
 
 namespace {
 
-constexpr double kDoubt_px = 2e-3;      // of projected points and of planes; what lies closer is asked exactly
-constexpr double kNearestDepth = 1e-7;  // scaled; what lies before it is not seen
+constexpr double kDoubt_px = 2e-3;      // of projected points and of planes; closer ones use exact predicates
+constexpr double kNearestDepth = 1e-7;  // scaled; closer points are invisible
 constexpr size_t kMostRows = 512;
 
-// `across`: the cross product of the edge with the way from its beginning to the pixel.
+// `across`: cross product of the edge with the vector from its beginning to the pixel.
 bool nearLine(const HullPlane& wedge, const glm::dvec2& pixel, double across) {
   const glm::dvec2 along = wedge.to - wedge.from;
   return across * across < kDoubt_px * kDoubt_px * glm::dot(along, along) &&
@@ -293,7 +293,7 @@ SilhouetteLookup::SilhouetteLookup(const HullPlanes& planes, int camera, const P
     : planes_(planes), first_(planes.first[camera]) {
   const glm::dmat3 rotation(pinhole.cam_from_world);
   const glm::dvec3 moved = -(rotation * planes.centres[camera]);
-  const auto line = [&](const glm::dvec3& weights) {  // of the camera frame's axes
+  const auto line = [&](const glm::dvec3& weights) {  // weighted by the camera frame's axes
     return glm::dvec4(weights * rotation, glm::dot(weights, moved));
   };
   picture_from_scaled_ = glm::transpose(glm::dmat4(line({pinhole.fx, 0, pinhole.cx}), line({0, pinhole.fy, pinhole.cy}),
@@ -326,7 +326,7 @@ bool SilhouetteLookup::mayHold(const PlanePoint& point, const glm::dvec3& scaled
   if (seen.z < kNearestDepth) return true;
   const glm::dvec2 pixel = glm::dvec2(seen) / seen.z;
   if (pixel.y < top_px_ - kDoubt_px || pixel.y > bottom_px_ + kDoubt_px) return true;
-  bool background = false;  // even-odd rule: it changes at every edge to the right
+  bool background = false;  // even-odd rule: toggles at every edge to the right
   for (const RowEdge& edge : rows_[row(pixel.y)]) {
     if (pixel.x > edge.right_px + kDoubt_px) continue;
     const HullPlane& wedge = planes_.planes[edge.plane];
@@ -338,8 +338,8 @@ bool SilhouetteLookup::mayHold(const PlanePoint& point, const glm::dvec3& scaled
   return !background;
 }
 
-// The point lies next to the edge. Whether beyond it, or beyond the corner at its nearer end, is known by the corner's
-// two planes.
+// Point close to the edge: two planes of the corner at the nearer end determine exactly if it lies beyond the edge or
+// the corner.
 bool SilhouetteLookup::mayHoldNear(uint32_t edge, const glm::dvec2& pixel, const PlanePoint& point, bool& tie) const {
   const HullPlane& wedge = planes_.planes[edge];
   const bool at_start = glm::distance(pixel, wedge.from) < glm::distance(pixel, wedge.to);
@@ -364,11 +364,11 @@ void SilhouetteLookup::candidates(const glm::dvec3& from, const glm::dvec3& to, 
   const double slope = q.y > p.y ? (q.x - p.x) / (q.y - p.y) : 0;
   const int last = row(q.y + kDoubt_px);
   for (int r = row(p.y - kDoubt_px); r <= last; ++r) {
-    // The line's part in the row, with a doubt on either side.
+    // Part of the line in the row, extended by the tolerance on either side.
     const double y0 = std::max(p.y, top_px_ + r * row_px_ - kDoubt_px);
     const double y1 = std::min(q.y, top_px_ + (r + 1) * row_px_ + kDoubt_px);
     double x0 = p.x + slope * (y0 - p.y), x1 = p.x + slope * (y1 - p.y);
-    if (y1 - y0 < kDoubt_px) x0 = p.x, x1 = q.x;  // hardly any: the slope may mean nothing
+    if (y1 - y0 < kDoubt_px) x0 = p.x, x1 = q.x;  // nearly horizontal: the slope is unreliable
     if (x0 > x1) std::swap(x0, x1);
     for (const RowEdge& edge : rows_[r]) {
       if (edge.right_px < x0 - kDoubt_px || edge.left_px > x1 + kDoubt_px) continue;

@@ -45,8 +45,7 @@ std::optional<std::vector<HalfEdge>> hullEdges(const HullPlanes& planes, std::sp
 // three edges, two per adjacent face. `edges`: sorted by plane on return.
 Result<TriangleMesh> hullFaces(const HullPlanes& planes, std::vector<HalfEdge>& edges);
 
-// Finds the wedges of one camera near points and lines of space, by rows of its picture.
-
+// Row index of one camera's wedges, for queries by points and lines.
 class SilhouetteLookup {
  public:
   SilhouetteLookup(const HullPlanes& planes, int camera, const PinholeCamera& pinhole);  // borrows the planes

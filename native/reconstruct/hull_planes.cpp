@@ -11,9 +11,9 @@
 namespace fourdvt::reconstruct {
 namespace {
 
-constexpr double kNearest = 1e-3;           // between a camera and the bounds, and between cameras; scaled
-constexpr double kBoundsReach = 1e-4;       // how far from the bounds a wedge still counts as reaching them; scaled
-constexpr uint32_t kMostPlanes = 1u << 21;  // three of their numbers fit into 64 bits
+constexpr double kNearest = 1e-3;      // minimum distance between a camera and the bounds, and between cameras; scaled
+constexpr double kBoundsReach = 1e-4;  // tolerance of the test that a wedge reaches the bounds; scaled
+constexpr uint32_t kMostPlanes = 1u << 21;  // three indices fit into 64 bits
 
 Error invalid(const std::string& message) { return {ErrorId::InvalidArgument, "polyhedral hull: " + message}; }
 
@@ -104,7 +104,7 @@ class Builder {
     }
   }
 
-  // Whether some of the bounds lies on the plane and on the wedge's sides of its neighbours.
+  // True if the plane intersects the bounds on the wedge's sides of its neighbours.
   bool reachesBounds(const HullPlane& p) const {
     if (p.camera == kBounds) return true;
     const glm::dvec3& centre = out_.centres[p.camera];
@@ -141,17 +141,17 @@ namespace {
 __extension__ typedef __int128 Int128;
 
 constexpr double kUnitBits = 27, kMostBits = 29;
-// Bounds of what doubles get wrong, for coefficients up to M = 2^29 and half a unit in the last place u = 2^-53. A
-// minor of two rows is off by at most 4uM², one of three rows by 30uM³, and the determinant by 216uM⁴.
+// Rounding errors of doubles, for coefficients up to M = 2^29 and half a unit in the last place u = 2^-53: at most 4uM²
+// for a minor of two rows, 30uM³ for one of three rows, and 216uM⁴ for the determinant.
 const double kDoubt3 = std::ldexp(32.0, int(3 * kMostBits) - 53);
 const double kDoubt4 = std::ldexp(256.0, int(4 * kMostBits) - 53);
-// A point is read from doubles where its weight is this certain: the position is then off by less than 2^-34.
+// Minimum weight for positions from doubles: their error is then below 2^-34.
 const double kClearWeight = std::ldexp(1.0, int(3 * kMostBits) - 16);
 
 int signOf(Int128 value) { return (value > 0) - (value < 0); }
 
-// The determinants of three rows without column 0, 1, 2 and 3, signed so that their dot product with a fourth row is
-// the determinant of all four.
+// Determinants of three rows without column 0, 1, 2 and 3, signed such that their dot product with a fourth row is the
+// determinant of all four.
 std::array<Int128, 4> exactPoint(const std::array<const Plane*, 3>& planes) {
   int64_t a[4], b[4], c[4];
   for (int i = 0; i < 4; ++i) {
@@ -214,12 +214,13 @@ glm::dvec3 PlanePoint::position() const {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;  // rad
-constexpr double kDoubt = 1e-5;                 // rad, added to the angles of a wedge on either side
-constexpr double kDoubtShare = 0.1;  // of its own angle, added as well: flat corners move when planes are rounded
-constexpr double kLeastSine = 1e-3;  // between viewing line and baseline; below, the angle is not to be relied on
+constexpr double kDoubt = 1e-5;                 // rad, tolerance of a wedge's angles on either side
+constexpr double kDoubtShare =
+    0.1;  // tolerance as a share of the wedge's angle: flat corners move when planes are rounded
+constexpr double kLeastSine = 1e-3;  // between viewing line and baseline; below, the angle is unreliable
 
 struct Pencil {
-  glm::dvec3 across, up;  // unit, at right angles with the baseline
+  glm::dvec3 across, up;  // unit, perpendicular to the baseline
 
   explicit Pencil(const glm::dvec3& baseline) {
     const glm::dvec3 along = glm::normalize(baseline), size = glm::abs(along);
@@ -231,7 +232,7 @@ struct Pencil {
   }
 };
 
-// The angles of a wedge in steps of the circle, `first` … `first + count - 1`, to be taken modulo `steps`.
+// Angles of a wedge in steps of the circle, `first` … `first + count - 1`, modulo `steps`.
 struct Span {
   int first = 0, count = 0;
 };

@@ -81,8 +81,8 @@ struct HullPlanes {
   }
 };
 
-// How planes are brought into general position, in which no four of them meet in a point. Corners of an outline that
-// are too flat are left out: the line in which their planes meet would move far when these are rounded.
+// Perturbation of planes into general position, in which no four of them meet in a point. Nearly flat corners of an
+// outline are removed, since rounding would move the line of their planes far.
 struct PlaneRounding {
   uint32_t seed = 1;            // of the random perturbation
   double jiggle = 0x1p-21;      // maximum change of a coefficient; scaled

@@ -40,7 +40,7 @@ inline uint64_t blockKey(const glm::ivec3& at) {
 
 // Adds the blocks in `inside` to those with values, `band_m` everywhere.
 SparseDistance withValuesInside(const SparseDistance& distance);
-// Leaves out the blocks that lie outside as a whole, and keeps no values of those inside.
+// Removes blocks entirely outside, and the values of those entirely inside.
 void compact(SparseDistance& distance);
 
 // Extracts the zero surface; closed if the distance is negative on the grid's border. `adaptivity`: 0 one vertex per

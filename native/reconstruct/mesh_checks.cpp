@@ -153,7 +153,7 @@ std::string describe(const MeshReport& r) {
 
 namespace {
 
-// Unit, or zero for a triangle's side without length.
+// Unit vector, or zero for an edge without length.
 glm::dvec3 direction(const glm::dvec3& v) {
   const double length = glm::length(v);
   return length > 0 ? v / length : glm::dvec3(0);

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The polyhedral visual hull: what is left of a box when everything is cut away that cameras see as background (OVH03,
-// section 4; FB09).
+// Polyhedral visual hull: a box minus all space that cameras see as background. Faces lie in the planes through a
+// camera's centre and an edge of its outline. Predicates on planes are exact, so that the surface is closed,
+// consistently oriented and free of self-intersections except for rounding of positions to float. Space behind cameras
+// and outside their pictures is not carved. Stages: hull_planes.h, hull_edges.h (Franco and Boyer 2009).
 //
-// Its faces lie in the planes through a camera's centre and an edge of its outline. Where planes meet is decided
-// exactly, so the surface is closed, consistently oriented and does not cross itself beyond the rounding of positions
-// to float. Does NOT carve behind a camera or outside its picture, and does NOT smooth or merge faces.
-//
-// Stages: hull_planes.h, hull_edges.h, hull_edges.h.
+// Source: Ming Li, Marcus Magnor, Hans-Peter Seidel: Online Accelerated Rendering of Visual Hulls in Real Scenes.
+// Journal of WSCG 11, 2003; section 4.
 #pragma once
 
 #include <span>
@@ -18,21 +17,21 @@
 
 namespace fourdvt::reconstruct {
 
-// What a camera cuts away: everything in front of it that it sees inside of its outline's rings.
+// Space carved by a camera: all in front of it that projects into its outline's rings.
 struct SilhouetteCone {
   PinholeCamera camera;
   silhouette::Outline outline;
 };
 
 struct PolyhedralHull {
-  TriangleMesh mesh;            // no faces: nothing is left
-  bool touches_bounds = false;  // some of the surface is not the cameras' but the box's
-  int attempts = 1;             // 2 and more: planes met in one point and were rounded anew; 4 at most
+  TriangleMesh mesh;            // no faces: the hull is empty
+  bool touches_bounds = false;  // part of the surface lies on the box
+  int attempts = 1;             // roundings of the planes until they were in general position; at most 4
 };
 
-// The hull inside of `bounds` (world, metres). Every camera must lie outside of the bounds and nowhere near another.
-// Errors: InvalidArgument (see hullPlanes), Internal (the surface does not close, e.g. since the rings of an outline
-// cross: take a volumetric hull instead).
+// Computes the hull inside `bounds` (world, metres). Cameras must lie outside the bounds and apart from each other.
+// Errors: InvalidArgument (see hullPlanes), Internal (the surface does not close, e.g. because rings of an outline
+// cross; a volumetric hull is the fallback).
 Result<PolyhedralHull> polyhedralHull(std::span<const SilhouetteCone> cones, const BoundingBox& bounds);
 
 }  // namespace fourdvt::reconstruct

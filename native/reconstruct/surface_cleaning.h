@@ -15,8 +15,8 @@
 namespace fourdvt::reconstruct {
 constexpr double kSpeckVoxels = 27;  // maximum size of grid noise
 
-// Leaves out specks: components below a thousandth of the largest one's volume, or below `least_volume_m3`. Hollows,
-// whose volume is negative, are judged by its size. Returns the number of components that were left out.
+// Removes specks: components below a thousandth of the largest one's volume, or below `least_volume_m3`. Hollows have
+// negative volume; its absolute value counts. Returns the number of removed components.
 size_t dropSpecks(TriangleMesh& mesh, double least_volume_m3);
 
 // Removes specks, and phantoms: components that in every camera's picture are covered by larger ones over at least nine

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The end of a reconstruction: from its finished frames to the report. Does NOT put the new folder into place.
+// Report of a reconstruction from its finished frames, without moving the new folder into place.
 #pragma once
 
 #include <optional>
@@ -10,23 +10,23 @@
 
 namespace fourdvt::reconstruct {
 
-// The frame of a sequence that its report shows.
+// Frame of a sequence shown in its report.
 inline uint32_t shownFrame(const capture::CaptureSequence& sequence) { return sequence.frame_count / 2; }
 
-// Draws a finished frame for the report, from its mesh; unlike a frame that was just made, without its hull. Errors:
-// those of pictures and of readMeshFile.
+// Draws a finished frame for the report from its mesh; without its hull, which is not stored. Errors: those of pictures
+// and of readMeshFile.
 Status drawKept(const Prepared& job, const FrameStore& store, const capture::CaptureSequence& sequence, uint32_t frame,
                 const OpenVideo& open_video, ReportPictures& pictures);
 
-// The run that made the frames.
+// Statistics of the run that computed the frames.
 struct RunTime {
-  uint32_t frames_kept = 0;  // those that were there before it
+  uint32_t frames_kept = 0;  // existed before the run
   double wall_s = 0;
 };
 
-// Writes the report over all frames into the new folder. `run`: none where several processes made the frames; the
-// report has the sum of the frames' seconds then, and is the same bytes whoever writes it. Errors: InvalidArgument (a
-// frame that is not finished), WriteFailed.
+// Writes the report over all frames into the new folder. `run`: none if several processes computed the frames; the
+// report then has the sum of the frames' seconds and is byte-identical for any writer. Errors: InvalidArgument (an
+// unfinished frame), WriteFailed.
 Result<ReconstructSummary> writeResult(const Prepared& job, const FrameStore& store, const ReportPictures& pictures,
                                        const std::optional<RunTime>& run);
 

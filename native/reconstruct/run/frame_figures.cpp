@@ -8,7 +8,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Calls with the name and the field of every figure.
+// Calls `field` with the name and value of every figure.
 template <class Figures, class Field>
 void eachFigure(Figures& f, const Field& field) {
   field("vertices", f.vertices);
@@ -40,7 +40,7 @@ void eachFigure(Figures& f, const Field& field) {
 std::string figuresText(const FrameFigures& f) {
   Json out;
   eachFigure(f, [&](const char* key, const auto& value) { out[key] = value; });
-  return out.dump();  // NaN as null
+  return out.dump();  // NaN becomes null
 }
 
 }  // namespace fourdvt::reconstruct

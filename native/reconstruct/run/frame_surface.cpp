@@ -20,10 +20,10 @@
 namespace fourdvt::reconstruct {
 namespace {
 
-constexpr double kFairingLoss = 0.002;                    // of a camera's overlap that smoothing may cost
-constexpr double kRoughVoxel_m = 0.02, kSpeck_m3 = 3e-6;  // of a person
-constexpr double kCoarsestReduced_m = 0.01;               // of a person, pixel that stereo may reduce pictures to
-constexpr size_t kFewestPixels = 16;                      // of a silhouette that says anything
+constexpr double kFairingLoss = 0.002;                    // maximum loss of a camera's overlap by fairing
+constexpr double kRoughVoxel_m = 0.02, kSpeck_m3 = 3e-6;  // normalised to a person
+constexpr double kCoarsestReduced_m = 0.01;  // normalised to a person: maximum pixel size after reduction for stereo
+constexpr size_t kFewestPixels = 16;         // minimum size of a silhouette
 
 silhouette::Silhouette silhouetteOf(const PinholeCamera& camera, const Image& rgba) {
   silhouette::Silhouette out{camera, Image(rgba.width, rgba.height, 1)};
@@ -51,8 +51,8 @@ double volumeOf(const TriangleMesh& mesh) {
   return six / 6;
 }
 
-// A box round everything that the cameras may see of the performer, from a coarse carving: tight, because beyond their
-// pictures nothing is carved. `spare_m`: how far polygons may lie outside the silhouettes.
+// Bounding box of the performer in the visible space, from a coarse carving: tight, because space outside the pictures
+// is not carved. `spare_m`: maximum distance of polygons outside the silhouettes.
 Result<BoundingBox> roughBounds(std::span<const CarvingView> views, double spare_m) {
   FOURDVT_ASSIGN(const SparseDistance coarse, carve(views, kRoughVoxel_m));
   glm::dvec3 low(1e9), high(-1e9);
@@ -67,8 +67,8 @@ Result<BoundingBox> roughBounds(std::span<const CarvingView> views, double spare
   return BoundingBox{glm::vec3(low - spare_m), glm::vec3(high + spare_m)};
 }
 
-// Errors say why the volumetric hull has to stand in.
-// `footprint_m`: of a pixel on the performer.
+// Polyhedral hull, or an error with the reason for falling back to the volumetric hull. `footprint_m`: size of a pixel
+// at the performer.
 Result<TriangleMesh> checkedPolyhedron(const ReconstructOptions& options, std::span<const CarvingView> views,
                                        double footprint_m, FrameFigures& figures) {
   std::vector<SilhouetteCone> cones(views.size());
@@ -89,8 +89,8 @@ Result<TriangleMesh> checkedPolyhedron(const ReconstructOptions& options, std::s
   return std::move(hull.mesh);
 }
 
-// The pictures with the mattes that the hull was carved with; 255 all over where a camera has no silhouette: stereo may
-// look anywhere in its picture.
+// Pictures with the mattes that the hull was carved with; 255 throughout for cameras without silhouette, so that stereo
+// is unrestricted in their pictures.
 std::vector<Image> withMattes(std::span<const Image> pictures, std::span<const silhouette::Silhouette> carving,
                               const std::vector<bool>& sees) {
   std::vector<Image> out(pictures.begin(), pictures.end());
@@ -125,7 +125,7 @@ Result<SurfaceMaker> SurfaceMaker::create(const ReconstructOptions& options,
                                           const std::vector<capture::CaptureCamera>& cameras, gpu::Device* device) {
   SurfaceMaker maker(options, cameras);
   maker.device_ = device;
-  FOURDVT_TRY(maker.useScale({}));  // a device or options that will not do are an error now
+  FOURDVT_TRY(maker.useScale({}));  // reports an unusable device or options early
   FOURDVT_TRY(maker.begin());
   return maker;
 }
@@ -206,7 +206,7 @@ Result<FrameSurface> SurfaceMaker::make(std::span<const Image> pictures) {
   inParallel(cameras.size(), [&](size_t i) {
     if (pixelsInside(carving[i]) < kFewestPixels) return;
     for (size_t k = 0; k < captured_[i].pixels.size(); ++k)
-      if (captured_[i].pixels[k] < 128) carving[i].coverage.pixels[k] = 255;  // not seen is not carved
+      if (captured_[i].pixels[k] < 128) carving[i].coverage.pixels[k] = 255;  // unseen space is not carved
     distances[i] = std::make_unique<silhouette::SilhouetteDistance>(carving[i].coverage);
   });
   std::vector<CarvingView> views;

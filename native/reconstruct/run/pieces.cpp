@@ -20,16 +20,16 @@
 namespace fourdvt::reconstruct {
 namespace {
 
-constexpr int kLooks = 5;  // for the same result, put into place by another process
+constexpr int kLooks = 5;  // attempts to find an identical result of another process
 constexpr std::chrono::milliseconds kBetweenLooks(200);
 constexpr const char* kFirst = "first";
 constexpr const char* kFrames = "frames";
 
-// Frames of a sequence that a piece makes.
+// Frames of a sequence computed by one piece.
 struct Part {
   std::string sequence;
   bool first = false;   // frame 0 alone
-  uint32_t window = 0;  // else
+  uint32_t window = 0;  // otherwise
 };
 
 std::string idOf(const Part& part) {
@@ -56,9 +56,9 @@ jobs::Piece pieceOf(const Part& part, const JobFile& file) {
   return out;
 }
 
-// Estimates, from pieces that were measured on two cores, stereo with a GPU that the processor imitates. Only
-// schedulers read the seconds. Memory is 1.5 times the measured one or more. Voxels far smaller than those that are
-// chosen without an option can exceed it; Snakemake then starts the piece again with more.
+// Resource estimates for schedulers, measured on two cores, stereo with a software-rendered GPU. Memory is at least 1.5
+// times the measured one. Explicit options with far smaller voxels can exceed it; Snakemake then restarts the piece
+// with more.
 class Costs {
  public:
   explicit Costs(const Prepared& job) : stereo_(job.options.stereo), megafaces_(job.options.faces / 1e6) {
@@ -71,7 +71,7 @@ class Costs {
 
  private:
   bool stereo_;
-  double megapixels_ = 0, megafaces_ = 0;  // of all cameras; of the largest surface
+  double megapixels_ = 0, megafaces_ = 0;  // sum over the cameras; largest surface
 };
 
 std::vector<jobs::Piece> piecesOf(const JobFile& file, uint32_t frames) {
@@ -96,7 +96,7 @@ std::vector<jobs::Piece> piecesOf(const JobFile& file, uint32_t frames) {
   return out;
 }
 
-// A piece carries the name of its sequence.
+// Checks that sequence names are valid in names of pieces.
 Status checkNames(const Prepared& job) {
   const auto fits = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; };
   for (const std::string& name : job.options.sequences)
@@ -114,7 +114,7 @@ std::optional<Part> partOf(const jobs::Piece& piece) {
   return Part{piece.id.substr(start, dash - start), false, uint32_t(std::strtoul(&piece.id[dash + 1], nullptr, 10))};
 }
 
-// True where frames of a piece are gone, which they are once the new folder is in place.
+// True if frames of a piece are missing, as they are once the new folder is in place.
 bool isLost(const FrameStore& store, const Prepared& job, const jobs::Piece& piece) {
   const auto part = partOf(piece);
   const uint32_t end = part ? endOf(*part, *job.capture.find(part->sequence)) : 0;
@@ -123,7 +123,7 @@ bool isLost(const FrameStore& store, const Prepared& job, const jobs::Piece& pie
   return false;
 }
 
-// A calibration is made once, and what it had to say is kept with it.
+// Adds the warnings of the calibration, which is computed once and stored with them.
 void addEarlierWarnings(const std::string& job_folder, Prepared& job) {
   const auto earlier = readJobFile(job_folder);
   if (!earlier || earlier.value().job.settings_key != job.settings_key) return;
@@ -143,18 +143,18 @@ Status checkInputs(const JobFile& file, const Part& part, const jobs::Piece& pie
                                 " to " + std::to_string(end - 1));
 }
 
-// The planning process has looked at every picture; a piece looks at its own.
+// Opens the capture for one sequence only; planning has validated all pictures.
 Result<capture::Capture> openForPiece(const ReconstructOptions& options, const std::string& sequence) {
   auto opened = capture::openDescription(resultFolder(options).partFolder(), {sequence}, capture::MeshNeed::Nothing);
   if (opened.ok()) return opened;
   return jobs::changedSincePlan(options.capture_folder + ": its files (" + opened.error().message + ")");
 }
 
-// Path of a copy of the result's report, written before the result is put into place: a result with the same report is
-// this job's.
+// Path of a copy of the report, written before the result is put into place: a result with an identical report belongs
+// to this job.
 std::string keptReport(const std::string& job_folder) { return job_folder + "/" + kReportJson; }
 
-// True where the result is in place already, of a process that ended before it was recorded or that runs beside this.
+// True if the result is already in place, by a process that ended before recording it or by a concurrent one.
 bool isPlaced(const std::string& job_folder, const ReconstructOptions& options) {
   std::error_code none;
   if (std::filesystem::exists(resultFolder(options).partFolder(), none)) return false;

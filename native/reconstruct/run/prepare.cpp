@@ -26,7 +26,7 @@ constexpr size_t kFewestCalibrated = 4;  // cameras; the silhouettes of fewer ha
 }  // namespace
 
 struct Threads::Limit {
-  tbb::global_control threads;  // OpenVDB's; the others are OpenCV's
+  tbb::global_control threads;  // OpenVDB's threads; OpenCV has its own
 };
 
 Threads::Threads(int count) {
@@ -49,7 +49,7 @@ Status Preparation::openGiven() {
   FOURDVT_ASSIGN(given_, open(capture::MatteNeed::None));
   FOURDVT_TRY(capture::leaveOut(options.leave_out, given_));
   FOURDVT_ASSIGN(wants_mattes_, mattes::wantsMattes(given_, environment_.open_video));
-  if (!wants_mattes_ && options.leave_out.empty()) {  // names bad mattes by the user's own files
+  if (!wants_mattes_ && options.leave_out.empty()) {  // messages about bad mattes name the user's own files
     const auto with_mattes = open(capture::MatteNeed::Required);
     if (!with_mattes.ok()) return with_mattes.error();
   }
@@ -93,7 +93,7 @@ Status Preparation::link(Earlier earlier) {
   return {};
 }
 
-// The new folder with all that is not made; of an earlier run's, the calibration holds.
+// Links the new folder to all inputs that are not computed; keeps the calibration of an earlier run.
 Status Preparation::linkFrames() {
   const ReconstructOptions& options = out_.options;
   const std::string part = resultFolder(options).partFolder();
@@ -111,8 +111,8 @@ Status Preparation::linkFrames() {
   return refine::writeCalibrationReport(part, given_folder_, *calibration_);
 }
 
-// Cameras in step and in place, by silhouettes that each camera has by itself: mattes that are made with the others'
-// help agree with them already.
+// Calibrates and synchronises cameras with silhouettes that each camera has by itself: mattes computed jointly already
+// agree with each other.
 Status Preparation::calibrate() {
   if (given_.cameras.size() < kFewestCalibrated) return {};
   refine::CalibrationOptions options;
@@ -155,7 +155,7 @@ Status Preparation::addMattes() {
 
 namespace fourdvt::store {
 
-// Options that frames and their report depend on.
+// Options that determine frames and their report.
 void fields(Archive& a, reconstruct::ReconstructOptions& o) {
   a(o.capture_folder, o.folder, o.sequences, o.leave_out, o.mattes_alone, o.any_silhouettes, o.synchronise,
     o.refine_cameras, o.hull, o.contour_tolerance_px, o.voxel_m, o.faces, o.adaptivity, o.stereo, o.planes, o.fairing);

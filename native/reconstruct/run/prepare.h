@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The serial part of a reconstruction, before its frames: the capture is opened, cameras are left out, the new folder
-// is linked to it, cameras are put in step and in place, mattes that are missing are made. One process does it, and
-// every frame needs all of it. Does NOT make surfaces.
+// Serial part of a reconstruction, in one process before its frames: opens the capture, excludes cameras, links the new
+// folder to the inputs, calibrates and synchronises cameras, and computes missing mattes.
 #pragma once
 
 #include <atomic>
@@ -18,29 +17,27 @@
 #include "refine/run/calibrate_capture.h"
 
 namespace fourdvt::reconstruct {
-// What `fourdvt reconstruct` is asked for, and what it needs from the program that runs it.
-
 enum class HullKind { Polyhedral, Volumetric };
 
 struct ReconstructOptions {
-  std::string capture_folder, folder;  // read, written
+  std::string capture_folder, folder;  // input, output
   std::vector<std::string> sequences;  // empty: all
   std::vector<std::string> leave_out;  // cameras
-  bool mattes_alone = false;           // missing mattes: every camera by itself
-  bool any_silhouettes = false;        // go on although no common volume explains the silhouettes
-  bool synchronise = true;             // cameras, by their silhouettes
-  bool refine_cameras = true;          // the same of their poses
+  bool mattes_alone = false;           // computes missing mattes per camera, independently
+  bool any_silhouettes = false;        // continues without a common volume of the silhouettes
+  bool synchronise = true;             // estimates cameras' times from silhouettes
+  bool refine_cameras = true;          // estimates cameras' poses from silhouettes
   HullKind hull = HullKind::Volumetric;
-  double contour_tolerance_px = 1;  // polyhedral: how far a polygon may be from the outline, 0.25 to 8
-  double voxel_m = 0;               // volumetric hull and stereo; 0: by the pictures, see scale.h
-  int faces = 150'000;              // the most of a surface; those beyond are simplified away
+  double contour_tolerance_px = 1;  // polyhedral: maximum distance of a polygon from the outline, 0.25 to 8
+  double voxel_m = 0;               // volumetric hull and stereo; 0: from the pixel footprint, see scale.h
+  int faces = 150'000;              // maximum per surface, by simplification
   double adaptivity = 0.1;          // 0 … 1, see VolumetricOptions
   bool stereo = true;               // inside the volumetric hull only
-  int planes = 64;                  // of stereo: depths tried in its band, a multiple of 4, 16 to 128
-  int fairing = 0;                  // rounds, see surface_cleaning.h
+  int planes = 64;                  // stereo: depths per pixel, a multiple of 4, 16 to 128
+  int fairing = 0;                  // rounds of fairSurface (surface_cleaning.h)
   int jobs = 0;                     // threads; 0: one per core
   bool resume = false;
-  // Empty, or what is wrong with the options, in one line.
+  // Error message in one line, or empty.
   std::string check() const;
 };
 
@@ -54,11 +51,11 @@ struct ReconstructEnvironment {
   gpu::Device* device = nullptr;  // current on this thread; may be null without stereo
   OpenVideo open_video;
   std::function<void(const ReconstructProgress&)> progress;
-  std::function<void(const std::string&)> note;  // a line for the person who plans; may be empty
-  const std::atomic<bool>* stop = nullptr;       // set by Ctrl-C: finish the frame, keep what is finished
+  std::function<void(const std::string&)> note;  // receives one line of information; may be empty
+  const std::atomic<bool>* stop = nullptr;       // set by Ctrl-C: ends after the current frame, keeping finished frames
 };
 
-// Limit on the threads of OpenCV and OpenVDB while it lives; 0: none.
+// Limits the threads of OpenCV and OpenVDB during its lifetime; 0: no limit.
 class Threads {
  public:
   explicit Threads(int count);
@@ -69,25 +66,25 @@ class Threads {
   std::unique_ptr<Limit> limit_;
 };
 
-// A reconstruction up to its frames.
+// Prepared reconstruction without frames.
 struct Prepared {
-  ReconstructOptions options;         // folders absolute, sequences named
-  std::string settings_key;           // one line: what decides how frames come out
+  ReconstructOptions options;         // with absolute folders and named sequences
+  std::string settings_key;           // one line: settings that determine the frames
   std::vector<std::string> warnings;  // one line each
-  std::string name;                   // of the capture that is read
-  capture::Capture capture;           // the new folder, which frames are read from, under that name
+  std::string name;                   // input capture
+  capture::Capture capture;           // new folder, the source of all frames, with the input's name
 
-  // The user's folder of a sequence, for messages.
+  // Folder of a sequence in the input, for messages.
   std::string folderOf(const std::string& sequence) const { return options.capture_folder + "/" + sequence; }
 };
 
 capture::ResultFolder resultFolder(const ReconstructOptions& options);
 
-// Work that an earlier run left in the same place.
+// Handling of an earlier run's work in the same place.
 enum class Earlier {
   Removed,
-  Kept,       // or refused, if it is of other settings
-  KeptIfSame  // removed with a note, if it is of other settings
+  Kept,       // error if its settings differ
+  KeptIfSame  // removed with a note if its settings differ
 };
 
 class Preparation {
@@ -98,13 +95,13 @@ class Preparation {
     out_.options = options;
   }
 
-  // Everything but mattes. Errors: those of openCapture; InvalidArgument (folders, names, work of other settings);
-  // WriteFailed; Interrupted.
+  // Prepares everything but mattes. Errors: those of openCapture; InvalidArgument (folders, names, work of other
+  // settings); WriteFailed; Interrupted.
   Status link(Earlier earlier);
-  // The new folder, once it is linked.
+  // The new folder; valid after link().
   const capture::Capture& capture() const { return out_.capture; }
   bool wantsMattes() const { return wants_mattes_; }
-  // Makes the mattes that are missing, cameras together; colour keys are made as frames are read. Errors: those of
+  // Computes missing mattes from all cameras together; colour keys are evaluated as frames are read. Errors: those of
   // mattes::addMattes.
   Status addMattes();
   Prepared take() { return std::move(out_); }
@@ -115,21 +112,19 @@ class Preparation {
   Status calibrate();
 
   const ReconstructEnvironment& environment_;
-  const std::string given_folder_;  // as the user calls it
+  const std::string given_folder_;  // as given by the user
   Prepared out_;
-  capture::Capture given_;  // later with the new one's cameras and times
+  capture::Capture given_;  // input; its cameras and times are replaced by the calibrated ones
   bool wants_mattes_ = false;
-  std::optional<refine::Calibration> calibration_;  // made by this run
+  std::optional<refine::Calibration> calibration_;  // computed by this run
 };
 
-// The file of a job folder from which every piece of a reconstruction goes on: options, and what planning found out.
-
 struct JobFile {
-  Prepared job;                      // without its capture, which a piece opens as far as it reads it
+  Prepared job;                      // without its capture, of which a piece opens only its part
   uint64_t common_input_digest = 0;  // see capture/input_files.h, of the new folder
 };
 
-// Errors: WriteFailed.
+// Writes the state from which every piece continues: options, and results of planning. Errors: WriteFailed.
 Status writeJobFile(const std::string& job_folder, const JobFile& file);
 // Errors: FileMissing; FileUnreadable (damaged, or of another version).
 Result<JobFile> readJobFile(const std::string& job_folder);

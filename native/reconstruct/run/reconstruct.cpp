@@ -9,7 +9,7 @@
 namespace fourdvt::reconstruct {
 namespace {
 
-// All windows in one process, and the end.
+// Computes all windows in one process, then finishes.
 class Run {
  public:
   Run(const Prepared& job, const ReconstructEnvironment& environment, SurfaceMaker& maker, const Watch& watch)
@@ -81,7 +81,7 @@ Result<ReconstructSummary> reconstruct(const ReconstructOptions& options, const 
   Watch watch;
   Preparation preparation(options, environment);
   FOURDVT_TRY(preparation.link(options.resume ? Earlier::Kept : Earlier::Removed));
-  // A device that will not do stops the run before mattes are made.
+  // Reports an unusable device before mattes are computed.
   FOURDVT_ASSIGN(auto maker, SurfaceMaker::create(options, preparation.capture().cameras, environment.device));
   if (preparation.wantsMattes()) {
     FOURDVT_TRY(preparation.addMattes());

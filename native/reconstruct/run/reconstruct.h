@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a capture with or without meshes to a capture with a surface per frame, made from its silhouettes:
+// Reconstruction of a surface per frame from a capture's silhouettes; existing meshes of the capture are ignored:
 //   cameras' pictures and mattes → silhouettes → hull → surface → capture folder with links to the pictures, and report
-// One frame is in memory at a time. Frames are kept as they are finished, beside the folder that is to be written;
-// nothing is put into place before all are. Meshes that the capture has are not looked at.
+// Holds one frame in memory. Finished frames are stored beside the output folder, which is put into place after the
+// last.
 #pragma once
 
 #include <map>
@@ -22,12 +22,12 @@ struct ReconstructSummary {
   uint32_t frames = 0, frames_kept = 0;  // kept: finished by an earlier run
   double wall_s = 0;
   double lowest_overlap = 1, mean_overlap = 1;
-  double mean_cover = 0;              // share of the pictures that silhouettes cover
-  double volume_m3 = 0, seen_m3 = 0;  // of the surface, mean; that more than half of the cameras see
+  double mean_cover = 0;              // share of the pictures covered by silhouettes
+  double volume_m3 = 0, seen_m3 = 0;  // of the surface, mean; seen by more than half of the cameras
   std::vector<std::string> warnings;  // one line each
 };
 
-// Errors: those of openCapture and of pictures; NothingVisible, naming sequence and frame; WriteFailed; Interrupted.
+// Errors: those of openCapture and of pictures; NothingVisible, with sequence and frame; WriteFailed; Interrupted.
 Result<ReconstructSummary> reconstruct(const ReconstructOptions& options, const ReconstructEnvironment& environment);
 
 }  // namespace fourdvt::reconstruct

@@ -22,8 +22,8 @@ using report::fixedText, report::Json, report::Values;
 constexpr size_t kColumns = 8;     // cameras side by side
 constexpr int kSheetHeight = 420;  // pixels of one picture
 constexpr double kLowOverlap = 0.95;
-constexpr double kMostCover = 0.9, kMostFilled = 0.7;  // above, mattes hardly show an outline
-constexpr double kDeep_m = 0.03;                       // of a person: as far behind the hull pictures tell depths apart
+constexpr double kMostCover = 0.9, kMostFilled = 0.7;  // above, mattes hardly have an outline
+constexpr double kDeep_m = 0.03;  // normalised to a person: maximum colour-coded depth behind the hull
 
 struct Stage {
   const char* name;
@@ -65,7 +65,7 @@ Overlap overlapOf(const ReconstructedSequence& sequence, size_t camera) {
   return out;
 }
 
-// A row for every camera: its name, and what `add` puts behind it.
+// One row per camera: its name, then the output of `add`.
 template <class Add>
 std::vector<Values> cameraRows(const capture::Capture& capture, Add add) {
   std::vector<Values> rows;
@@ -92,7 +92,7 @@ report::Table overlapTable(const capture::Capture& capture, const std::vector<Re
                          rows);
 }
 
-// Mean over the frames that have it; NaN: none has.
+// Mean over the frames with a value; NaN: none.
 double meanOf(const ReconstructedSequence& sequence, std::vector<double> FrameFigures::*list, size_t camera) {
   double sum = 0;
   size_t count = 0;
@@ -101,10 +101,10 @@ double meanOf(const ReconstructedSequence& sequence, std::vector<double> FrameFi
   return count ? sum / double(count) : std::numeric_limits<double>::quiet_NaN();
 }
 
-// With every digit that counts, of a figurine and of a hall.
+// Three significant digits, for volumes from figurines to halls.
 std::string volumeText(double m3) { return printed("%.3g m³", m3); }
 
-// Share of the space that more than half of the cameras see; 0: unknown.
+// Share of the space seen by more than half of the cameras; 0: unknown.
 double filledShare(const ReconstructedSequence& sequence) {
   double sum = 0, seen = 0;
   for (const FrameFigures& f : sequence.frames) sum += f.volume_m3, seen += f.seen_m3;
@@ -133,7 +133,7 @@ report::Table coverTable(const capture::Capture& capture, const std::vector<Reco
       rows);
 }
 
-// Warnings of one sequence: silhouettes and a surface that cover nearly all that there is.
+// Warnings about silhouettes or a surface that fill nearly all of the available space.
 std::vector<std::string> coverWarnings(const capture::Capture& capture, const ReconstructedSequence& s) {
   std::vector<std::string> out;
   for (size_t camera = 0; camera < capture.cameras.size(); ++camera)
@@ -172,7 +172,7 @@ report::Table stereoTable(const capture::Capture& capture, const std::vector<Rec
       rows);
 }
 
-// Millimetres with two digits that count at least: a figurine's voxels are small.
+// Millimetres with at least two significant digits, for a figurine's small voxels.
 std::string millimetres(double metres) {
   const double mm = metres * 1e3;
   return fixedText(mm, mm >= 10 ? 0 : mm >= 1 ? 1 : mm >= 0.1 ? 2 : 3) + " mm";
@@ -203,7 +203,7 @@ report::BarChart stageChart(const std::vector<ReconstructedSequence>& sequences)
   return chart;
 }
 
-// A curve for every sequence: `value` of its frames.
+// One curve per sequence: `value` of its frames.
 template <class F>
 report::Plot plotOf(const std::string& title, const std::string& label,
                     const std::vector<ReconstructedSequence>& sequences, F value) {

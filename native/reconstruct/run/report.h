@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a reconstruction leaves to look at: reconstruct.html with pictures, and reconstruct.json with every frame's
-// figures.
+// Report of a reconstruction: reconstruct.html with pictures, and reconstruct.json with the figures of every frame.
 #pragma once
 
 #include "reconstruct/run/frame_surface.h"
@@ -25,13 +24,13 @@ class ReportPictures {
   std::vector<Sheet> sheets_;
 };
 
-// Means, and one warning for each camera that saw nothing in some frame, for fallbacks and for low overlaps.
+// Means, and warnings: one per camera with empty silhouettes in some frame, for fallbacks and for low overlaps.
 ReconstructSummary summarise(const capture::Capture& capture, const std::vector<ReconstructedSequence>& sequences);
 
-// The summary that a report was written with. Errors: FileMissing, FileUnreadable.
+// Summary stored in a report. Errors: FileMissing, FileUnreadable.
 Result<ReconstructSummary> readSummary(const std::string& folder);
 
-// Errors: WriteFailed.
+// Writes both files. Errors: WriteFailed.
 Status writeReport(const std::string& folder, const ReconstructOptions& options, const capture::Capture& capture,
                    const std::vector<ReconstructedSequence>& sequences, const ReportPictures& pictures,
                    const ReconstructSummary& summary);

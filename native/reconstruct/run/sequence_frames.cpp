@@ -48,7 +48,7 @@ Result<uint32_t> SequenceFrames::makeWindow(uint32_t window, const Made& made) {
   return job_.options.stereo ? 0 : count;
 }
 
-// The scale of the sequence is that of its first frame.
+// Sets the sequence's scale, that of its first frame.
 Status SequenceFrames::begin(uint32_t frame) {
   const auto earliest = store_.find(sequence_.name, 0);
   if (!earliest && frame > 0)
@@ -81,8 +81,8 @@ Status SequenceFrames::make(uint32_t frame, const Made& made) {
   return {};
 }
 
-// Judges the silhouettes of the sequence's first frame; where too few see the performer there, those of the first frame
-// of each window that has enough of them, so that windows are accepted alike in any order.
+// Checks the consistency of the silhouettes in the sequence's first frame; if these are too few there, in each window's
+// first frame with enough of them. The result is independent of the windows' order.
 Status SequenceFrames::checkAgreement(uint32_t frame, const std::vector<Image>& pictures) {
   if (job_.options.any_silhouettes || job_.options.mattes_alone || agreed_) return {};
   std::vector<capture::CaptureCamera> cameras;
@@ -123,7 +123,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kVersion = "reconstruct 5";  // raise it when the same options give other meshes
+constexpr const char* kVersion = "reconstruct 5";  // increment when the same options give other meshes
 
 }  // namespace
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames of one sequence, from their pictures to files in the frame store. A sequence is cut into windows: surfaces
-// depend on the frames before them in their window, where stereo keeps them steady, and on the sequence's first frame,
-// whose figures hold the lengths that all are made with. So windows may be made in any order, by any process, once the
-// first frame is there.
+// Frames of one sequence: from pictures to files in the frame store. A sequence is divided into windows. Surfaces
+// depend on earlier frames of their window, by stereo's temporal averaging, and on the sequence's first frame, whose
+// figures hold the scale of all. After the first frame, windows can be computed in any order by any process.
 #pragma once
 
 #include <functional>
@@ -19,27 +18,25 @@
 #include "reconstruct/run/prepare.h"
 
 namespace fourdvt::reconstruct {
-// The finished frames of a reconstruction, in the folders that result_folder.h describes. Files are written atomically;
-// a frame is finished once its figures are there. Does NOT make surfaces.
-
-// What decides how frames come out: options, calibration, and names, sizes and times of pictures, mattes and plates.
+// Settings that determine frames: options, calibration, and names, sizes and times of pictures, mattes and plates.
 std::string settingsKey(const ReconstructOptions& options, const capture::Capture& capture);
 
 class FrameStore {
  public:
-  // `key`: that of the folder's settings. Frames of other settings are not found, and nothing is saved into a folder
-  // that has got others meanwhile.
+  // Finished frames of a reconstruction, in the folders described in result_folder.h. Files are written atomically; a
+  // frame is finished once its figures are stored. `key`: the folder's settings. Frames of other settings are not
+  // found, and saving fails if the folder's settings have changed.
   FrameStore(const capture::ResultFolder& folder, const capture::Capture& capture, const std::string& key);
 
   Status makeFolders(const std::string& sequence) const;
-  // Nothing if the frame is not finished.
+  // Returns none if the frame is not finished.
   std::optional<FrameFigures> find(const std::string& sequence, uint32_t frame) const;
-  // Errors: InvalidArgument if the folder belongs to other settings now.
+  // Errors: InvalidArgument if the folder now has other settings.
   Status checkFolder() const;
-  // Meshes are in metres here and in the capture's unit in the file. Errors: those of checkFolder; WriteFailed.
+  // `mesh` is in metres, the file in the capture's unit. Errors: those of checkFolder; WriteFailed.
   Status save(const std::string& sequence, uint32_t frame, const TriangleMesh& mesh, const FrameFigures& figures) const;
   Result<TriangleMesh> loadMesh(const std::string& sequence, uint32_t frame) const;
-  // Removes what processes that were killed left beside the meshes of a finished sequence.
+  // Removes temporary files of killed processes beside the meshes of a finished sequence.
   void removeLeftovers(const std::string& sequence) const;
 
  private:
@@ -54,7 +51,7 @@ class FrameStore {
   std::map<std::string, uint32_t> first_frames_;  // by sequence
 };
 
-inline constexpr uint32_t kWindow = 32;  // frames after which a surface no longer depends on those before
+inline constexpr uint32_t kWindow = 32;  // frames per window
 
 inline uint32_t windowsOf(const capture::CaptureSequence& sequence) {
   return (sequence.frame_count + kWindow - 1) / kWindow;
@@ -68,16 +65,16 @@ class SequenceFrames {
  public:
   using Made = std::function<void(uint32_t frame, const mattes::CaptureFrame& captured, const FrameSurface& surface)>;
 
-  // Borrows all of them. The maker serves no other sequence meanwhile.
+  // Borrows all arguments; the maker must not be used for another sequence meanwhile.
   SequenceFrames(const Prepared& job, const ReconstructEnvironment& environment, const FrameStore& store,
                  SurfaceMaker& maker, const capture::CaptureSequence& sequence)
       : job_(job), environment_(environment), store_(store), maker_(maker), sequence_(sequence) {}
 
-  // Makes frame 0, unless it is there. Errors: those of makeWindow.
+  // Computes frame 0 unless it exists. Errors: those of makeWindow.
   Status makeFirst(const Made& made = {});
-  // Makes what is missing of a window, with stereo all of it; returns how many of its frames were kept. Windows of one
-  // object go up. `made` is called after each frame that is saved. Errors: those of pictures; NothingVisible and
-  // InvalidArgument (silhouettes that contradict each other), naming sequence and frame; Internal (no first frame);
+  // Computes the missing frames of a window, with stereo all of them; returns the number of existing frames kept.
+  // Windows of one object must ascend. `made` is called after each saved frame. Errors: those of pictures;
+  // NothingVisible and InvalidArgument (contradictory silhouettes), with sequence and frame; Internal (no first frame);
   // GpuFailure; WriteFailed; Interrupted.
   Result<uint32_t> makeWindow(uint32_t window, const Made& made = {});
 
@@ -94,8 +91,8 @@ class SequenceFrames {
   const FrameStore& store_;
   SurfaceMaker& maker_;
   const capture::CaptureSequence& sequence_;
-  std::unique_ptr<mattes::FrameReader> reader_;  // null: no frame was made yet
-  bool agreed_ = false;                          // silhouettes were judged, in this window or in frame 0
+  std::unique_ptr<mattes::FrameReader> reader_;  // null before the first frame
+  bool agreed_ = false;                          // consistency was checked in this window or in frame 0
 };
 
 }  // namespace fourdvt::reconstruct

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kSamples = 2, kMargin = 12;
 
-// Coverage at a sample's centre, between the pixels' centres.
+// True if coverage at a sample's centre, interpolated between pixel centres, is inside.
 bool insideAt(const Image& coverage, int sample_x, int sample_y) {
   const float x = (float(sample_x) + 0.5f) / kSamples - 0.5f, y = (float(sample_y) + 0.5f) / kSamples - 0.5f;
   const int left = int(std::floor(x)), top = int(std::floor(y));
@@ -57,7 +57,7 @@ double overlapOf(const FaceBuffer& drawn, const silhouette::Silhouette& silhouet
   return either ? double(both) / double(either) : 1;
 }
 
-// Share of each pixel's samples that show a face, 0 … 255.
+// Share of each pixel's samples covered by a face, 0 … 255.
 Image coverageOf(const FaceBuffer& drawn, const PinholeCamera& camera) {
   Image out(camera.width, camera.height, 1);
   for (int y = 0; y < out.height; ++y)
@@ -71,7 +71,7 @@ Image coverageOf(const FaceBuffer& drawn, const PinholeCamera& camera) {
   return out;
 }
 
-// Calls with every place between two pixel centres of a row or column where coverage passes 127.5, in pixels.
+// Calls `place` for every crossing of coverage 127.5 between two pixel centres of a row or column, in pixels.
 template <class Place>
 void alongOutline(const Image& coverage, const Place& place) {
   for (int y = 0; y < coverage.height; ++y)
@@ -93,8 +93,7 @@ double outlineDistance_px(const FaceBuffer& drawn, const silhouette::Silhouette&
   return median(std::move(beside), std::numeric_limits<float>::quiet_NaN());
 }
 
-// Depths of the surface less those of the hull, along the optical axis; infinite where the surface is gone, NaN where
-// the hull is not.
+// Depth of the surface minus that of the hull, along the optical axis; infinite without surface, NaN without hull.
 std::vector<float> depthBehindHull(const PinholeCamera& camera, const TriangleMesh& hull, const TriangleMesh& surface) {
   const FaceBuffer before = rasterise(camera, hull.faces, hull.positions, 1),
                    after = rasterise(camera, surface.faces, surface.positions, 1);

@@ -13,8 +13,6 @@
 #include "gpu/device.h"
 
 namespace fourdvt::reconstruct {
-// What one camera, with its neighbours' help, says about the surface: costs of depths, and a depth, per pixel. Does NOT
-// compute them.
 
 constexpr int kMaxLabels = 128;  // planes per pixel
 
