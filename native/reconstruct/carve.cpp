@@ -85,9 +85,9 @@ std::vector<PinholeCamera> camerasOf(std::span<const CarvingView> views) {
 
 // Cubes of blocks, for recursive subdivision.
 struct Cells {
-  glm::dvec3 origin{0};  // of the grid
+  glm::dvec3 origin{0};  // grid origin
   double block_m = 0;
-  int blocks_along = 0;            // of one cell
+  int blocks_along = 0;            // blocks along a cell
   std::vector<glm::ivec3> at;      // origins, in blocks
   std::vector<glm::ivec3> inside;  // blocks entirely inside
   size_t judged = 0;               // cells classified so far

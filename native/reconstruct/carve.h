@@ -21,7 +21,7 @@ struct CarvingView {
 // Signed distance: the minimum over the cameras that see a point, metres (pixels times depth over focal length). Points
 // seen by at most half of the cameras are outside, since two opposite cameras would leave phantoms there. Grid cells
 // are aligned to multiples of the voxel, equally in every frame. Error NothingVisible: the hull is empty; the message
-// names the camera that disagrees with the most others, or reports that the cameras see no common volume.
+// names the camera whose removal leaves the largest volume, or reports that the cameras see no common volume.
 Result<SparseDistance> carve(std::span<const CarvingView> views, double voxel_m);
 
 // Bounding box of the performer, by halving cells until it is at least `cells_along` of them long. Independent of the

@@ -275,7 +275,7 @@ Result<TriangleMesh> hullFaces(const HullPlanes& planes, std::vector<HalfEdge>& 
 
 namespace {
 
-constexpr double kDoubt_px = 2e-3;      // of projected points and of planes; closer ones use exact predicates
+constexpr double kDoubt_px = 2e-3;      // projected points and planes closer than this use exact predicates
 constexpr double kNearestDepth = 1e-7;  // scaled; closer points are invisible
 constexpr size_t kMostRows = 512;
 

@@ -15,7 +15,7 @@ inline constexpr int kBlock = 8;  // voxels along each side
 
 struct SparseDistance {
   double voxel_m = 0;
-  glm::dvec3 origin_in_world{0};  // of voxel (0, 0, 0), metres
+  glm::dvec3 origin_in_world{0};  // position of voxel (0, 0, 0), metres
   float band_m = 0;               // distances are clamped to ± this
   struct Block {
     glm::ivec3 at{0};                                    // first voxel, a multiple of kBlock

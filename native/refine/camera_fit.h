@@ -18,7 +18,7 @@ namespace fourdvt::refine {
 // Change of a camera, applied in this order: rotation about its own axes, translation along them, zoom.
 struct CameraChange {
   glm::dvec3 turn_rad{0};  // rotation vector in the camera's frame
-  glm::dvec3 move_m{0};    // of the world in the camera's frame
+  glm::dvec3 move_m{0};    // translation of the world in the camera's frame
   double zoom_log = 0;     // focal length × exp
   double frames = 0;       // added to the camera's offset_frames by the caller; changed() ignores it
 };

@@ -16,7 +16,7 @@ namespace fourdvt::refine {
 struct RefineFrame {
   const capture::CaptureSequence* sequence = nullptr;  // borrowed from the capture
   uint32_t index = 0;
-  Positions positions;             // as given
+  Positions positions;             // unmodified mesh
   std::vector<glm::vec3> normals;  // unit, per welded vertex
   std::vector<MatteCrop> mattes;   // [camera]
 };

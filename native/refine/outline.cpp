@@ -164,7 +164,7 @@ std::vector<OutlinePoint> outlinePoints(const PinholeCamera& camera, std::span<c
       s.outward = glm::dot(across, moves) < 0 ? -across : across;
       s.pixels_per_metre = glm::dot(s.outward, moves);
       const glm::vec2 pixel = glm::mix(pixels[edge.from], pixels[edge.to], s.to_share);
-      // Skips samples whose normals lie along the edge's view ray: an offset there hardly moves the outline.
+      // Skips samples where an offset along the vertex normal hardly moves the outline.
       if (s.pixels_per_metre < 0.5f * focal.x / p.z || !coverage.clearBeyond(pixel, s.outward)) continue;
       const glm::vec2 edge_at = pixel + options.matte_bias_pixels * s.outward;
       const auto found =

@@ -32,19 +32,19 @@ struct RefineOptions {
 struct Residuals {
   uint32_t points = 0;                       // outline points in all frames used
   double bias_pixels = 0;                    // median; > 0: the mesh is too small
-  double median_pixels = 0, p95_pixels = 0;  // of absolute values
+  double median_pixels = 0, p95_pixels = 0;  // quantiles of absolute values
 };
 
 struct CameraRefinement {
   std::string name;
   Residuals before, after;
-  std::optional<double> measured_bias_pixels;  // of the matte; unset: too few edge samples with contrast
+  std::optional<double> measured_bias_pixels;  // matte bias; unset: too few edge samples with contrast
   double used_bias_pixels = 0;
   // Change with the best fit; applied only if significant. None where cameras were not refined, or constraints are too
   // few.
   std::optional<CameraShift> best;
   bool changed = false;
-  glm::dvec3 turn_deg{0}, turn_deviation_deg{0};  // of the applied change, about the camera's own axes
+  glm::dvec3 turn_deg{0}, turn_deviation_deg{0};  // applied change, about the camera's own axes
   double move_m = 0, zoom_percent = 0;
 };
 

@@ -40,7 +40,7 @@ struct SurfaceFitOptions {
   double bound_m = 0.01;       // maximum offset
   double stiffness = 3;        // weight of (offset − neighbour's offset)²
   double keep = 0.2;           // weight of (offset − usual offset)²
-  bool keep_at_median = true;  // the usual offset is the claims' median; else 0
+  bool keep_at_median = true;  // usual offset: median of the constraints; else 0
 };
 
 // Offset constraint by one outline point: the remaining offset of its edge, metres.

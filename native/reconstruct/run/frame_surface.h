@@ -65,11 +65,12 @@ class SurfaceMaker {
 
   ReconstructOptions options_;
   gpu::Device* device_ = nullptr;
-  std::vector<PinholeCamera> cameras_;  // as captured
+  std::vector<PinholeCamera> cameras_;  // capture cameras
   double seen_m3_ = 0;                  // volume seen by more than half of them
   std::vector<PinholeCamera> working_;  // scene with a performer as thick as a person
   std::optional<SequenceScale> scale_;
-  std::vector<Image> captured_;            // [camera] 0 where undistortion left the lens's picture; empty: nowhere
+  std::vector<Image>
+      captured_;  // [camera] mask, 0 outside the lens's picture after undistortion; empty: no such pixels
   std::unique_ptr<StereoRefiner> stereo_;  // null: no stereo
 };
 

@@ -80,7 +80,7 @@ struct Prepared {
 
 capture::ResultFolder resultFolder(const ReconstructOptions& options);
 
-// Handling of an earlier run's work in the same place.
+// Handling of an earlier run's work in the same folders.
 enum class Earlier {
   Removed,
   Kept,       // error if its settings differ
@@ -112,7 +112,7 @@ class Preparation {
   Status calibrate();
 
   const ReconstructEnvironment& environment_;
-  const std::string given_folder_;  // as given by the user
+  const std::string given_folder_;  // path given by the user
   Prepared out_;
   capture::Capture given_;  // input; its cameras and times are replaced by the calibrated ones
   bool wants_mattes_ = false;

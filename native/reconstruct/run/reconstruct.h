@@ -23,7 +23,7 @@ struct ReconstructSummary {
   double wall_s = 0;
   double lowest_overlap = 1, mean_overlap = 1;
   double mean_cover = 0;              // share of the pictures covered by silhouettes
-  double volume_m3 = 0, seen_m3 = 0;  // of the surface, mean; seen by more than half of the cameras
+  double volume_m3 = 0, seen_m3 = 0;  // mean of the surfaces; seen by more than half of the cameras
   std::vector<std::string> warnings;  // one line each
 };
 

@@ -330,7 +330,7 @@ ReconstructSummary summarise(const capture::Capture& capture, const std::vector<
     out.warnings.insert(out.warnings.end(), covers.begin(), covers.end());
     out.frames += uint32_t(s.frames.size());
     size_t fallbacks = 0;
-    std::string reason;  // of the first one
+    std::string reason;  // first frame's reason
     for (const auto& f : s.frames) {
       if (!f.fallback.empty() && fallbacks++ == 0) reason = f.fallback;
     }

@@ -21,11 +21,12 @@ namespace fourdvt::reconstruct {
 // Settings that determine frames: options, calibration, and names, sizes and times of pictures, mattes and plates.
 std::string settingsKey(const ReconstructOptions& options, const capture::Capture& capture);
 
+// Store of the finished frames of a reconstruction, in the folders described in result_folder.h. Files are written
+// atomically; a frame is finished once its figures are stored.
 class FrameStore {
  public:
-  // Finished frames of a reconstruction, in the folders described in result_folder.h. Files are written atomically; a
-  // frame is finished once its figures are stored. `key`: the folder's settings. Frames of other settings are not
-  // found, and saving fails if the folder's settings have changed.
+  // `key`: the folder's settings. Frames of other settings are not found, and saving fails if the folder's settings
+  // have changed.
   FrameStore(const capture::ResultFolder& folder, const capture::Capture& capture, const std::string& key);
 
   Status makeFolders(const std::string& sequence) const;

@@ -25,7 +25,6 @@ struct FusedDistance {
 
 FusedDistance fuseDepths(const SparseDistance& hull, std::span<const DepthMap> maps, const FusionOptions& options);
 
-// Membrane options.
 struct MembraneOptions {
   double stiffness = 2;  // weight of each of six neighbours, relative to a map's weight of 0 … 1; 0: no membrane
   int thin_voxels = 5;   // radius: the hull is thin where no voxel within it is as deep as the band

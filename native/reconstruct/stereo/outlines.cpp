@@ -152,7 +152,7 @@ class Outlines {
     return hit;
   }
 
-  // Gap of the ray at the point where the surface lacks the least of its required depth; 0: none.
+  // Gap of the ray at the point with the minimum missing depth; 0: none.
   Gap gapOf(const Ray& ray) const {
     struct Place {
       double depth;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Restores silhouettes of the hull: surface removed by stereo although a camera's silhouette requires it is added
-// again, at the point of the ray where the least was removed. Raises the distance up to the hull, and only around rays
+// again, at the point of the ray with the minimum removal. Raises the distance up to the hull, and only around rays
 // that miss the surface.
 #pragma once
 

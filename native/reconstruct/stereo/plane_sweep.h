@@ -68,7 +68,7 @@ class PlaneSweep {
   PlaneSweepOptions options_;
   int layer_width_ = 0, layer_height_ = 0;
   gpu::Program front_program_;
-  std::vector<gpu::Program> cost_programs_;  // [sources]
+  std::vector<gpu::Program> cost_programs_;  // [number of sources]
   gpu::Texture pictures_, corners_, positions_, front_, costs_;
   gpu::Target front_target_, costs_target_;
   Positions hull_;

@@ -26,7 +26,7 @@ struct StereoOptions {
   double widest_deg = 100;     // maximum angle between the central rays of compared cameras
   double agreement_m = 0.010;  // tolerance between depth maps of two cameras
   float kept = 0.8f;           // weight of the previous frame where pictures are static, 0 … 1
-  double adaptivity = 0.3;     // of the mesh, 0 … 1: fewer faces where the surface is flat
+  double adaptivity = 0.3;     // mesh adaptivity, 0 … 1: fewer faces where the surface is flat
   PlaneSweepOptions sweep;
   SemiGlobalOptions smoothing;
   FusionOptions fusion;

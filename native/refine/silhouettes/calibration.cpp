@@ -14,7 +14,7 @@ namespace fourdvt::refine {
 namespace {
 
 constexpr uint32_t kMostFrames = 48, kFewestFrames = 8;  // per sequence
-constexpr uint32_t kMostKeyedFrames = 16;                // where mattes have to be computed
+constexpr uint32_t kMostKeyedFrames = 16;                // limit if mattes have to be computed
 constexpr size_t kMostClips = 4;                         // sequences used for poses
 constexpr int kRounds = 3;                               // alternations of times and cameras
 // Minimum change of a time; it must exceed kDeviations standard deviations, too.

@@ -17,7 +17,7 @@ namespace fourdvt::refine {
 
 // Calibration and times of a rig. Picture f + offset_frames[c] of camera c shows the instant f.
 struct RigState {
-  std::vector<PinholeCamera> cameras;  // of the clip's pictures
+  std::vector<PinholeCamera> cameras;  // sized to the clip's pictures
   std::vector<double> offset_frames;
   std::vector<char> ignored;  // cameras excluded from comparisons; empty: none
   bool ignores(size_t camera) const { return camera < ignored.size() && ignored[camera]; }

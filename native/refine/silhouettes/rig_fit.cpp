@@ -62,7 +62,7 @@ class Rig {
     }
   }
 
-  // Refits the cameras marked in `asked`, unmarks unchanged ones, and returns the one with the largest gain, or -1.
+  // Refits the marked cameras, unmarks unchanged ones, and returns the one with the largest gain, or -1.
   int sweep(std::vector<char>& asked, double deviations) {
     std::vector<CameraRefit> tried(given_.size());
     inParallel(given_.size(), [&](int c) {
