@@ -45,7 +45,7 @@ std::vector<WeightedMember> weightedMembersOf(const Look& look) {
   return members;
 }
 
-// A debug view shows the member of the largest share only.
+// Returns the member of the largest share only, for debug views.
 std::vector<Part> heaviestOf(const std::vector<Part>& parts) {
   const auto lighter = [](const auto& a, const auto& b) { return a.share < b.share; };
   Part part = *std::max_element(parts.begin(), parts.end(), lighter);

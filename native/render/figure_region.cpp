@@ -6,11 +6,10 @@
 namespace fourdvt::render {
 namespace {
 
-constexpr int kStep_px = 64;      // sizes are multiples of it, or the view's
-constexpr float kMargin_px = 2;   // round the projected bounds: rounding of a viewport, samples beside the centre
-constexpr int kRoomyDraws = 250;  // until a region shrinks
-constexpr float kWholeShare =
-    0.9f;  // of the view: from here on the picture that is resolved to costs more than is saved
+constexpr int kStep_px = 64;         // sizes are multiples of this, or the view's
+constexpr float kMargin_px = 2;      // margin round the projected bounds: viewport rounding, samples beside the centre
+constexpr int kRoomyDraws = 250;     // draws before a region shrinks
+constexpr float kWholeShare = 0.9f;  // share of the view above which resolving a region costs more than it saves
 
 }  // namespace
 
@@ -24,7 +23,7 @@ bool FigureRegion::update(std::span<const Figure> figures, const View& view, boo
       const glm::vec4 point((corner & 1 ? box.max : box.min).x, (corner & 2 ? box.max : box.min).y,
                             (corner & 4 ? box.max : box.min).z, 1);
       const glm::vec4 clip = clip_from_character * point;
-      if (!(clip.w > 1e-4f)) {  // behind the eye: the box may be seen anywhere
+      if (!(clip.w > 1e-4f)) {  // behind the eye: the box may project anywhere
         all = true;
         continue;
       }
@@ -49,7 +48,7 @@ bool FigureRegion::update(std::span<const Figure> figures, const View& view, boo
   all = all || float(length[0]) * float(length[1]) > kWholeShare * size.x * size.y;
   for (int i = 0; i < 2; ++i) {
     if (all) length[i] = view_size_[i];
-    // Round the middle, inside of the view.
+    // Centred on the bounds, within the view.
     first[i] = std::clamp(int(low[i] + high[i] - float(length[i])) / 2, 0, view_size_[i] - length[i]);
   }
   region_ = {first[0], first[1], length[0], length[1]};

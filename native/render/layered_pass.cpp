@@ -22,7 +22,7 @@ std::vector<gpu::TextureBinding> bindings(const CharacterModel& model, const Par
   return list;
 }
 
-// The members' rectangles of layers, member after member.
+// Layer rectangles, member after member.
 std::vector<glm::vec4> layerRects(const Part& part) {
   const Appearance& appearance = *part.look->appearance;
   std::vector<glm::vec4> rects;
@@ -33,9 +33,10 @@ std::vector<glm::vec4> layerRects(const Part& part) {
   return rects;
 }
 
-// Detail that does not correlate between the looks loses contrast in their weighted mean; to be multiplied on top of it
-// (the variance-preserving blend of Heitz and Neyret 2018, for looks of correlation c: 1 / sqrt(sum w² + c (1 - sum
-// w²)) - 1).
+// Contrast gain of uncorrelated detail, multiplied onto the weighted mean of the looks. Variance-preserving blend for
+// looks of correlation c: 1 / sqrt(sum w² + c (1 - sum w²)) - 1. Eric Heitz, Fabrice Neyret: High-Performance
+// By-Example Noise using a Histogram-Preserving Blending Operator. Proceedings of the ACM on Computer Graphics and
+// Interactive Techniques 1(2) (High-Performance Graphics), 2018.
 float lostDetail(const Part& part) {
   float squares = 0;
   for (const WeightedMember& member : part.members) squares += member.weight * member.weight;

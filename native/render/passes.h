@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The passes of the recipe, in order of execution: shadow cast → [parts → mix, for figures of several parts; the
-// figure, if there is a style] → [target cleared] → background, scene meshes → shadow ground → layered, or the mesh
-// with its picture. Without a scene, where only the figures' region is multisampled: layered, or the mesh with its
-// picture → [canvas cleared] → shadow ground → the region's picture. What belongs to a figure is in its character's
-// frame (CharacterView). Does NOT own the target that the passes draw into (recipe.cpp does).
+// Passes of the recipe, in order of execution: shadow cast → [parts → mix, for figures of several parts; the figure, if
+// there is a style] → [target cleared] → background, scene meshes → shadow ground → layered, or the mesh with its
+// picture. Without a scene, where only the figures' region is multisampled: layered, or the mesh with its picture →
+// [canvas cleared] → shadow ground → the region's picture. Figure data is in the character's frame (CharacterView). The
+// caller (recipe.cpp) owns the target.
 #pragma once
 
 #include <map>
@@ -23,25 +23,25 @@ struct WeightedMember {
   float weight = 1;
 };
 
-// Part of a figure that one layered draw shows.
+// Part of a figure shown by one layered draw.
 struct Part {
   const Look* look = nullptr;
   std::vector<WeightedMember> members;  // weights sum 1
-  float share = 1;                      // of the figure's colour
+  float share = 1;                      // share of the figure's colour
 };
 
-// The parts that a figure is mixed of: its looks, or with Align::Flow the members of each look. Their shares are
-// positive and sum to 1; a figure of one part needs no mixing.
+// Returns the parts of a figure's mix: its looks, or with Align::Flow the members of each look. Shares are positive and
+// sum to 1; a figure of one part needs no mixing.
 std::vector<Part> partsOf(const Figure& figure, const DrawOptions& options);
 // Errors: InvalidArgument.
 Status checkFigure(const Figure& figure, const RecipeOptions& options);
 
-// The rectangle of the view that holds the figures, which is all that is drawn multisampled where nothing but the
-// background and the figures' shadows is round them. Its size changes in steps and rarely shrinks, so that targets are
-// kept while figures and camera move.
+// Rectangle of the view that holds the figures. Only this is multisampled where the background and the figures' shadows
+// are all that surrounds them. Its size changes in steps and rarely shrinks, so that targets persist while figures and
+// camera move.
 class FigureRegion {
  public:
-  // `all`: the whole view. True if the size is another one than before.
+  // all: uses the whole view. Returns true if the size has changed.
   bool update(std::span<const Figure> figures, const View& view, bool all);
   const gpu::Region& region() const { return region_; }  // y from below
   int viewWidth() const { return view_size_[0]; }
@@ -51,20 +51,19 @@ class FigureRegion {
  private:
   gpu::Region region_;
   int view_size_[2] = {};  // width, height
-  int roomy_draws_ = 0;    // in a row that needed less than half of the region
+  int roomy_draws_ = 0;    // consecutive draws that needed less than half of the region
 };
 
 // The view in the frame of the figure's character.
 CharacterView viewOfFigure(const View& view, const Figure& figure);
 
-// Soft contact shadows: the lowest surface seen from above, as occlusion of the ground, blurred. One map per figure.
+// Soft contact shadows: blurred occlusion of the ground by the lowest surface seen from above. One map per figure.
 class ShadowPass {
  public:
   static Result<ShadowPass> create(gpu::Device& device);
-  // Draws figure number `i` into its map (three draws); does nothing if geometry and ground are those of the last call.
+  // Draws figure number `i` into its map (three draws); returns early if geometry and ground are unchanged.
   Status cast(gpu::Device& device, size_t i, const CharacterModel& model, float ground_y_m);
-  // Draws the shadow on the ground inside the caller's pass: a premultiplied quad, hidden by what is nearer if
-  // `depth_test` is set.
+  // Draws the shadow on the ground inside the caller's pass: a premultiplied quad, depth-tested if `depth_test` is set.
   void drawGround(gpu::Device& device, size_t i, const CharacterView& view, float strength, bool depth_test) const;
 
  private:
@@ -78,7 +77,7 @@ class ShadowPass {
   static Result<Map> makeMap(gpu::Device& device, bool with_depth);
 
   gpu::Program cast_, blur_, ground_;
-  gpu::Program cast_surface_;  // of figures from cameras; made when one is there
+  gpu::Program cast_surface_;  // for figures from cameras; made on first use
   Map scratch_;
   std::vector<Map> maps_;
 };
@@ -92,62 +91,63 @@ struct LayeredVariant {
   auto operator<=>(const LayeredVariant&) const = default;
 };
 
-// A character with layered view-dependent texture (LVDT Eq. 3-4), up to four members of a look blended.
+// Characters with layered view-dependent texture (LVDT Eq. 3-4), up to four members of a look blended.
 class LayeredPass {
  public:
   virtual ~LayeredPass() = default;
   bool has(const LayeredVariant& variant) const { return programs_.contains(variant); }
-  // Makes the program, unless it is there. Errors: GpuFailure.
+  // Makes the program on first use. Errors: GpuFailure.
   Status prepare(gpu::Device& device, const LayeredVariant& variant);
-  // Everything before the pass that draws the part.
+  // Makes all draws that precede the part's own pass.
   virtual Status prepare(gpu::Device& device, const CharacterModel& model, const Part& part, const CharacterView& view,
                          const DrawOptions& options);
-  // One draw inside the caller's pass, after prepare with the same arguments.
+  // Makes one draw inside the caller's pass, after prepare with the same arguments.
   void draw(gpu::Device& device, const CharacterModel& model, const Part& part, const CharacterView& view,
             const DrawOptions& options) const;
 
  protected:
-  // Program of layered.vert and layered.frag, or of what takes their place.
+  // Makes the program of layered.vert and layered.frag; a subclass may substitute its own.
   virtual Result<gpu::Program> makeProgram(gpu::Device& device, const LayeredVariant& variant,
                                            const std::string& defines) const;
-  // Adds what such a program needs beyond theirs; the data of uniforms must last.
+  // Adds the extra uniforms and textures of such a program; uniform data must outlive the draw.
   virtual void addTo(gpu::Draw& draw, const Part& part) const {}
 
  private:
   std::map<LayeredVariant, gpu::Program> programs_;
 };
 
-// A picture of the figures' region.
+// Picture of the figures' region.
 struct Canvas {
   gpu::Texture color;
   gpu::Target target;
-  // Makes it, unless it is there. Errors: GpuFailure.
+  // Makes the canvas on first use. Errors: GpuFailure.
   Status prepare(gpu::Device& device, int width, int height);
 };
 
-// Mixes the pictures of a figure's parts, and draws the mesh with a mixed picture. In wasm it comes after the first
-// picture (base/later.h). Order of calls: begin → for each part { it is drawn alone into canvas() → add }.
+// Mixes the pictures of a figure's parts, and draws the mesh with a mixed picture. In wasm it is loaded after the first
+// picture (base/later.h). Order of calls: begin → for each part { draw it alone into canvas() → add }.
 class MixPass {
  public:
-  bool ready() const { return mix_ && mesh_; }  // without flow
+  bool ready() const { return mix_ && mesh_; }  // programs without flow are made
   // Makes the programs. Errors: GpuFailure.
   Status prepare(gpu::Device& device, bool with_flow);
   // Errors: GpuFailure.
   Status begin(gpu::Device& device, bool with_flow, int width, int height);
   const Canvas& canvas() const { return parts_[share_ > 0]; }
-  // Mixes the part into `out`, with the mixture of those before it. The order is that of looks and members, so that the
-  // picture changes smoothly with their shares. flow: null, or aligns the part with the mixture. Errors: GpuFailure.
+  // Mixes the part into `out`, with the mixture of the parts before it. Parts come in the order of looks and members,
+  // so that the picture changes smoothly with their shares. flow: null, or aligns the part with the mixture. Errors:
+  // GpuFailure.
   Status add(gpu::Device& device, const Part& part, FlowSource* flow, int width, int height, Canvas& out);
   void drawMesh(gpu::Device& device, const CharacterModel& model, gpu::TextureId picture,
                 const CharacterView& view) const;
-  void release() {  // the pictures, of another size than the next ones
+  void release() {  // frees pictures of a size other than the next
     for (Canvas& part : parts_) part = {};
   }
 
  private:
   gpu::Program mix_, mix_flow_, mesh_;
-  Canvas parts_[2];  // scratch: the mixture, or the first part, and the next part
-  float share_ = 0;  // of the mixture
+  Canvas parts_[2];  // scratch: the mixture or the first part, and the next part
+  float share_ = 0;  // accumulated share of the mixture
   bool mixed_ = false;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mesh with one look of one member, drawn alone: what bake and evaluation show.
+// A mesh with one look of one member, drawn alone; used by bake and evaluation.
 #pragma once
 
 #include "render/recipe.h"
@@ -8,13 +8,13 @@ namespace fourdvt::render {
 
 class PlainFigure {
  public:
-  // Errors: those of CharacterModel and Appearance.
+  // Errors: as CharacterModel and Appearance.
   static Result<PlainFigure> create(gpu::Device& device, const package::Character& character,
                                     const package::BaseMesh& mesh);
-  // One instant, in base-mesh order: vertex_count positions, labels [layer][face].
+  // Sets one instant, in base-mesh order: vertex_count positions, labels [layer][face].
   void setFrame(gpu::Device& device, std::span<const glm::vec3> positions, std::span<const uint8_t> labels);
   void setLayout(const package::Rendition& rendition) { appearance.setLayout(rendition); }
-  // Recipe::draw of this figure, without a scene.
+  // Draws this figure by Recipe::draw, without a scene.
   Status draw(Recipe& recipe, const PictureTextures& picture, const View& view, const RecipeOptions& options,
               gpu::TargetId target) const;
 

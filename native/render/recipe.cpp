@@ -14,7 +14,7 @@ struct PlannedFigure {
   const CameraLook* cameras;
   CharacterView view;
   std::vector<Part> parts;
-  gpu::TextureId picture = 0;  // the figure's finished picture; 0: it is drawn directly
+  gpu::TextureId picture = 0;  // the figure's finished picture; 0: drawn directly
 };
 
 class RecipeOnDevice final : public Recipe {
@@ -85,7 +85,7 @@ class RecipeOnDevice final : public Recipe {
     return {};
   }
 
-  // Height of the ground in the character's frame. Placements are upright.
+  // Returns the height of the ground in the character's frame. Placements are upright.
   static float groundOf(const Figure& figure, const Scene* scene) {
     if (!scene) return static_cast<float>(figure.model->ground_y_m);
     const glm::vec4 feet = figure.world_from_character[3];
@@ -94,7 +94,7 @@ class RecipeOnDevice final : public Recipe {
 
   const gpu::Region& region() const { return region_.region(); }
 
-  // Begins a pass in the multisampled target, which holds the region of the view.
+  // Begins a pass in the multisampled target of the view's region.
   void beginMain(const glm::vec4& color, const char* label) {
     device_.beginPass({.target = main_.id(),
                        .x = -region().x,
@@ -107,7 +107,7 @@ class RecipeOnDevice final : public Recipe {
                        .label = label});
   }
 
-  // Everything that is drawn before the main pass.
+  // Makes all draws that precede the main pass.
   Status prepareFigure(PlannedFigure& figure, size_t number, const DrawOptions& options) {
     if (figure.cameras)
       FOURDVT_TRY(method_->prepare(device_, number, *figure.model, *figure.cameras, figure.view, options.method));
@@ -133,7 +133,7 @@ class RecipeOnDevice final : public Recipe {
     return {};
   }
 
-  // Multisamples the part as the figure will be, so that both cover the same pixels.
+  // Multisamples the part like the figure, so that both cover the same pixels.
   void drawAlone(const PlannedFigure& figure, size_t number, const Part* part, const Canvas& out,
                  const DrawOptions& options) {
     beginMain(glm::vec4(0), "part");
@@ -142,7 +142,7 @@ class RecipeOnDevice final : public Recipe {
     device_.blit(main_.id(), out.target.id(), {.width = region().width, .height = region().height});
   }
 
-  // part: not of a figure from cameras, which has none.
+  // part: null for figures from cameras.
   void drawPart(const PlannedFigure& figure, size_t number, const Part* part, const DrawOptions& options) {
     if (figure.cameras)
       method_->draw(device_, number, *figure.model, *figure.cameras, figure.view, options.method);
@@ -159,8 +159,8 @@ class RecipeOnDevice final : public Recipe {
       later<&MixPass::drawMesh>(mix_, device_, *figure.model, figure.picture, figure.view);
   }
 
-  // Makes the targets of the figures' region, unless they are there. Scenes need the whole view, and so does flow,
-  // which depends on its pictures' size.
+  // Makes the targets of the figures' region on first use. Scenes require the whole view; so does flow, which depends
+  // on the size of its pictures.
   Status fit(std::span<const Figure> figures, const Scene* scene, const View& view, const DrawOptions& options) {
     const int samples = std::clamp(options.recipe.samples, 0, device_.caps().max_samples);
     const bool all =
@@ -185,8 +185,8 @@ class RecipeOnDevice final : public Recipe {
       shadow_.drawGround(device_, i, plan[i].view, recipe.shadow_strength, region_.isWhole());
   }
 
-  // Draws background and shadows, which are soft and have nothing before them but the figures, without multisampling,
-  // and the figures over them. Samples cannot be blitted to another place, hence the picture in between.
+  // Draws background and shadows without multisampling, then the figures over them: shadows are soft, and only figures
+  // occlude them. Multisampled targets cannot be blitted to another position, hence the intermediate picture.
   void putOver(const std::vector<PlannedFigure>& plan, const RecipeOptions& recipe, gpu::TargetId target) {
     const auto [x, y, width, height] = region();
     device_.blit(main_.id(), resolved_.target.id(), {.width = width, .height = height});
@@ -217,8 +217,8 @@ class RecipeOnDevice final : public Recipe {
   FigureRegion region_;
   int samples_ = 0;
   gpu::Target main_;
-  Canvas resolved_;               // the region's picture; none of the whole view
-  std::vector<Canvas> pictures_;  // by number of the figure
+  Canvas resolved_;               // the region's picture; unused for the whole view
+  std::vector<Canvas> pictures_;  // indexed by figure
 };
 
 }  // namespace

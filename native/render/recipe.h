@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The frame recipe: background → scene → ground shadows → characters → resolve; without a scene: characters in their
-// region of the view → resolve → background → ground shadows → that region. Same calls natively and in the browser.
-// Several figures share programs and targets.
+// Frame recipe: background → scene → ground shadows → characters → resolve; without a scene: characters in their region
+// of the view → resolve → background → ground shadows → that region. The calls are the same natively and in the
+// browser. Figures share programs and targets.
 #pragma once
 
 #include <memory>
@@ -19,28 +19,30 @@ namespace fourdvt::render {
 enum class DebugView { None, Labels, Layer, Weights, Normals };
 
 struct RecipeOptions {
-  glm::vec4 background{0, 0, 0, 0};  // premultiplied sRGB-encoded; alpha 0: the page shows through
+  glm::vec4 background{0, 0, 0, 0};  // premultiplied sRGB-encoded; alpha 0: the page is visible behind
   bool ground_shadow = true;         // soft contact shadow on the ground plane, premultiplied black
-  float shadow_strength = 0.45f;     // opacity directly under the feet, 0..1
+  float shadow_strength = 0.45f;     // opacity at ground contact, 0..1
   int samples = 4;                   // multisampling of the character; clamped to the device's maximum
   DebugView debug = DebugView::None;
-  int debug_layer = 0;      // of DebugView::Layer and Labels; the last one where a figure has fewer
-  bool keep_detail = true;  // gives aligned blends back the contrast that their mean loses
-  // Of the blend's two cosines: how squarely a camera sees the surface, and how near it is to the view. 1: LVDT Eq. 3.
+  int debug_layer = 0;      // layer of DebugView::Layer and Labels; clamped to the figure's last
+  bool keep_detail = true;  // restores the contrast that aligned blends lose in their mean
+  // Exponents of the blend's two cosines: surface normal to camera ray, and camera ray to view ray. 1: LVDT Eq. 3.
   float facing_exponent = 2, view_exponent = 2;
 };
 
-// How the members' appearance is brought together (4DVT 5). None: plain blend. Baked: texture coordinates move by the
-// stream's alignment, no extra pass. Flow: every member is drawn on the same mesh and view, aligned by optical flow in
-// the picture, warped and blended (4DVT Eq. 7 corrected, algorithms/alignment.md); more than two one after the other,
-// each to the blend of those before it, so that nothing jumps where weights cross.
+// Alignment of the members' appearance (4DVT 5: Dan Casas, Marco Volino, John Collomosse, Adrian Hilton: 4D Video
+// Textures for Interactive Character Appearance. Computer Graphics Forum 33(2) (Eurographics), 2014). None: plain
+// blend. Baked: texture coordinates are displaced by the stream's alignment, no extra pass. Flow: every member is drawn
+// on the same mesh and view, aligned by optical flow in the picture, warped and blended (4DVT Eq. 7 corrected,
+// algorithms/alignment.md); more than two in sequence, each to the blend of those before it, which keeps the picture
+// continuous where weights cross.
 enum class Align { None, Baked, Flow };
 
 // One decoded picture on the figure's mesh.
 struct Look {
   const Appearance* appearance = nullptr;
   const PictureTextures* picture = nullptr;
-  std::span<const float> weights;  // one per member, sum 1; below 1/512 a member is not drawn
+  std::span<const float> weights;  // one per member, sum 1; members below 1/512 are skipped
 };
 
 struct Figure {
@@ -48,10 +50,10 @@ struct Figure {
   std::span<const Look> looks;  // one; two during a transition
   float fade = 0;               // 0: the first look, 1: the second
   glm::mat4 world_from_character{1};
-  const CameraLook* cameras = nullptr;  // of a character from cameras, in place of looks
+  const CameraLook* cameras = nullptr;  // replaces looks for characters from cameras
 };
 
-// Those of the models; 1 without figures.
+// Returns the range of the models' length scales; 1 without figures.
 LengthScales lengthScalesOf(std::span<const Figure> figures);
 
 struct DrawOptions {
@@ -66,26 +68,25 @@ class Recipe {
  public:
   static Result<std::unique_ptr<Recipe>> create(gpu::Device& device);
   virtual ~Recipe() = default;
-  // Draws one picture of the figures, nearest surface first by depth. Output is premultiplied, sRGB-encoded,
-  // view.width × view.height at (0,0) of `target` (gpu::kDefaultTarget: the canvas). Intermediate targets are kept and
-  // resized on demand. scene: null: none. Errors: InvalidArgument, GpuFailure; Unsupported: Align::Flow without a flow,
-  // a figure from cameras without a method.
+  // Draws one picture of the figures, depth-tested. Output is premultiplied, sRGB-encoded, view.width × view.height at
+  // (0,0) of `target` (gpu::kDefaultTarget: the canvas). Intermediate targets persist and are resized on demand. scene:
+  // may be null. Errors: InvalidArgument, GpuFailure; Unsupported: Align::Flow without a flow, a figure from cameras
+  // without a method.
   virtual Status draw(std::span<const Figure> figures, const Scene* scene, const View& view, const DrawOptions& options,
                       gpu::TargetId target) = 0;
-  // Makes one of the programs that pictures of a character will need and that are not there yet: of blends of up to
-  // `most_members` members (`aligned`: their appearance says how they are aligned), and of cross-fades. False: all are
-  // there. Without this a program is made when a picture needs it first, which a visitor notices. Those of Align::Flow
-  // are left to that. Errors: GpuFailure.
+  // Compiles one missing program that pictures of a character will require: blends of up to `most_members` members
+  // (`aligned`: their appearance has alignment), and cross-fades. Returns false if none is missing. Otherwise programs
+  // compile on first use, which causes a visible stall. Excludes programs of Align::Flow. Errors: GpuFailure.
   virtual Result<bool> makeNextProgram(int layer_count, int most_members, bool aligned, PictureTextures::Kind kind,
                                        const DrawOptions& options) = 0;
-  // What Align::Flow uses; null: none. See flow.h.
+  // Sets the flow for Align::Flow; may be null (flow.h).
   virtual void setFlow(std::unique_ptr<FlowSource> flow) = 0;
-  // What draws figures from cameras; null: none.
+  // Sets the method that draws figures from cameras; may be null.
   virtual void setMethod(std::unique_ptr<Method> method) = 0;
-  // In what style the figures are drawn; null: as they are.
+  // Sets the style of the figures; null: unstyled.
   void setStyle(std::unique_ptr<FigureStyle> style) { style_ = std::move(style); }
   FigureStyle* style() { return style_.get(); }
-  // What draws layered figures; null: the plain blend.
+  // Sets the pass for layered figures; null: the plain blend.
   void setLayered(std::shared_ptr<LayeredPass> layered) { layered_ = std::move(layered); }
   bool hasLayered() const { return layered_ != nullptr; }
 

@@ -75,7 +75,7 @@ void ScenePass::draw(gpu::Device& device, const Scene& scene, const View& view) 
                  .cull = mode > 1 ? gpu::Cull::Back : gpu::Cull::None});
   };
   draw(scene.room, 2, scene.room_picture.id());
-  // They show no picture, but a sampler needs some texture.
+  // Bound as a placeholder: these meshes have no picture, but the sampler requires a texture.
   for (const SceneMesh& mesh : scene.meshes) draw(mesh, mesh.occluder_only ? 0.0f : 1.0f, mesh.corners.id());
 }
 

@@ -7,10 +7,10 @@
 namespace fourdvt::render {
 namespace {
 
-// Lengths of a person's shadow.
-constexpr float kMargin_m = 0.5f;       // of the map round the frame's bounds
-constexpr float kExtentStep_m = 0.25f;  // the map's extent changes in steps, so that its texels rarely do
-// Softness; kGain in shadow_ground.frag makes up for the darkness that blurring takes away.
+// Lengths for a person.
+constexpr float kMargin_m = 0.5f;       // margin of the map round the frame's bounds
+constexpr float kExtentStep_m = 0.25f;  // step of the map's extent, so that its texels rarely shift
+// Blur widths; kGain in shadow_ground.frag compensates for the loss of darkness.
 constexpr float kContactSigma_m = 0.035f, kBodySigma_m = 0.13f;
 constexpr float kTapsOfBodySigma = 5.0f;  // the 12 taps on each side (kTaps in shadow_blur.frag) reach 2.4 sigma
 
@@ -85,7 +85,7 @@ Status ShadowPass::cast(gpu::Device& device, size_t i, const CharacterModel& mod
        .depth_test = true,
        .depth_write = true});
   device.endPass();
-  // In units of the map, which is 2 × area.z metres wide.
+  // Tap distance in units of the map, which is 2 × area.z metres wide.
   const float tap_m = model.length_scale * kBodySigma_m / kTapsOfBodySigma;
   const float tap = tap_m / (2 * map.area.z);
   const glm::vec2 sigma(model.length_scale * kContactSigma_m / tap_m, kTapsOfBodySigma);

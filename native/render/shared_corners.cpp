@@ -37,7 +37,7 @@ void shareCorners(std::span<const uint32_t> before, std::span<const glm::uvec3> 
 
 namespace {
 
-// Lengths of a person. Contact shadows fade within 8 cm above the ground.
+// Lengths for a person. Contact shadows fade within 8 cm above the ground.
 constexpr float kShadowCell_m = 0.06f, kFineShadow_m = 0.2f;
 constexpr size_t kLeastShadowFaces = 200;
 
@@ -77,7 +77,7 @@ std::vector<uint32_t> shadowCorners(std::span<const glm::uvec3> faces, std::span
                                     float ground_y_m, float length_scale) {
   std::vector<uint32_t> coarse =
       coarseCorners(faces, positions, length_scale * kShadowCell_m, ground_y_m + length_scale * kFineShadow_m);
-  // Coarse meshes save little this way, and would lose too much.
+  // Small savings are not worth the loss of shape.
   if (2 * coarse.size() > 3 * faces.size() || coarse.size() < 3 * kLeastShadowFaces) coarse.clear();
   return coarse;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Index lists by which faces share what the vertex shader makes of their corners. Shaders that pull their data by
-// gl_VertexID draw the same with such a list as without one: its entry of a corner (three per face) is the first corner
-// that is shaded alike.
+// Index lists that let faces share shaded vertices, and coarse faces for shadows. Shaders pull data by gl_VertexID and
+// draw the same with or without such a list: its entry of a corner (three per face) is the first corner with equal
+// shading.
 #pragma once
 
 #include <cstdint>
@@ -11,24 +11,26 @@
 
 namespace fourdvt::render {
 
-// The last corner before each one that has the same texture coordinates; its own number where there is none. uvs: of
-// the faces' corners, less than uv_count.
+// Returns for each corner the previous corner with the same texture coordinates, or its own index. uvs: indices of the
+// faces' corners, below uv_count.
 std::vector<uint32_t> cornersBefore(std::span<const glm::uvec3> uvs, size_t uv_count);
 
-// Corners are shaded alike if they have the same vertex and texture coordinates, and their faces the same labels.
-// before: cornersBefore; labels: [member][face], packed.
+// Shares corners of equal vertex, texture coordinates and face labels. before: cornersBefore; labels: [member][face],
+// packed.
 void shareCorners(std::span<const uint32_t> before, std::span<const glm::uvec3> vertices,
                   std::span<const uint32_t> labels, std::vector<uint32_t>& shared);
 
-// Fewer faces over the same vertices, for what shows no detail, such as a soft shadow.
+// Coarse faces over the same vertices, for content without detail such as soft shadows.
 
-// Merges vertices that lie in the same cell of a grid and are joined by edges there (RB93, but never across
-// surfaces that only touch), each group to its lowest vertex; what is lower than `fine_below_m` stays as
-// it is. Returns an index list (shared_corners.h), three corners per face that is left.
+// Merges vertices that share a grid cell and are connected by edges within it, each group to its lowest vertex;
+// vertices below `fine_below_m` are kept. Vertex clustering after RB93 (Jarek Rossignac, Paul Borrel: Multi-resolution
+// 3D Approximations for Rendering Complex Scenes. Modeling in Computer Graphics, 1993), restricted to connected
+// surface. Returns an index list, three corners per remaining face.
 std::vector<uint32_t> coarseCorners(std::span<const glm::uvec3> faces, std::span<const glm::vec3> positions,
                                     float cell_m, float fine_below_m);
 
-// The faces that cast the shadow of a character of this base mesh; none where it is so coarse that all of them should.
+// Returns the shadow-casting faces of a character's base mesh; empty if the mesh is so coarse that all faces should
+// cast.
 std::vector<uint32_t> shadowCorners(std::span<const glm::uvec3> faces, std::span<const glm::vec3> positions,
                                     float ground_y_m, float length_scale);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A picture of any size that is drawn and read back. One target is kept and remade when the size changes.
+// Offscreen rendering with read-back, at any size. One target is kept and remade when the size changes.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@ namespace fourdvt::render {
 class StillTarget {
  public:
   explicit StillTarget(gpu::Device& device) : device_(device) {}
-  // RGBA straight alpha, top row first, of what `draw` puts into the target: view.width × view.height, premultiplied.
+  // Returns the target that `draw` fills (view.width × view.height, premultiplied) as straight RGBA, top row first.
   // Errors: those of draw, InvalidArgument (size beyond the device's), GpuFailure.
   Result<Image> render(const View& view, const std::function<Status(gpu::TargetId)>& draw);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Table textures: index → (index % CharacterModel::kTableWidth, index / kTableWidth), whole rows. For render/ and the
-// looks of alignment (bake/align).
+// Table textures: index → (index % CharacterModel::kTableWidth, index / kTableWidth), whole rows. Used by render/ and
+// bake/align.
 #pragma once
 
 #include <algorithm>
@@ -22,13 +22,13 @@ inline Result<gpu::Texture> makeTable(gpu::Device& device, gpu::PixelFormat form
                                    .label = label});
 }
 
-// Whole rows of `fill`.
+// Resizes to whole rows, filled with `fill`.
 template <class T>
 void resizeToRows(std::vector<T>& table, uint64_t texels, T fill) {
   table.assign(static_cast<size_t>(tableRows(texels)) * CharacterModel::kTableWidth, fill);
 }
 
-// `table` holds whole rows.
+// Uploads a table of whole rows.
 template <class T>
 void uploadTable(gpu::Device& device, const gpu::Texture& texture, const std::vector<T>& table) {
   const int rows = static_cast<int>(table.size() / CharacterModel::kTableWidth);
