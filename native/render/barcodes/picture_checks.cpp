@@ -3,7 +3,7 @@
 
 namespace fourdvt::render {
 
-std::string_view barcodeShaderText(std::string_view name);  // of the embedded shaders
+std::string_view barcodeShaderText(std::string_view name);  // embedded shaders
 
 namespace {
 constexpr int kCells = 2 * package::kBarcodeCells;

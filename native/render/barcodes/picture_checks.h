@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frame numbers of pictures that only the GPU has: draws the cells of a picture's barcode into a row of pixels and reads
-// that back without waiting. For pictures that the edge has put into a slot's RGBA texture itself. Does NOT judge the
-// numbers: the player does.
+// Reads the frame numbers of pictures that exist on the GPU only: draws the cells of a picture's barcode into a row of
+// pixels and reads them back asynchronously. For pictures that platform code uploads into a slot's RGBA texture itself.
+// The player validates the numbers.
 #pragma once
 
 #include <array>
@@ -20,10 +20,9 @@ class PictureChecks {
   PictureChecks& operator=(const PictureChecks&) = delete;
   ~PictureChecks();
 
-  // The picture's number will be given to `settle`, with the slot. Errors: GpuFailure.
+  // Starts reading the picture's number, which `settle` returns with the slot. Errors: GpuFailure.
   Status begin(int slot, gpu::TextureId picture, const package::BarcodeStrip& strip);
-  // Calls settled(slot, frame mod 4096) for each picture whose cells have come, in the order of `begin`; no frame: they
-  // are not a barcode's.
+  // Calls settled(slot, frame mod 4096) for each completed read, in the order of `begin`; nullopt: not a barcode.
   template <class Settled>
   void settle(const Settled& settled) {
     while (!pending_.empty()) {

@@ -10,7 +10,7 @@
 namespace fourdvt::render {
 namespace {
 
-constexpr float kDepthBias_m = 0.01f;  // of a person
+constexpr float kDepthBias_m = 0.01f;  // for a person
 
 glm::mat4 pixelFromCharacter(const PinholeCamera& camera) {
   glm::dmat4 pixel_from_cam(1.0);
@@ -86,7 +86,7 @@ std::string CameraUniforms::defines(size_t camera_count, const BlendPictures& pi
 
 Status UnseenFill::makeTables(gpu::Device& device, const CharacterModel& model) {
   if (model.vertex_count <= table_vertices_) return {};
-  // The next surface is about as large.
+  // Reserves a quarter more, since the next surface has a similar size.
   const uint32_t vertices = std::min(model.vertex_count + model.vertex_count / 4, model.mostVertices());
   table_vertices_ = 0;
   for (Table* table : {&seen_, &colors_[0], &colors_[1]}) {
@@ -123,7 +123,7 @@ Status UnseenFill::update(gpu::Device& device, const CharacterModel& model, size
                  .vertex_count = 3};
   cameras.addTo(seen);
   draw(seen_, seen);
-  static_assert(kSteps % 2 == 0);  // the last step lands in the first table
+  static_assert(kSteps % 2 == 0);  // the last step must write the first table
   for (int step = 0; step < kSteps; ++step) {
     const gpu::TextureId before = step == 0 ? seen_.texture.id() : colors_[step % 2].texture.id();
     draw(colors_[(step + 1) % 2],

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What draws with camera_blend.glsl have in common: which cameras, where they are, where their pictures and depth maps
-// lie. Does NOT own pictures or programs.
+// State shared by draws with camera_blend.glsl: the cameras, their centres, pictures and depth maps; and the fill of
+// unseen surface. Pictures and programs are borrowed.
 #pragma once
 
 #include <array>
@@ -15,29 +15,29 @@
 
 namespace fourdvt::render {
 
-// How many cameras one draw blends at most: WebGL2 promises 224 uniform vectors.
+// Maximum cameras of one draw: WebGL2 guarantees 224 uniform vectors.
 constexpr int kMaxBlendedCameras = 20;
 
-// The `closest` cameras whose rays through their pictures' middles, which shifted lenses turn off their optical axes,
-// are nearest in angle to the view's axis, nearest first; 0: all.
+// Returns the `closest` cameras in angle to the view's axis, nearest first; 0: all. A camera's direction is the ray
+// through the middle of its picture, which a shifted lens turns off the optical axis.
 std::vector<size_t> camerasTowards(std::span<const PinholeCamera> cameras, const glm::vec3& view_axis, int closest);
 
-// The cameras' pictures: layers of an array texture, by the cameras' numbers, or tiles of a decoded picture.
+// Camera pictures: layers of an array texture, indexed by camera, or tiles of a decoded picture.
 struct BlendPictures {
   gpu::TextureId array = 0;
   const CameraLook* tiled = nullptr;
   glm::vec2 size{1};  // texels of a layer, or of the decoded picture
 };
 
-// The uniforms of one draw; keep it until the draw is made.
+// Uniforms of one draw; must outlive it.
 class CameraUniforms {
  public:
-  // The depth maps of the chosen cameras are up to date. length_scale: the model's. A number that is no camera's stands
-  // for one that sees nothing; not all are such.
+  // Requires up-to-date depth maps of the chosen cameras. length_scale: the model's. An out-of-range camera index
+  // stands for a camera that sees nothing; at least one index is valid.
   CameraUniforms(std::span<const PinholeCamera> cameras, std::span<const size_t> chosen, const DepthMaps& maps,
                  const BlendPictures& pictures, float least_cosine, float length_scale);
   void addTo(gpu::Draw& draw) const;
-  // What a program that makes such draws is made with.
+  // Returns the defines of programs for such draws.
   static std::string defines(size_t camera_count, const BlendPictures& pictures);
 
  private:
@@ -49,15 +49,14 @@ class CameraUniforms {
   std::vector<glm::vec4> centres_, pixel_spans_, sizes_near_far_, sources_, tiles_;
 };
 
-// Colours for the parts of a surface that no camera in use sees, from what lies round them on the surface: each vertex
-// that is seen has its colour, the others are filled in by Laplace's equation between them, in a fixed number of steps
-// on the GPU. Vertices that the steps do not reach stay unknown.
+// Fills the surface that no camera in use sees with colours from the surface nearby: seen vertices keep their colours,
+// the others are interpolated by Laplace's equation in a fixed number of Jacobi steps on the GPU. Vertices beyond the
+// steps' reach stay unknown.
 class UnseenFill {
  public:
-  static constexpr int kSteps =
-      48;  // an unseen vertex gets a colour if one that is seen lies at most as many edges away
+  static constexpr int kSteps = 48;  // maximum edges from an unseen vertex to a seen one
 
-  // Fills the vertices' colours anew. Errors: GpuFailure.
+  // Recomputes the vertex colours. Errors: GpuFailure.
   Status update(gpu::Device& device, const CharacterModel& model, size_t camera_count, const BlendPictures& pictures,
                 const CameraUniforms& cameras);
   gpu::TextureId texture() const { return colors_[0].texture.id(); }  // a texel per vertex; alpha 0: unknown
@@ -69,12 +68,12 @@ class UnseenFill {
   };
   Status makeTables(gpu::Device& device, const CharacterModel& model);
 
-  std::map<std::string, gpu::Program> seen_programs_;  // by their defines
+  std::map<std::string, gpu::Program> seen_programs_;  // keyed by defines
   gpu::Program spread_program_;
   Table seen_;
   std::array<Table, 2> colors_;  // the result is in the first
   SurfaceNeighbours neighbours_;
-  uint32_t table_vertices_ = 0;  // that the tables have room for
+  uint32_t table_vertices_ = 0;  // capacity of the tables
 };
 
 }  // namespace fourdvt::render

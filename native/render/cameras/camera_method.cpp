@@ -13,12 +13,12 @@ namespace fourdvt::render {
 namespace {
 
 enum class ShaderCameras {
-  None,     // the shader shows the surface alone
-  Chosen,   // it blends the cameras that the options choose (camera_shade.glsl)
-  Bounded,  // and gets one more, which bounds their weights (camera_lumigraph.glsl)
+  None,     // the surface alone
+  Chosen,   // blends the cameras chosen by the options (camera_shade.glsl)
+  Bounded,  // the same, with one more camera that bounds the weights (camera_lumigraph.glsl)
 };
 
-// Draws the surface once, with a fragment shader of its own.
+// Draws the surface once, with a method's own fragment shader.
 class ShaderMethod final : public Method {
  public:
   ShaderMethod(const char* fragment_file, ShaderCameras cameras) : fragment_file_(fragment_file), cameras_(cameras) {}
@@ -65,8 +65,8 @@ class ShaderMethod final : public Method {
 
   const char* const fragment_file_;
   const ShaderCameras cameras_;
-  std::vector<FigureCameras> figures_;            // by number
-  std::map<std::string, gpu::Program> programs_;  // by their defines
+  std::vector<FigureCameras> figures_;            // indexed by figure
+  std::map<std::string, gpu::Program> programs_;  // keyed by defines
 };
 
 using Made = Result<std::unique_ptr<Method>>;
@@ -76,7 +76,7 @@ struct Row {
   MethodGroup group;
   bool needs_half_float_targets;
   Made (*make)(gpu::Device&, const Row&);
-  const char* fragment_file = nullptr;  // of methods that are one shader
+  const char* fragment_file = nullptr;  // for single-shader methods
 };
 
 template <ShaderCameras cameras>
@@ -100,7 +100,7 @@ Made floatingStatic(gpu::Device& device, const Row&) { return makeFloatingStatic
 
 constexpr MethodGroup kTextured = MethodGroup::Textured, kInspection = MethodGroup::Inspection;
 
-// A method's only registration.
+// Registers all methods.
 constexpr Row kRows[] = {
     {kDefaultMethod.data(), kTextured, false, ofClass<Sweep>},
     {"fvvr", kTextured, false, ofShader<ShaderCameras::Chosen>, "camera_fvvr.frag"},

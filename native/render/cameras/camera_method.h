@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The methods by which the recipe draws figures from cameras, by their names. The simple ones are a fragment shader
-// that gives a camera's weight at a point (camera_shade.glsl). What all share: choice of cameras, depth maps, colours
-// of unseen surface (figure_cameras.h), pictures and the test of what a camera sees (camera_blend.h).
+// Methods for figures from cameras, by name. The simple ones are a fragment shader that computes a camera's blend
+// weight at a point (camera_shade.glsl). All share camera selection, depth maps and colours of unseen surface
+// (figure_cameras.h), and pictures and visibility test (camera_blend.h).
 #pragma once
 
 #include <memory>
@@ -14,29 +14,28 @@
 namespace fourdvt::render {
 
 enum class MethodGroup {
-  Textured,    // shows the figure: what a visitor chooses from and the study compares
-  Inspection,  // shows the surface itself, or what a method works with
+  Textured,    // shows the figure; offered to visitors and compared in the study
+  Inspection,  // shows the surface itself, or intermediate results of a method
 };
 
-// In the order in which people are told of them; the first is the default.
+// Returns the names in display order; the first is the default.
 std::vector<std::string> cameraMethodNames(MethodGroup group);
 
-// Errors: InvalidArgument: there is no such method; Unsupported: this device cannot run it.
+// Errors: InvalidArgument: unknown name; Unsupported: the device cannot run the method.
 Result<std::unique_ptr<Method>> makeCameraMethod(gpu::Device& device, std::string_view name);
 
 struct MethodThatServes {
   std::unique_ptr<Method> method;
-  std::string name;    // of the method
-  std::string notice;  // what is drawn in place of what, and why; empty: the method that was asked for
+  std::string name;    // name of the method
+  std::string notice;  // fallback taken and its reason; empty: the requested method
 };
 
-// The method that the character's manifest names; the default where it names none, and where this player does not know
-// its name.
+// Returns the method named by the character's manifest; the default where the name is missing or unknown.
 std::string methodOf(const package::Character& character);
 
-// As makeCameraMethod; where the device cannot run the method, one that every device can run in its place, "lumigraph".
+// Makes the method like makeCameraMethod; falls back to "lumigraph", which runs on every device, where Unsupported.
 Result<MethodThatServes> makeMethodThatServes(gpu::Device& device, std::string_view name);
-// That of the character, likewise; the notice also says so where its name is not known.
+// Makes the character's method with the same fallback; the notice also reports an unknown name.
 Result<MethodThatServes> makeMethodOf(gpu::Device& device, const package::Character& character);
 
 }  // namespace fourdvt::render

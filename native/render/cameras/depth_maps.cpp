@@ -11,11 +11,12 @@ std::string_view cameraShaderText(std::string_view name);  // embedded; see CMak
 
 namespace {
 
-constexpr int kOffsetCopies = 5;                       // of the offset multi-draw, as in camera_depth.vert
-constexpr int kVerticesOfEdges = 18;                   // per face, as in camera_edges.vert
-constexpr float kRounding = 0.71f, kDiagonal = 1.42f;  // texels: of a place to a texel, and of the offset multi-draw
+constexpr int kOffsetCopies = 5;      // copies of the offset multi-draw, as in camera_depth.vert
+constexpr int kVerticesOfEdges = 18;  // per face, as in camera_edges.vert
+constexpr float kRounding = 0.71f,
+                kDiagonal = 1.42f;  // texels: rounding of a position to a texel, and diagonal of the offset multi-draw
 
-// The camera that would take just the crop.
+// Returns the camera of the cropped picture.
 PinholeCamera croppedCamera(PinholeCamera camera, const PictureRegion& crop) {
   camera.cx -= crop.x;
   camera.cy -= crop.y;
@@ -84,7 +85,7 @@ float DepthMaps::reach() const {
   return options_.visibility == Visibility::Offset ? kRounding + kDiagonal : kRounding;
 }
 
-// Cameras keep their layers; those that have none take the layers of cameras that are not used now.
+// Assigns layers: cameras keep theirs; the others take layers of cameras that are not in use.
 void DepthMaps::place(std::span<const size_t> cameras) {
   const auto isUsed = [&](size_t c) { return std::find(cameras.begin(), cameras.end(), c) != cameras.end(); };
   std::vector<bool> taken(targets_.size(), false);
@@ -123,7 +124,7 @@ void DepthMaps::forget() {
 }
 
 void DepthMaps::drawMap(gpu::Device& device, const CharacterModel& model, const Camera& camera) const {
-  // Texels are pixels, or the whole picture is drawn, because the region's border may lie within a texel.
+  // Sets no scissor unless texels are pixels: the region's border may lie within a texel.
   const bool same = camera.columns == camera.pinhole.width && camera.rows == camera.pinhole.height;
   PictureRegion part = camera.region;
   if (!same) part.x = part.y = 0, part.width = camera.pinhole.width, part.height = camera.pinhole.height;

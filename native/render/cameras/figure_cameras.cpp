@@ -6,9 +6,9 @@
 namespace fourdvt::render {
 namespace {
 
-constexpr int kMapSide = 1024;  // texels of a depth map, at most
+constexpr int kMapSide = 1024;  // maximum texels along each side of a depth map
 constexpr int kAllCameras = 0;
-constexpr float kNearest_m = 0.02f;  // of a person's map whose camera the surface's box reaches round
+constexpr float kNearest_m = 0.02f;  // near plane, for a person, of a camera within the surface's box
 
 bool sameCameras(std::span<const PinholeCamera> a, std::span<const PinholeCamera> b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const PinholeCamera& x, const PinholeCamera& y) {
@@ -84,7 +84,7 @@ Status FigureCameras::makeMaps(gpu::Device& device, const CameraLook& look, cons
   return {};
 }
 
-// Near and far plane of each camera's map from the surface's box (OVH03 5.2.3).
+// Computes near and far plane of each camera's map from the surface's box (OVH03 5.2.3).
 void FigureCameras::setRegions(const CharacterModel& model, const CameraLook& look) {
   Positions corners;
   const BoundingBox& box = model.frame_bounds;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a method keeps of one figure from picture to picture: the cameras that the view chooses, their depth maps, and
-// colours for what none of them sees. What neither geometry, picture nor choice of cameras has changed is kept.
+// Per-figure state of a method between pictures: the cameras chosen for the view, their depth maps, and the colours of
+// surface that none of them sees. Results are reused while geometry, picture and chosen cameras are unchanged.
 #pragma once
 
 #include <optional>
@@ -13,21 +13,21 @@ namespace fourdvt::render {
 
 class FigureCameras {
  public:
-  // Chooses the `options.closest` cameras that have a picture and see something of the surface, at most `most`; draws
-  // their depth maps and fills what they do not see. `also`: cameras that are added as far as they have a picture and
-  // there is room. Errors: GpuFailure, InvalidArgument (no camera has a picture).
+  // Chooses the `options.closest` cameras that have a picture and see part of the surface, at most `most`; draws their
+  // depth maps and fills the surface they do not see. also: cameras added while there is room, if they have a picture.
+  // Errors: GpuFailure, InvalidArgument (no camera has a picture).
   Status prepare(gpu::Device& device, const CharacterModel& model, const CameraLook& look, const CharacterView& view,
                  const MethodOptions& options, int most = kMaxBlendedCameras, std::span<const size_t> also = {});
 
-  // After prepare with the same arguments.
+  // Valid after prepare with the same arguments.
   const std::vector<size_t>& chosen() const { return chosen_; }  // nearest first, then those of `also`
-  size_t nearestCount() const { return nearest_; }               // of `chosen`: without those of `also`
+  size_t nearestCount() const { return nearest_; }               // size of `chosen` without `also`
   const DepthMaps& maps() const { return *maps_; }
   float lengthScale() const { return length_scale_; }  // the model's
   CameraUniforms uniforms(const CameraLook& look, const MethodOptions& options) const;
-  // What a program is made with that includes camera_blend.glsl (with camera_shade.glsl: FILLED too).
+  // Returns the defines of programs that include camera_blend.glsl (with camera_shade.glsl: FILLED too).
   std::string defines(const CameraLook& look, const MethodOptions& options) const;
-  // Uniforms and textures of camera_surface.vert and camera_shade.glsl that are not CameraUniforms'.
+  // Adds the uniforms and textures of camera_surface.vert and camera_shade.glsl beyond CameraUniforms.
   void addTo(gpu::Draw& draw, const CharacterView& view, const MethodOptions& options) const;
 
  private:
@@ -39,10 +39,10 @@ class FigureCameras {
 
   std::optional<DepthMaps> maps_;
   DepthMapOptions map_options_;
-  std::vector<PinholeCamera> cameras_;  // that the maps are of
+  std::vector<PinholeCamera> cameras_;  // cameras of the maps
   int layers_ = 0;
   std::vector<PictureRegion> regions_;
-  uint64_t regions_serial_ = 0;  // geometry
+  uint64_t regions_serial_ = 0;  // geometry serial of the regions
   UnseenFill fill_;
   uint64_t fill_geometry_ = 0, fill_picture_ = 0;
   std::vector<size_t> fill_cameras_;
@@ -53,7 +53,7 @@ class FigureCameras {
   float length_scale_ = 1;
 };
 
-// How the pictures of a look are bound.
+// Returns the binding of a look's pictures.
 BlendPictures picturesOf(const CameraLook& look);
 
 }  // namespace fourdvt::render

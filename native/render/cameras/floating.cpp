@@ -13,7 +13,7 @@ namespace fourdvt::render {
 namespace {
 
 using gpu::PixelFormat;
-constexpr int kLeastSide = 64;  // pixels of a view; below, flow at a quarter of its size has too little to go by
+constexpr int kLeastSide = 64;  // pixels of a view's side; a quarter of less is too small for flow
 
 class Floating final : public Method {
  public:
@@ -67,7 +67,7 @@ class Floating final : public Method {
       if (i < n || i == kScratch)
         FOURDVT_TRY(resizeGroup(device, pictures_.width(), pictures_.height(), {PixelFormat::RG16F}, false, flows_[i]));
     for (size_t i = 0; i < n; ++i) {
-      // Sums go to and fro, so that the last one lands in the picture's own.
+      // Sums ping-pong so that the last one lands in the picture's own buffer.
       const PictureGroup* to = (n - 1) % 2 == 1 ? &flows_[i] : &flows_[kScratch];
       gpu::TextureId before = 0;
       for (size_t j = 0; j < n; ++j) {
@@ -84,11 +84,11 @@ class Floating final : public Method {
 
   static constexpr size_t kScratch = FloatingPictures::kMost;
   const FloatingForm form_;
-  FloatingStar star_;                  // of the star form
-  std::unique_ptr<FlowSource> pairs_;  // of the pairs
-  std::vector<Figure> figures_;        // by number
+  FloatingStar star_;                  // mean form
+  std::unique_ptr<FlowSource> pairs_;  // pair form
+  std::vector<Figure> figures_;        // indexed by figure
   FloatingPictures pictures_;
-  PictureGroup flows_[FloatingPictures::kMost + 1];  // of the pairs by rank, and scratch
+  PictureGroup flows_[FloatingPictures::kMost + 1];  // by rank, for pairs, and scratch
   FlowSum sum_;
   PictureBlend blend_;
   SurfacePicture surface_;
@@ -105,11 +105,11 @@ Result<std::unique_ptr<Method>> makeFloating(gpu::Device& device, FloatingForm f
 namespace {
 
 constexpr int kMost = FloatingPictures::kMost;
-constexpr int kLongestSide = 1024;  // texels of a flow field, at most
-constexpr int kSideStep = 64;       // sizes are multiples, so that they seldom change from frame to frame
-constexpr int kOctaves = 1;         // flow is computed at half that size
+constexpr int kLongestSide = 1024;  // maximum texels of a flow field's side
+constexpr int kSideStep = 64;       // multiple of sizes, against changes from frame to frame
+constexpr int kOctaves = 1;         // flow is computed at half size
 
-// The flow fields of one figure: a layer for every ordered pair of the cameras in use.
+// Flow fields of one figure: a layer for every ordered pair of cameras in use.
 struct PairFlows {
   struct Pair {
     size_t from = 0, to = 0;  // cameras
@@ -117,12 +117,12 @@ struct PairFlows {
   };
   gpu::Texture texture;  // RG16F array
   std::vector<gpu::Target> targets;
-  std::vector<Pair> pairs;  // by layer
+  std::vector<Pair> pairs;  // indexed by layer
   int width = 0, height = 0;
   double texels_per_pixel = 1;
-  std::vector<glm::vec4> places;  // by camera: what its layers show, pixels
+  std::vector<glm::vec4> places;  // by camera: picture region of its layers, pixels
   uint64_t geometry = 0, picture = 0;
-  MethodOptions options;  // of the pictures that the flow is between
+  MethodOptions options;  // options of the pictures compared by the flow
 
   int layerOf(size_t from, size_t to) const {
     for (size_t l = 0; l < pairs.size(); ++l)
@@ -182,10 +182,10 @@ class FloatingStatic final : public Method {
   struct Figure {
     FigureCameras cameras;
     PairFlows flows;
-    FloatingPictures seen;  // weights of the view
+    FloatingPictures seen;  // blend weights of the view
   };
 
-  // Every camera's field shows the box of the surface; all have one size and scale.
+  // Makes fields of equal size and scale; each camera's shows the box of the surface.
   static Status resize(gpu::Device& device, const CharacterModel& model, const CameraLook& look,
                        const MethodOptions& options, Figure& figure) {
     PairFlows& flows = figure.flows;
@@ -255,7 +255,7 @@ class FloatingStatic final : public Method {
         const size_t layer = static_cast<size_t>(
             std::find_if(flows.pairs.begin(), flows.pairs.end(), [](const auto& p) { return !p.known; }) -
             flows.pairs.begin());
-        // Of the camera picture's height: the field is only as high as the performer, and lower when he bends.
+        // Flow height in heights of the camera picture: the field covers the performer only and varies with the pose.
         const double camera_heights = look.cameras[chosen[i]].height * flows.texels_per_pixel / flows.height;
         FOURDVT_TRY(add_.draw(device,
                               {.flow = flow_->flow(),
@@ -282,10 +282,10 @@ class FloatingStatic final : public Method {
   }
 
   std::unique_ptr<FlowSource> flow_;
-  std::vector<std::unique_ptr<Figure>> figures_;  // by number
-  FloatingPictures pictures_;                     // of a camera's view
+  std::vector<std::unique_ptr<Figure>> figures_;  // indexed by figure
+  FloatingPictures pictures_;                     // pictures in a camera's view
   FlowSum add_;
-  std::map<std::string, gpu::Program> programs_;  // by their defines
+  std::map<std::string, gpu::Program> programs_;  // keyed by defines
 };
 
 }  // namespace

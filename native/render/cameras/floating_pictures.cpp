@@ -8,7 +8,7 @@ namespace {
 
 using gpu::PixelFormat;
 
-// The camera nearest to the view that would be chosen next; w 0: there is none.
+// Returns the centre of the next-nearest camera to the view outside the chosen ones; w 0: none.
 glm::vec4 nextCentre(const CameraLook& look, const CharacterView& view, const std::vector<size_t>& chosen) {
   for (size_t c : camerasTowards(look.cameras, viewAxis(view.clip_from_character), 0))
     if (look.sources[c].source.z > 0 && std::find(chosen.begin(), chosen.end(), c) == chosen.end())
@@ -145,11 +145,11 @@ namespace {
 
 struct RoundOptions {
   FloatingFlow between;
-  int octaves;        // its size against the view's
-  int patch_octaves;  // its finest patches against those of flow at the view's size
+  int octaves;        // octaves below the view's size
+  int patch_octaves;  // octaves of the finest patches below those of full-size flow
 };
 constexpr RoundOptions kRounds[] = {{FloatingFlow::EarlyMean, 2, 1}, {FloatingFlow::LastMean, 1, 0}};
-constexpr int kMeanOctaves = 1;  // the mean's size against the view's (algorithms/floating.md)
+constexpr int kMeanOctaves = 1;  // octaves of the mean below the view's size (algorithms/floating.md)
 constexpr const char* kPictureNames[] = {"u_picture_0", "u_picture_1", "u_picture_2", "u_picture_3"};
 constexpr const char* kFlowNames[] = {"u_flow_0", "u_flow_1", "u_flow_2", "u_flow_3"};
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What Floating Textures blends and warps: the picture of each camera on the surface as a view sees it, and each
-// camera's weight per pixel with soft visibility (FT 4.2). Works at the view's size. Does NOT compute flow.
+// Inputs and stages of Floating Textures: the picture of each camera on the surface in a view, camera weights per pixel
+// with soft visibility (FT 4.2), sums of flow fields, and the blend from their mean. Works at the view's size.
 #pragma once
 
 #include <map>
@@ -13,28 +13,27 @@
 
 namespace fourdvt::render {
 
-// Textures of one size that are drawn together.
+// Textures of equal size with one common target.
 struct PictureGroup {
   std::vector<gpu::Texture> textures;
   gpu::Target target;
   int width = 0, height = 0;
 };
 
-// Makes it anew unless it has this size and number of textures; drawn with a depth buffer of its own or without.
-// Errors: GpuFailure.
+// Remakes the group unless it has this size and number of textures. has_depth: adds a depth buffer. Errors: GpuFailure.
 Status resizeGroup(gpu::Device& device, int width, int height, const std::vector<gpu::PixelFormat>& formats,
                    bool has_depth, PictureGroup& out);
 
-// FT Eq. 8 with exact distances, for four cameras at a time.
+// Soft visibility (FT Eq. 8) with exact distances, for four cameras at a time.
 class SoftVisibility {
  public:
   static constexpr float kMostRadius_px = 128;
-  // hidden: RGBA8, a channel per camera, 1 where the camera does not see the surface; weights: likewise, RGBA16F.
-  // Draws weights × min(distance to the nearest hidden pixel / radius, 1). Errors: GpuFailure.
+  // Draws weights × min(distance to the nearest hidden pixel / radius, 1). hidden: RGBA8, a channel per camera, 1 where
+  // the camera does not see the surface; weights: RGBA16F, a channel per camera. Errors: GpuFailure.
   Status update(gpu::Device& device, gpu::TextureId hidden, gpu::TextureId weights, int width, int height,
                 float radius_px);
-  gpu::TextureId texture() const { return soft_.textures[0].id(); }  // RGBA16F, of this size
-  gpu::TargetId target() const { return soft_.target.id(); }         // to read it back
+  gpu::TextureId texture() const { return soft_.textures[0].id(); }  // RGBA16F, width × height
+  gpu::TargetId target() const { return soft_.target.id(); }         // for read-back
 
  private:
   gpu::Program across_program_, down_program_;
@@ -43,104 +42,105 @@ class SoftVisibility {
 
 class FloatingPictures {
  public:
-  static constexpr int kMost = 4;  // cameras: as many channels as a texture has, and as many targets as a draw
+  static constexpr int kMost = 4;  // maximum cameras: channels of a texture and colour targets of a draw
 
-  // `cameras` were prepared with the same arguments and at most kMost cameras; the view may be another one.
-  // Errors: GpuFailure.
+  // Requires `cameras` prepared with the same arguments and at most kMost cameras; the view may differ. Errors:
+  // GpuFailure.
   Status update(gpu::Device& device, const CharacterModel& model, const CameraLook& look, const CharacterView& view,
                 const MethodOptions& options, const FigureCameras& cameras);
-  // The weights alone.
+  // Updates the weights alone.
   Status updateWeights(gpu::Device& device, const CharacterModel& model, const CameraLook& look,
                        const CharacterView& view, const MethodOptions& options, const FigureCameras& cameras);
-  // RGBA8, premultiplied, y up, by rank in FigureCameras::chosen; alpha 1 on the surface.
+  // RGBA8, premultiplied, y up, indexed by rank in FigureCameras::chosen; alpha 1 on the surface.
   gpu::TextureId picture(size_t rank) const { return pictures_.textures[rank].id(); }
   std::vector<gpu::TextureId> all() const;  // by rank
   size_t count() const { return pictures_.textures.size(); }
   int width() const { return pictures_.width; }
   int height() const { return pictures_.height; }
-  // RGBA16F, a channel per rank: w Ω, not normalised; all 0 where no camera sees the surface.
+  // RGBA16F, a channel per rank: w Ω, unnormalised; all 0 where no camera sees the surface.
   gpu::TextureId weights() const { return soft_.texture(); }
 
  private:
   Status drawSight(gpu::Device& device, const CharacterModel& model, const CameraLook& look, const CharacterView& view,
                    const MethodOptions& options, const FigureCameras& cameras);
 
-  std::map<std::string, gpu::Program> sight_programs_, project_programs_;  // by their defines
+  std::map<std::string, gpu::Program> sight_programs_, project_programs_;  // keyed by defines
   PictureGroup sight_, pictures_;
   SoftVisibility soft_;
 };
 
-// What a flow is found between.
+// Pictures compared by a flow.
 enum class FloatingFlow {
   Pictures,      // two cameras' pictures of the view
-  KeptPictures,  // two cameras' pictures in one's own view, kept for other views (floating.h)
-  EarlyMean,     // the mean of the pictures, still blurred, and one of them: the star's first round
-  LastMean,      // the same in its second round: the mean is nearly sharp and lies between the pictures
+  KeptPictures,  // two cameras' pictures in the view of one of them, kept for other views (floating.h)
+  EarlyMean,     // the mean of the pictures, still blurred, and one of them: first round of the mean form
+  LastMean,      // the same in the second round, with a nearly sharp mean between the pictures
 };
 
-// The method and settings that scored best (algorithms/floating.md). `octaves`: how many times the flow's size is
-// halved against the pictures'; its finest patches stay the same.
+// Returns the method and settings with the best score (algorithms/floating.md). octaves: halvings of the flow's size
+// against the pictures'; the finest patches keep their size.
 FlowOptions floatingFlow(FloatingFlow between, int octaves);
 
-// How long a displacement may be (FlowSum's `most`), between two pictures and from their mean: shares of the view's
-// height, in still mode of the camera picture's.
+// Maximum displacement (FlowSum's `most`) between two pictures and from their mean: shares of the view's height, in
+// still mode of the camera picture's.
 constexpr float kMostBetweenPictures = 0.0125f, kMostFromMean = 0.006f;
 
-// Sums of flow fields, each weighted by one camera's share of the pixel (FT Eq. 6), in pixels of the weights. A flow of
-// another size is sampled, and the target may have another size, too.
+// Sum of flow fields, each weighted by one camera's share of the pixel (FT Eq. 6), in pixels of the weights. Flow and
+// target may differ in size; the flow is then sampled.
 class FlowSum {
  public:
   struct Term {
     gpu::TextureId flow = 0;
-    gpu::TextureId weights = 0;  // of FloatingPictures
-    int rank = -1;               // whose share; -1: 1
-    gpu::TextureId before = 0;   // the sum so far, of the target's size; 0: none
-    float most = 1;      // of a displacement that counts in full, heights of the picture; at twice it, none does
+    gpu::TextureId weights = 0;  // FloatingPictures::weights
+    int rank = -1;               // camera that gives the weight; -1: weight 1
+    gpu::TextureId before = 0;   // partial sum of the target's size; 0: none
+    float most = 1;  // displacement up to which the weight is full, heights of the picture; it falls to 0 at twice this
     glm::vec2 scale{1};  // pixels of the weights per pixel of the target
   };
-  Status draw(gpu::Device& device, const Term& term, gpu::TargetId target);  // RG16F. Errors: GpuFailure
+  Status draw(gpu::Device& device, const Term& term, gpu::TargetId target);  // target: RG16F. Errors: GpuFailure
 
  private:
   gpu::Program program_;
 };
 
-// The star form of Floating Textures: flow from the mean of a view's pictures to each of them, n flows a round. The
-// first round, at a quarter of the view's size, displaces the pictures by what it found; their new mean is sharper, and
-// the second round starts from it, at half the size. Does NOT choose cameras and does NOT draw the surface.
+// Mean form of Floating Textures: flow from the mean of a view's pictures to each of them, n flows a round. The first
+// round, at a quarter of the view's size, displaces the pictures by its flow; the second, at half the size, starts from
+// their sharper mean. Cameras are chosen and the surface is drawn by floating.cpp.
 
-// The pictures of a view, blended by their weights.
+// Blends the pictures of a view by their weights.
 class PictureBlend {
  public:
-  enum class Warp { None, Star, Pairs };  // how flows displace; camera_floating_blend.frag
+  enum class Warp { None, Star, Pairs };  // meaning of the flows; camera_floating_blend.frag
   struct Sources {
-    gpu::TextureId weights = 0;                        // of FloatingPictures
-    std::vector<gpu::TextureId> pictures, flows = {};  // by rank; flows RG16F, in pixels of the weights; none for None
+    gpu::TextureId weights = 0;                        // FloatingPictures::weights
+    std::vector<gpu::TextureId> pictures, flows = {};  // by rank; flows RG16F, in pixels of the weights, empty for None
   };
-  // Pictures, flows and target may be smaller than the weights. Errors: GpuFailure.
+  // Draws into pictures that, like flows and target, may be smaller than the weights. Errors: GpuFailure.
   Status draw(gpu::Device& device, const Sources& sources, Warp warp, const PictureGroup& target);
 
  private:
-  std::map<std::string, gpu::Program> programs_;  // by their defines
+  std::map<std::string, gpu::Program> programs_;  // keyed by defines
 };
 
 class FloatingStar {
  public:
-  // Errors: Unsupported: the device has no half-float targets.
+  // Errors: Unsupported: no half-float targets.
   static Result<FloatingStar> create(gpu::Device& device);
   // Errors: GpuFailure.
   Status update(gpu::Device& device, const FloatingPictures& pictures, PictureBlend& blend);
-  // By rank, RG16F, of the last round's size, in the pictures' pixels: the mean at p resembles picture i at p + flow i.
+  // Flow fields by rank, RG16F, at the last round's size, in the pictures' pixels: the mean at p resembles picture i at
+  // p + flow i.
   std::vector<gpu::TextureId> flows() const { return texturesOf(rounds_.back().flows); }
 
  private:
   struct Round {
     std::unique_ptr<FlowSource> source;
-    std::vector<PictureGroup> flows;  // by rank, of the round's size
+    std::vector<PictureGroup> flows;  // by rank, at the round's size
   };
   static std::vector<gpu::TextureId> texturesOf(const std::vector<PictureGroup>& groups);
 
   std::vector<Round> rounds_;
-  PictureGroup mean_;  // where a round starts; half of the view's size
+  PictureGroup mean_;  // start of a round; half of the view's size
   FlowSum sum_;
 };
 

@@ -12,7 +12,7 @@ namespace {
 
 Error invalid(const std::string& message) { return Error{ErrorId::InvalidArgument, message}; }
 
-// Pixels from straight RGBA, rows tightly packed.
+// Premultiplies straight RGBA; output rows are tightly packed.
 void premultiply(const Image& rgba, const PictureRegion& crop, std::vector<uint8_t>& out) {
   out.resize(size_t(crop.width) * crop.height * 4);
   uint8_t* to = out.data();
@@ -63,8 +63,8 @@ class FvvrOnDevice final : public Fvvr {
 
  private:
   struct Camera {
-    bool is_used = true;       // in the frame shown
-    bool has_picture = false;  // uploaded since the camera is in use
+    bool is_used = true;       // used in the current frame
+    bool has_picture = false;  // uploaded since the camera came into use
   };
   struct Size {
     int width = 0, height = 0, samples = 0;
@@ -83,13 +83,13 @@ class FvvrOnDevice final : public Fvvr {
   gpu::Device& device_;
   const std::vector<PinholeCamera> pinholes_;
   std::vector<Camera> cameras_;
-  std::vector<PictureRegion> regions_;  // per camera: what the mesh of the frame shown needs
+  std::vector<PictureRegion> regions_;  // per camera: part of its picture that the current mesh covers
   CharacterModel model_;
   std::optional<DepthMaps> maps_;
-  // The largest camera's; smaller ones leave the rest of their layers unused.
+  // Size of the largest camera's picture; smaller ones use part of their layers.
   int picture_width_ = 0, picture_height_ = 0;
   gpu::Texture pictures_;
-  std::map<size_t, gpu::Program> programs_;  // by number of cameras blended
+  std::map<size_t, gpu::Program> programs_;  // keyed by number of cameras blended
   gpu::Target scene_;
   Size scene_size_;
   gpu::Texture still_color_;

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The papers' benchmark: free-viewpoint video rendering (LVDT 2, 4; "FVVR"). The mesh is textured at render time from
-// all camera pictures, each with a depth map of the mesh drawn from that camera; the M cameras closest to the view are
-// blended by LVDT Eq. 3-4. Native evaluation only: not part of the wasm player.
-// A depth map that is too coarse lets an occluder's texture fall onto what lies behind its outline ("shadow leak",
-// OVH03 5.2.2; depth_maps.h). Does NOT read captures, does NOT clean the matte's edge, and needs every camera's picture
-// of the frame in GPU memory: that is the point of the layers. With M < N cameras per frame, only their pictures are
-// uploaded and their depth maps drawn; textures for all N stay allocated, because the next view takes other cameras.
-// Characters from cameras are drawn by a Method (camera_method.h). Order of calls: setFrame (or its three parts) →
-// draw….
+// Free-viewpoint video rendering, the benchmark of LVDT (2, 4; "FVVR"): the mesh is textured at render time from all
+// camera pictures, each with a depth map of the mesh from that camera; the M cameras closest to the view are blended by
+// LVDT Eq. 3-4. Native evaluation only; excluded from the wasm player. A coarse depth map lets an occluder's texture
+// leak onto the surface behind its outline ("shadow leak", OVH03 5.2.2; depth_maps.h). Matte edges are used as given.
+// Every camera's picture of the frame is in GPU memory, the cost that layers avoid. With M < N cameras per frame, only
+// their pictures are uploaded and their depth maps drawn; textures for all N stay allocated for later views. Characters
+// from cameras are drawn by a Method (camera_method.h). Order of calls: setFrame (or its three parts) → draw….
 #pragma once
 
 #include <memory>
@@ -23,36 +21,36 @@
 namespace fourdvt::render {
 
 struct FvvrOptions {
-  int closest = 0;          // M of N: cameras that look most as the view does (camerasTowards); 0: all
+  int closest = 0;          // M of N: cameras nearest in angle to the view (camerasTowards); 0: all
   glm::vec4 background{0};  // premultiplied
   int samples = 4;
-  bool fills = true;  // surface that no camera sees; else it is left transparent
+  bool fills = true;  // fills surface that no camera sees; otherwise it is transparent
 };
 
 class Fvvr {
  public:
-  // 1 to 31 cameras, of any sizes. length_scale: as CharacterModel's. Errors: InvalidArgument, GpuFailure.
+  // Makes a renderer for 1 to 31 cameras of any sizes. length_scale: as CharacterModel's. Errors: InvalidArgument,
+  // GpuFailure.
   static Result<std::unique_ptr<Fvvr>> create(gpu::Device& device, std::span<const PinholeCamera> cameras,
                                               const MeshTopology& topology, const DepthMapOptions& maps = {},
                                               float length_scale = 1);
   virtual ~Fvvr() = default;
-  // The cameras that a draw of this view uses, nearest first: `options.closest` of them.
+  // Returns the `options.closest` cameras of a draw of this view, nearest first.
   virtual std::vector<size_t> camerasOf(const View& view, const FvvrOptions& options) const = 0;
-  // RGBA pictures (alpha = matte), one per camera, of the camera's size. Uploads them and draws their depth maps.
-  // Shown only where the interpolated matte is above one half. `cameras`: the indices of those that the draws until the
-  // next call use (camerasOf), no others are uploaded or drawn, and their pictures may be empty; an empty list: all.
-  // Errors: InvalidArgument.
+  // Uploads the RGBA pictures (alpha = matte), one per camera at the camera's size, and draws their depth maps. Surface
+  // is shown where the interpolated matte is above one half. cameras: those in use until the next call (camerasOf); the
+  // others are skipped, and their pictures may be empty; an empty list: all. Errors: InvalidArgument.
   virtual Status setFrame(const Positions& positions, std::span<const Image> pictures,
                           std::span<const size_t> cameras = {}) = 0;
-  // The parts of setFrame, in order; for measuring. Pictures are uploaded round the mesh only.
+  // Parts of setFrame in order, for timing. Pictures are uploaded round the mesh only.
   virtual Status setGeometry(const Positions& positions, std::span<const size_t> cameras = {}) = 0;
   virtual Status uploadPictures(std::span<const Image> pictures) = 0;
   virtual void drawDepthMaps() = 0;
-  // Output as of Recipe::draw: premultiplied, at (0,0) of `target`. A covered fragment that no camera sees takes the
-  // colour of the camera that faces it best in spite of occlusion; black if it lies outside every matte.
-  // Errors: InvalidArgument (also where a camera of this view was left out of the frame).
+  // Draws like Recipe::draw: premultiplied, at (0,0) of `target`. A covered fragment that no camera sees takes the
+  // colour of the best-facing camera, occlusion ignored; black outside every matte. Errors: InvalidArgument (also where
+  // a camera of this view is missing from the frame).
   virtual Status draw(const View& view, const FvvrOptions& options, gpu::TargetId target) = 0;
-  // RGBA straight alpha, top row first.
+  // Returns straight RGBA, top row first.
   virtual Result<Image> renderStill(const View& view, const FvvrOptions& options) = 0;
 };
 

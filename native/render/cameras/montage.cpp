@@ -24,15 +24,15 @@ constexpr KindOf kKinds[] = {{"montage4d", Kind::Blend, "camera_montage.frag"},
                              {"montage4d-seams", Kind::Seams, "camera_montage_look.frag"},
                              {"montage4d-weights", Kind::Weights, "camera_montage_look.frag"}};
 
-constexpr float kEverywhere = -1;  // of votes
-constexpr float kLeaving = 5;      // settling times that a camera is still blended after the view has left it
+constexpr float kEverywhere = -1;  // reach of votes
+constexpr float kLeaving = 5;      // settling times for which a camera is still blended after the view has left it
 
-// A colour per slot, for those who look.
+// Inspection colours, one per slot.
 constexpr glm::vec3 kSlotColors[kFieldSlots] = {{0.90f, 0.15f, 0.15f}, {0.15f, 0.65f, 0.20f}, {0.15f, 0.30f, 0.95f},
                                                 {0.95f, 0.75f, 0.10f}, {0.75f, 0.20f, 0.85f}, {0.10f, 0.75f, 0.80f},
                                                 {0.95f, 0.50f, 0.10f}, {0.45f, 0.45f, 0.50f}};
 
-// Two textures of a texel per vertex, or smaller, which a pass fills.
+// Two textures with a texel per vertex, or smaller, filled by a pass.
 struct TablePair {
   gpu::Texture low, high;
   gpu::Target target;
@@ -57,7 +57,7 @@ void runPass(gpu::Device& device, const TablePair& to, int width, int rows, cons
   device.endPass();
 }
 
-// 1 for the slots that hold one of these cameras; the two halves as vectors.
+// Flags per slot, 1 for slots of the given cameras; low and high half.
 struct SlotFlags {
   glm::vec4 low{0}, high{0};
 };
@@ -73,11 +73,11 @@ struct Figure4D {
   FigureCameras cameras;
   SurfaceFields fields;
   FieldCameras slots = kNoFieldCameras;
-  std::array<float, kFieldSlots> left_s{};  // since when the view has not chosen the slot's camera
-  std::vector<size_t> chosen;               // by the view
-  std::vector<size_t> in_slots;             // up to the last slot in use; kNoCamera: sees nothing
+  std::array<float, kFieldSlots> left_s{};  // time since the view left the slot's camera
+  std::vector<size_t> chosen;               // cameras chosen for the view
+  std::vector<size_t> in_slots;             // up to the last slot in use; kNoCamera: empty slot
   TablePair serves, row_sums, sums, aims;
-  // What `serves` was made from.
+  // Cache key of `serves`.
   uint64_t geometry = 0, picture = 0;
   FieldCameras served_slots = kNoFieldCameras;
   MethodOptions served_options;
@@ -131,7 +131,7 @@ class Montage final : public Method {
   }
 
  private:
-  // A camera that the view leaves stays until its fields have faded, if there is room.
+  // Keeps a camera that left the view until its fields have faded, while there is room.
   Status chooseCameras(gpu::Device& device, const CharacterModel& model, const CameraLook& look,
                        const CharacterView& view, const MethodOptions& options, Figure4D& figure) const {
     std::vector<size_t> leaving;
@@ -267,8 +267,8 @@ class Montage final : public Method {
 
   const Kind kind_;
   const char* const fragment_;
-  std::vector<std::unique_ptr<Figure4D>> figures_;  // by number
-  std::map<std::string, gpu::Program> programs_;    // by fragment shader and defines
+  std::vector<std::unique_ptr<Figure4D>> figures_;  // indexed by figure
+  std::map<std::string, gpu::Program> programs_;    // keyed by fragment shader and defines
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// For methods that make a picture of the view first: pictures of the view's size, and the draw that shows one on the
-// surface inside the caller's pass.
+// Pictures of the view's size for methods that render the view first, and the draw that shows one on the surface inside
+// the caller's pass.
 #pragma once
 
 #include "render/character_model.h"
@@ -14,8 +14,8 @@ struct ViewPicture {
   int width = 0, height = 0;
 };
 
-// Makes it anew unless it has this size. `depth`: a Depth24 texture of this size that the target draws with, 0: none.
-// Errors: GpuFailure.
+// Remakes the picture unless it has this size. depth: Depth24 texture of this size used by the target; 0: none. Errors:
+// GpuFailure.
 Status resizeViewPicture(gpu::Device& device, int width, int height, const gpu::TextureDesc& like, gpu::TextureId depth,
                          ViewPicture& out);
 

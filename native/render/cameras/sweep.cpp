@@ -8,10 +8,10 @@
 namespace fourdvt::render {
 namespace {
 
-constexpr int kShrink = 2;                        // the sweep's size is the view's by this
+constexpr int kShrink = 2;                        // factor from the sweep's size to the view's
 constexpr int kSupportRadius = 2;                 // pixels of the sweep
-constexpr int kPathLength = 6;                    // likewise
-constexpr glm::vec3 kPrices(0.02f, 0.1f, 0.05f);  // see camera_sweep_choose.frag
+constexpr int kPathLength = 6;                    // pixels of the sweep
+constexpr glm::vec3 kPrices(0.02f, 0.1f, 0.05f);  // cost weights of camera_sweep_choose.frag
 
 glm::mat4 characterFromClip(const CharacterView& view) {
   return glm::mat4(glm::inverse(glm::dmat4(view.clip_from_character)));
@@ -167,7 +167,7 @@ void Sweep::drawCosts(gpu::Device& device, const Job& job, const SweptFigure& fi
   }
 }
 
-// From [0] across to [1] and down to [0] again.
+// Blurs from [0] across to [1] and down to [0] again.
 void Sweep::drawSupport(gpu::Device& device, const Job& job, const SweptFigure& figure) {
   for (int down = 0; down < 2; ++down)
     for (int b = 0; b < blocks_; ++b) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A method that looks for the surface along every ray of the view, in a band about the one it is given: a plane sweep
-// over the chosen cameras, semi-global matching on short paths, then the cameras' blend at the points so found. It
-// moves no outline: a ray that misses the given surface shows nothing. Needs no float targets.
+// Refines the surface along every ray of the view within a band about the given one: a plane sweep over the chosen
+// cameras, semi-global matching on short paths, then the cameras' blend at the points found. Outlines are unchanged:
+// rays that miss the given surface show nothing. Requires no float targets.
 #pragma once
 
 #include <map>
@@ -16,22 +16,22 @@ namespace fourdvt::render {
 
 class Sweep final : public Method {
  public:
-  // Of the band before the surface, at most: hulls and outset meshes have the performer behind them.
+  // Maximum depth of the band before the surface: the performer lies behind hulls and outset meshes.
   static constexpr float kBefore_m = 0.004f;
   static constexpr int kMostPlanes = 32, kPlanesPerBlock = 4;
 
-  // Errors besides Method's: InvalidArgument for planes or a band that it cannot do (SweepOptions).
+  // Errors: as Method, and InvalidArgument for unsupported planes or band (SweepOptions).
   Status prepare(gpu::Device& device, size_t number, const CharacterModel& model, const CameraLook& look,
                  const CharacterView& view, const MethodOptions& options) override;
   void draw(gpu::Device& device, size_t number, const CharacterModel& model, const CameraLook& look,
             const CharacterView& view, const MethodOptions& options) const override;
 
-  // To look at, after prepare: how far behind the surface each ray's point was found, metres; NaN: no surface. Rows
-  // from the top, of half the view's size. Errors: those of readPixels.
+  // Returns the shift of each ray's point behind the surface, metres, after prepare, for inspection; NaN: no surface.
+  // Rows from the top, at half the view's size. Errors: those of readPixels.
   Result<std::vector<float>> readShifts(gpu::Device& device, size_t number) const;
 
  private:
-  // What the shifts follow from: while it stays, they are kept.
+  // Cache key of the shifts.
   struct Cause {
     uint64_t geometry = 0, picture = 0;
     glm::mat4 clip_from_character{0};
@@ -43,18 +43,18 @@ class Sweep final : public Method {
   };
   struct SweptFigure {
     FigureCameras cameras;
-    gpu::Texture depths;  // of the surface, of the size of the sweep
+    gpu::Texture depths;  // depths of the surface, at the sweep's size
     ViewPicture normals, shifts;
-    float reach_m = 0;       // that a shift of 1 stands for
+    float reach_m = 0;       // metres for a shift of 1
     float length_scale = 1;  // the model's
     Cause cause;
   };
-  // Of the planes, four to a layer. Shared by all figures.
+  // Costs of the planes, four to a layer. Shared by all figures.
   struct Costs {
     gpu::Texture texture;
-    std::vector<gpu::Target> targets;  // by layer
+    std::vector<gpu::Target> targets;  // indexed by layer
   };
-  // The picture that is being prepared.
+  // Picture in preparation.
   struct Job {
     const CameraLook& look;
     const CharacterView& view;
@@ -73,10 +73,10 @@ class Sweep final : public Method {
   void drawSurface(gpu::Device& device, const CharacterModel& model, const CharacterView& view,
                    const SweptFigure& figure) const;
 
-  std::vector<SweptFigure> figures_;              // by number
-  std::map<std::string, gpu::Program> programs_;  // by name and defines
+  std::vector<SweptFigure> figures_;              // indexed by figure
+  std::map<std::string, gpu::Program> programs_;  // keyed by name and defines
   Costs costs_[2];
-  int width_ = 0, height_ = 0, blocks_ = 0;  // of the costs
+  int width_ = 0, height_ = 0, blocks_ = 0;  // size of the costs
 };
 
 }  // namespace fourdvt::render

@@ -11,7 +11,7 @@ namespace fourdvt::render {
 
 Status SurfaceNeighbours::update(gpu::Device& device, const CharacterModel& model) {
   if (model.vertex_count > vertices_ || model.face_count > faces_) {
-    // The next surface is about as large.
+    // Reserves a quarter more, since the next surface has a similar size.
     const auto room = [](uint32_t count, uint32_t most) { return std::max(count, std::min(count + count / 4, most)); };
     const uint32_t vertices = room(model.vertex_count, model.mostVertices()),
                    faces = room(model.face_count, model.mostFaces());
@@ -49,9 +49,10 @@ std::string_view fieldShaderText(std::string_view name);  // embedded; see CMake
 
 namespace {
 
-constexpr float kSidesPerStep = 0.85f;  // of triangles from the seam to the clamp, at most: that the steps reach it
-constexpr int kCells = 64;              // along each axis of the box
-constexpr int kCellTexels = 512;        // along each side of their texture
+constexpr float kSidesPerStep =
+    0.85f;                  // maximum side of triangles, in clamp / steps, for the steps to reach from seam to clamp
+constexpr int kCells = 64;  // cells along each axis of the box
+constexpr int kCellTexels = 512;  // texels along each side of the cells' texture
 static_assert(kCells * kCells * kCells == kCellTexels * kCellTexels);
 
 Status makeProgram(gpu::Device& device, const char* vertex, const char* fragment, gpu::Program& out) {
@@ -67,7 +68,7 @@ Status makeProgram(gpu::Device& device, const char* fragment, gpu::Program& out)
   return makeProgram(device, "field_fullscreen.vert", fragment, out);
 }
 
-// One pass with a texel per vertex.
+// Runs one pass with a texel per vertex.
 void runPass(gpu::Device& device, gpu::TargetId target, uint32_t vertices, const gpu::Draw& draw) {
   device.beginPass({.target = target,
                     .width = CharacterModel::kTableWidth,
@@ -106,7 +107,7 @@ Status SurfaceFields::makePair(gpu::Device& device, const CharacterModel& model,
 
 Status SurfaceFields::updateDistances(gpu::Device& device, const CharacterModel& model, FieldTables serves,
                                       float clamp_m, int steps) {
-  steps += steps % 2;  // so that the last lands in the first pair
+  steps += steps % 2;  // even, so that the last step writes the first pair
   for (Pair& pair : distances_) FOURDVT_TRY(makePair(device, model, "distances from seams", pair));
   FOURDVT_TRY(makeProgram(device, "field_seams.frag", seams_program_));
   FOURDVT_TRY(makeProgram(device, "field_spread.frag", spread_program_));

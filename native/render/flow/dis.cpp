@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Works from the coarsest level to the finest. Each level: blur and shrink both pictures (2 passes), take slopes,
-// search twice (from the coarser flow, then from the neighbouring patches), densify.
+// Dense inverse search. Till Kroeger, Radu Timofte, Dengxin Dai, Luc Van Gool: Fast Optical Flow Using Dense Inverse
+// Search. European Conference on Computer Vision (ECCV), 2016. Levels run from coarse to fine. Each level: blur and
+// shrink both pictures (2 passes), take slopes, search twice (from the coarser flow, then from the neighbouring
+// patches), densify.
 #include <algorithm>
 #include <cmath>
 
@@ -11,14 +13,14 @@ namespace {
 
 using gpu::PixelFormat;
 constexpr int kPatch = 8, kStride = 4;  // pixels, as in the shaders
-constexpr int kIterations = 5;          // per search, at most
+constexpr int kIterations = 5;          // maximum per search
 
 struct SearchLevel {
   FlowBuffer slopes, first, second, flow;
   ShrunkPair luma;
 };
 
-// Where a search starts; as the uniforms of flow_dis_search.frag.
+// Start of a search; uniforms of flow_dis_search.frag.
 struct Start {
   gpu::TextureId flow;
   glm::vec4 place;
@@ -37,7 +39,7 @@ class Dis final : public FlowMethodPasses {
   }
 
   Status resize(gpu::Device& device, int width, int height) override {
-    // OpenCV's choice of the coarsest octave: motion up to a quarter of the longer side, and a patch must fit.
+    // OpenCV's coarsest octave: motion up to a quarter of the longer side, and at least one patch fits.
     const int longest = std::max(width, height), shortest = std::min(width, height);
     int coarsest = 0;
     while (longest * M_SQRT1_2 >= (4 * kPatch << coarsest) && shortest >= (2 * kPatch << coarsest)) ++coarsest;
@@ -94,7 +96,7 @@ class Dis final : public FlowMethodPasses {
   int finest_;
   std::unique_ptr<SearchLevel[]> levels_;  // count_; finest first
   int count_ = 0;
-  FlowBuffer still_;  // no flow
+  FlowBuffer still_;  // zero flow
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Works from the coarsest level to the finest. Each level: blur and shrink both pictures (2 passes), expand (2 passes),
-// then iterate (3 passes each): matrices, average along x, average along y and solve.
+// Polynomial-expansion flow. Gunnar Farnebäck: Two-Frame Motion Estimation Based on Polynomial Expansion. Scandinavian
+// Conference on Image Analysis (SCIA), 2003. Levels run from coarse to fine. Each level: blur and shrink both pictures
+// (2 passes), expand (2 passes), then iterate (3 passes each): matrices, average along x, average along y and solve.
 #include <array>
 #include <cmath>
 
@@ -11,9 +12,9 @@ namespace {
 
 using gpu::PixelFormat;
 constexpr int kMinSide = 32;  // pixels; OpenCV's
-constexpr int kMaxTaps = 8;   // of u_taps: poly_n 7 and the centre
+constexpr int kMaxTaps = 8;   // size of u_taps: poly_n 7 and the centre
 
-// Weights of the polynomial expansion and the entries of the inverse moments that are used (OpenCV's names).
+// Weights of the polynomial expansion and the required entries of the inverse moments (OpenCV's names).
 struct Expansion {
   std::array<glm::vec4, kMaxTaps> taps{};
   glm::vec4 inverse{0};  // 11, 03, 33, 55
@@ -117,7 +118,7 @@ class Farneback final : public FlowMethodPasses {
   gpu::Program shrink_, expand_down_, expand_across_, matrices_, average_, solve_;
   std::unique_ptr<ExpansionLevel[]> levels_;  // count_; [0]: the full size
   int count_ = 0;
-  FlowBuffer still_;  // no flow
+  FlowBuffer still_;  // zero flow
 };
 
 }  // namespace

@@ -4,10 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-
 namespace fourdvt::render {
 
-std::string_view flowShaderText(std::string_view name);  // the embedded flow_*; see CMakeLists.txt
+std::string_view flowShaderText(std::string_view name);  // embedded flow_*; see CMakeLists.txt
 
 Status makeFlowProgram(gpu::Device& device, const char* fragment, gpu::Program& out, const char* defines) {
   FOURDVT_ASSIGN(

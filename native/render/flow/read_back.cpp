@@ -15,7 +15,7 @@ class ReadBackFlow final : public FlowSource {
     FOURDVT_TRY(pictures_.prepare(device_, a, b, width, height));
     FOURDVT_TRY(device_.readPixels(pictures_.target(), gpu::PixelFormat::RGBA8, {.width = width, .height = height},
                                    pixels_.data()));
-    // Read top row first; flow counts along GL rows.
+    // Rows are read top first, whereas flow is along GL rows.
     const size_t count = a_.size(), row = width;
     for (size_t i = 0; i < count; ++i) {
       const size_t from = (count / row - 1 - i / row) * row + i % row;

@@ -15,15 +15,15 @@ namespace {
 
 // Tuned on the walk of the sample, held-out cameras: 24.41 dB / .8145 against 24.38 / .8110 of the plain blend with
 // powers 1 and 1, and 24.42 / .8148 of the plain blend with the same powers (algorithms/montage.md); M4D's own aims,
-// which know no surface, with (0, 2) and 5 cm: 24.33 / .8131.
-constexpr glm::vec2 kPowers(2, 4);     // of the aims: surface and ray, view and ray
-constexpr int kVaryingsOfDevice = 15;  // WebGL2 promises no more
-// Fields are forgotten when there are more than kMostFields and they have not been prepared for kKept prepares. No
-// picture has as many parts: all of them are prepared before the first is drawn.
+// independent of surface orientation, with (0, 2) and 5 cm: 24.33 / .8131.
+constexpr glm::vec2 kPowers(2, 4);     // exponents of the aims: surface and ray, view and ray
+constexpr int kVaryingsOfDevice = 15;  // maximum guaranteed by WebGL2
+// Fields are dropped when there are more than kMostFields and they have not been prepared for kKept prepares. No
+// picture has that many parts: all of them are prepared before the first is drawn.
 constexpr size_t kMostFields = 16;
 constexpr uint64_t kKept = 256;
 
-// Both tables of eight slots and what draws them.
+// Slot tables, low and high, and their programs.
 struct SlotTables {
   gpu::Texture low, high;
   gpu::Target target;
@@ -37,15 +37,15 @@ Status makeTables(gpu::Device& device, gpu::PixelFormat format, uint32_t vertice
   return {};
 }
 
-// The fields of one member of an appearance.
+// Fields of one member of an appearance.
 struct MemberFields {
   SurfaceFields fields;
   SlotTables serves, aims;
-  gpu::TextureId mesh = 0;  // CharacterModel::corners of the mesh that the tables are for; 0: there are none
+  gpu::TextureId mesh = 0;  // CharacterModel::corners of the tables' mesh; 0: no tables
   FieldCameras cameras = kNoFieldCameras;
-  uint64_t geometry_serial = 0;  // that the distances are of
-  uint64_t used = 0;             // the prepare that was the last with them
-  // Uniforms, which are read when the draw is made.
+  uint64_t geometry_serial = 0;  // geometry of the distances
+  uint64_t used = 0;             // last prepare that used the fields
+  // Uniforms, borrowed until the draw.
   glm::vec4 slot_cameras[2], slot_centres[kFieldSlots];
   int drawn_member = 0;
   float share = 0;
@@ -58,13 +58,13 @@ size_t heaviestOf(const Part& part) {
   return heaviest;
 }
 
-// Whose fields a part has, from picture to picture: looks are made anew for every picture, and with Align::Flow the
-// members of one look are parts of their own.
-using FieldsKey = std::pair<const Appearance*, int>;  // and its member
+// Key of a part's fields across pictures: looks are rebuilt for every picture, and with Align::Flow the members of one
+// look are separate parts.
+using FieldsKey = std::pair<const Appearance*, int>;  // appearance, member
 
 FieldsKey fieldsKeyOf(const Part& part) { return {part.look->appearance, part.members[heaviestOf(part)].member}; }
 
-// The cameras nearest to the view in angle, seen from the middle of the surface.
+// Returns the cameras nearest to the view in angle, seen from the middle of the surface.
 std::vector<size_t> nearestCameras(const CharacterModel& model, const CharacterView& view) {
   const glm::vec3 middle = 0.5f * (model.frame_bounds.min + model.frame_bounds.max);
   const glm::vec3 to_eye = glm::normalize(view.eye_in_character - middle);
@@ -164,7 +164,7 @@ class LayeredMontage final : public LayeredPass {
       device.draw(draw);
       device.endPass();
     };
-    // A frame's labels come with its mesh.
+    // Labels of a frame arrive with its mesh, so geometry_serial covers both.
     if (own.geometry_serial != model.geometry_serial || own.cameras != cameras) {
       pass(own.serves, serves_program_, {});
       FOURDVT_TRY(own.fields.updateDistances(device, model, own.serves.tables(), model.length_scale * kLayeredClamp_m,

@@ -7,7 +7,7 @@ namespace fourdvt::render {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-// The clamped cosine's share of orders 0, 1 and 2, as a part of the first one's.
+// Clamped-cosine factors of orders 0, 1 and 2, relative to the first.
 constexpr float kCosine[9] = {1, 2 / 3.0f, 2 / 3.0f, 2 / 3.0f, 0.25f, 0.25f, 0.25f, 0.25f, 0.25f};
 
 // Real spherical harmonics, orthonormal on the sphere.

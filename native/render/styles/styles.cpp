@@ -11,14 +11,14 @@ std::string_view styleShaderText(std::string_view name);  // embedded; see CMake
 
 namespace {
 
-constexpr float kGrainsPerHeight = 900;   // stipples from top to bottom of the view, as far as pixels allow
-constexpr float kReachOfHeight = 0.006f;  // how far the noise looks, of the view's height
+constexpr float kGrainsPerHeight = 900;   // stipples per height of the view, limited by pixels
+constexpr float kReachOfHeight = 0.006f;  // radius of the noise, in heights of the view
 
-// Rotation from the character's frame to the viewer's (M4D Eq. 6): x right, y up, z towards the viewer.
+// Returns the rotation from the character's frame to the viewer's (M4D Eq. 6): x right, y up, z towards the viewer.
 glm::mat4 viewerFromCharacter(const CharacterView& view) {
   const glm::mat4& m = view.clip_from_character;
   const glm::vec3 ahead = viewAxis(m);
-  const glm::vec3 upwards(m[0][1], m[1][1], m[2][1]);  // and, where the picture's middle is not the axis, ahead
+  const glm::vec3 upwards(m[0][1], m[1][1], m[2][1]);  // forward, also where the picture's middle is off the axis
   const glm::vec3 up = glm::normalize(upwards - glm::dot(upwards, ahead) * ahead);
   return glm::mat4(glm::transpose(glm::mat3(glm::cross(ahead, up), up, -ahead)));
 }
@@ -75,7 +75,7 @@ class Style final : public FigureStyle {
 
  private:
   StyleOptions options_;
-  gpu::Program programs_[2][2];  // by kind; of layered characters, of surfaces
+  gpu::Program programs_[2][2];  // [kind]; layered characters, surfaces
 };
 
 }  // namespace
@@ -83,7 +83,8 @@ class Style final : public FigureStyle {
 Status setStyle(gpu::Device& device, Recipe& recipe, const StyleOptions& options) {
   if (!(options.strength >= 0 && options.strength <= 1))
     return Error{ErrorId::InvalidArgument, "a look's strength must be between 0 and 1"};
-  if (FigureStyle* style = recipe.style()) return static_cast<Style*>(style)->set(device, options);  // the only kind
+  if (FigureStyle* style = recipe.style())
+    return static_cast<Style*>(style)->set(device, options);  // FigureStyle has no other subclass
   auto style = std::make_unique<Style>();
   FOURDVT_TRY(style->set(device, options));
   recipe.setStyle(std::move(style));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The styles of figures (M4D 6), for every kind of character and after every method: sketched in dots, or
-// lit anew. Both draw a figure's finished picture in one pass and keep its silhouette.
+// Styles of figures (M4D 6), for every kind of character and after every method: stippled, or relit. Both draw a
+// figure's finished picture in one pass and keep its silhouette.
 #pragma once
 
 #include "render/recipe.h"
@@ -9,19 +9,19 @@
 namespace fourdvt::render {
 
 enum class StyleKind {
-  Sketch,  // grey dots that gather where the picture has dark sides of edges (M4D 6.1)
-  Relit,   // brightened or darkened by the light at the normal, as the viewer sees it (M4D 6.2, M4D Eq. 6-8)
+  Sketch,  // grey dots that gather on the dark sides of edges (M4D 6.1)
+  Relit,   // brightened or darkened by the light at the normal in the viewer's frame (M4D 6.2, M4D Eq. 6-8)
 };
 
 struct StyleOptions {
   StyleKind kind = StyleKind::Sketch;
-  float strength = 1;  // 0: as the figure is, 1: all of the style
+  float strength = 1;  // 0: unstyled, 1: full style
   Light light = studioLight();
-  float light_turn_rad = 0;  // the light's turn about the vertical, clockwise seen from above
+  float light_turn_rad = 0;  // rotation of the light about the vertical, clockwise seen from above
 };
 
-// From now on the recipe draws its figures so. Makes programs when a style is used first. Errors: GpuFailure;
-// InvalidArgument: a strength outside of 0..1.
+// Sets the recipe's style for its next draws; makes programs on first use of a style. Errors: GpuFailure;
+// InvalidArgument: strength outside 0..1.
 Status setStyle(gpu::Device& device, Recipe& recipe, const StyleOptions& options);
 
 }  // namespace fourdvt::render
