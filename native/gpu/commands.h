@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arguments of a device (gpu/device.h): descriptions of textures and targets, draws and passes; and its capabilities.
+// Descriptions of textures, targets, draws and passes for a device (gpu/device.h); its capabilities and counters.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace fourdvt::gpu {
 
 enum class PixelFormat { R8, RG8, RGBA8, R32UI, RG32F, RGBA32F, R32F, Depth24, RG16F, RGBA16F };
 int bytesPerPixel(PixelFormat format);
-int readBytesPerPixel(PixelFormat format);  // of Device::readPixels
+int readBytesPerPixel(PixelFormat format);  // in Device::readPixels
 
 enum class Filter { Nearest, Linear, LinearMipmap };
 
@@ -22,13 +22,13 @@ struct TextureDesc {
   PixelFormat format = PixelFormat::RGBA8;
   int width = 1, height = 1;
   int layers = 0;                   // 0: TEXTURE_2D, otherwise TEXTURE_2D_ARRAY of this many layers
-  Filter filter = Filter::Nearest;  // integer and 32F formats: Nearest only. LinearMipmap: call generateMipmaps
-  // Its storage may be specified anew by foreign code that has the context's own name (nativeTexture); 2D only.
+  Filter filter = Filter::Nearest;  // integer and 32F formats: Nearest only. LinearMipmap: requires generateMipmaps
+  // Allows foreign code to respecify the storage through the context's own name (nativeTexture); 2D only.
   bool respecifiable = false;
   const char* label = "";
 };
 
-// Handles are borrowed names; the RAII owners below free them. 0 is "none".
+// Handles are borrowed names, freed by the RAII owners of gpu/device.h. 0 is "none".
 using TextureId = uint32_t;
 using ProgramId = uint32_t;
 using TargetId = uint32_t;
@@ -37,12 +37,12 @@ using IndexBufferId = uint32_t;
 constexpr TargetId kDefaultTarget = 0;  // the context's own framebuffer (the canvas); absent natively
 
 struct TargetDesc {
-  // Either: draw into existing textures (no multisampling) …
+  // Either existing textures (no multisampling) …
   std::vector<TextureId> colors;
-  TextureId depth = 0;  // a Depth24 texture, which later passes can read
-  int color_layer = 0;  // for array textures
-  int depth_layer = 0;  // likewise, of `depth`
-  // … or: own renderbuffers, RGBA8 + depth, with `samples` > 1 (resolved by blit).
+  TextureId depth = 0;  // a Depth24 texture, readable by later passes
+  int color_layer = 0;  // layer of array textures
+  int depth_layer = 0;  // layer of `depth`
+  // … or own renderbuffers, RGBA8 + depth, with `samples` > 1 (resolved by blit).
   int width = 0, height = 0, samples = 0;
   bool own_depth = false;  // a depth renderbuffer owned by the target
   const char* label = "";
@@ -80,9 +80,9 @@ inline Uniform uniform(const char* name, std::span<const glm::mat4> v) {
 struct Draw {
   ProgramId program = 0;
   std::vector<TextureBinding> textures;
-  std::vector<Uniform> uniforms;  // names the program does not use are ignored
+  std::vector<Uniform> uniforms;  // names missing in the program are ignored
   int vertex_count = 0;           // triangles: 3 per triangle, gl_VertexID counts from 0 …
-  IndexBufferId indices = 0;      // … or is what the first vertex_count of these say; equal ones are shaded once
+  IndexBufferId indices = 0;      // … or is the value of the first vertex_count indices; equal ones are shaded once
   bool depth_test = false, depth_write = false;
   Blend blend = Blend::None;
   Cull cull = Cull::None;
@@ -90,8 +90,8 @@ struct Draw {
 
 struct Pass {
   TargetId target = kDefaultTarget;
-  // Viewport, GL convention (y up from the bottom); clears touch only it. It may reach beyond the target, which then
-  // holds a part of the picture. 0 × 0: the whole target (not the default one).
+  // Viewport, GL convention (y up from the bottom); clears are limited to it. May exceed the target, which then holds a
+  // part of the picture. 0 × 0: the whole target (not for the default one).
   int x = 0, y = 0, width = 0, height = 0;
   bool clear_color = false, clear_depth = false;
   glm::vec4 color{0};
@@ -105,14 +105,14 @@ struct Caps {
   std::string renderer;
 };
 
-struct Counters {  // since creation, or since resetCounters
+struct Counters {  // since creation or resetCounters
   uint64_t draws = 0, vertices = 0, passes = 0, texture_updates = 0, uploaded_bytes = 0;
   uint64_t live_textures = 0, live_texture_bytes = 0, live_programs = 0, live_targets = 0;
-  uint64_t live_target_bytes = 0;  // of renderbuffers that targets own, with all samples
+  uint64_t live_target_bytes = 0;  // renderbuffers owned by targets, with all samples
   uint64_t live_index_buffers = 0;
 };
 
-// A rectangle in pixels. Of memory: y counts from the top row; of a target: from the bottom one, as GL does.
+// Rectangle in pixels. In memory y counts from the top row, in a target from the bottom one, as in GL.
 struct Region {
   int x = 0, y = 0, width = 0, height = 0;
 };

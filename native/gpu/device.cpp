@@ -35,7 +35,7 @@ uint64_t byteCount(const TextureDesc& desc, int levels) {
   return bytes;
 }
 
-// "#version", "#define" lines, default precisions; #line keeps the compiler's line numbers those of the source.
+// Prepends "#version", "#define" lines and default precisions; #line keeps compiler messages at source line numbers.
 std::string wholeShader(std::string_view defines, std::string_view source) {
   std::string text = "#version 300 es\n";
   for (size_t at = 0; at < defines.size();) {
@@ -71,7 +71,7 @@ int readBytesPerPixel(PixelFormat format) {
   return bytesPerPixel(format) * (is_half ? 2 : 1);
 }
 
-// --- a device that draws nothing ---
+// --- null device ---
 
 Caps Device::capsOfNone(bool float_targets) {
   return {.max_texture_size = 4096,
@@ -239,7 +239,7 @@ void Device::destroyProgram(ProgramId id) {
   counters_.live_programs -= 1;
 }
 
-// Fills size and formats; returns what is wrong, or nothing.
+// Fills size and formats; returns an error message, or an empty string.
 std::string Device::describeTarget(TargetRecord& record) const {
   const TargetDesc& desc = record.desc;
   record.own_color = desc.colors.empty() && desc.depth == 0;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The GPU as fourdvt sees it: textures, index lists, programs, targets and draws, on GLES 3.0 = WebGL2.
+// GPU abstraction: textures, index lists, programs, targets and draws, on GLES 3.0 = WebGL2.
 //
-// Does: own resources (move-only handles), check every call, count calls and bytes, label everything. A misused call is
-// recorded (takeErrors) and dropped, so that all devices agree on what is legal.
-// Does NOT: own the context (platform/egl_context or the page does), use vertex buffers (vertices are pulled with
-// texelFetch and gl_VertexID, which is a draw's index if it has indices), know about characters.
-// Order of calls: create resources → beginPass → draw… → endPass. updateTexture and updateIndices are legal
-// outside passes only.
+// Owns resources (move-only handles), checks every call, counts calls and bytes, labels everything. Misuse is recorded
+// (takeErrors) and the call dropped, so that all devices accept the same calls. The context belongs to
+// platform/egl_context or the page. There are no vertex buffers: vertices are pulled with texelFetch and gl_VertexID,
+// which is the index in draws with indices.
+// Order of calls: create resources → beginPass → draw… → endPass. updateTexture and updateIndices are legal outside
+// passes only.
 // Row order: memory row 0 of an updated texture is the picture's top row and is stored as GL row 0, so shaders sample
-// with v down (glTF). Targets are drawn y-up as GL does; readPixels returns the TOP row first.
+// with v down (glTF). Targets are drawn y-up as in GL; readPixels returns the TOP row first.
 #pragma once
 
 #include <map>
@@ -21,53 +21,46 @@
 
 namespace fourdvt::gpu {
 
-// A texture, as the hooks of a device see it.
+// Texture data for a device's hooks.
 struct TextureRecord {
-  TextureDesc desc;  // desc.label points to `label`'s text only inside hooks of creation; use `label`
+  TextureDesc desc;  // desc.label points to the text of `label` only inside hooks of creation; use `label`
   std::string label;
   int levels = 1;
   uint64_t bytes = 0;
   uint32_t native = 0;  // set by the hooks
 };
 
-// Likewise a target.
+// Target data for a device's hooks.
 struct TargetRecord {
   TargetDesc desc;
   std::string label;
   int width = 0, height = 0, samples = 0;
   bool own_color = false, own_depth = false;
-  uint64_t bytes = 0;                                            // of the renderbuffers
-  std::vector<PixelFormat> formats;                              // of the colour attachments
+  uint64_t bytes = 0;                                            // renderbuffers only
+  std::vector<PixelFormat> formats;                              // colour attachments
   uint32_t framebuffer = 0, color_buffer = 0, depth_buffer = 0;  // set by the hooks
 };
 
-// Receives the beginning and the end of every pass and upload, for measurements.
-class DeviceObserver {
- public:
-  virtual ~DeviceObserver() = default;
-  virtual void begins(const char* label) = 0;  // the pass's label, or "upload"
-  virtual void ends() = 0;
-};
-
-// Checks and counts calls; draws nothing by itself. What draws derives from it (gles_device.cpp).
+// Checks and counts calls, and is itself the null device; drawing devices derive from it (gles_device.cpp).
 class Device {
  public:
-  // Capabilities of a device that draws nothing. float_targets: of both kinds in Caps.
+  // Returns the capabilities of the null device. float_targets: sets both kinds in Caps.
   static Caps capsOfNone(bool float_targets = true);
   explicit Device(Caps caps) : caps_(std::move(caps)) {}
   virtual ~Device() = default;
   const Caps& caps() const { return caps_; }
   Result<TextureId> createTexture(const TextureDesc& desc);
-  // Replaces a region. stride_bytes: from row to row, 0 if they are tightly packed. layer: of an array texture.
+  // Replaces a region. stride_bytes: distance between rows, 0 if tightly packed. layer: for array textures.
   void updateTexture(TextureId texture, const Region& region, const void* pixels, int stride_bytes = 0, int layer = 0);
   void generateMipmaps(TextureId texture);
   void destroyTexture(TextureId texture);
-  IndexBufferId createIndexBuffer();                                            // without indices
-  void updateIndices(IndexBufferId buffer, std::span<const uint32_t> indices);  // replaces all
+  IndexBufferId createIndexBuffer();                                            // empty
+  void updateIndices(IndexBufferId buffer, std::span<const uint32_t> indices);  // replaces all indices
   void destroyIndexBuffer(IndexBufferId buffer);
-  // GLSL ES 3.00 texts without the #version line; `defines` ("LAYERS 3\n…", one per line, no "#define") go first,
-  // then highp as the default precision. Programs of the same texts are one, which is compiled once and destroyed as
-  // often as it was created. Error: GpuFailure with the label and the compiler's log.
+  // Compiles GLSL ES 3.00 texts without the #version line; `defines` ("LAYERS 3
+  // …", one per line, no "#define") are prepended, then highp as the default precision. Programs of equal texts share
+  // one compiled program, destroyed after as many destroyProgram calls as it was created. Error: GpuFailure with the
+  // label and the compiler's log.
   Result<ProgramId> createProgram(std::string_view label, std::string_view vertex_text, std::string_view fragment_text,
                                   std::string_view defines = {});
   void destroyProgram(ProgramId program);
@@ -76,34 +69,36 @@ class Device {
   void beginPass(const Pass& pass);
   void draw(const Draw& draw);
   void endPass();
-  // Copies the colour of `from` at (0,0) into `region` of `to`; formats must be the same. A multisampled `from` is
-  // resolved, to (0,0) only (a canvas: alpha, no antialias), and loses what it held: clear it before drawing.
+  // Copies the colour of `from` at (0,0) into `region` of `to`; requires equal formats. A multisampled `from` is
+  // resolved, to (0,0) only (a canvas: alpha, no antialias), and its contents become undefined: clear it before
+  // drawing.
   void blit(TargetId from, TargetId to, const Region& region);
   // Reads colour attachment 0 as stored (RGBA8: 4 bytes; RGBA32F: 16; R32UI: 4 with `format`), top row first. 16F
   // formats are read as 32-bit floats.
   Status readPixels(TargetId target, PixelFormat format, const Region& region, void* out);
-  // Starts to copy a rectangle of an RGBA8 target out, as readPixels would, without waiting for the GPU. 0: refused.
+  // Starts an asynchronous read of a rectangle of an RGBA8 target, in readPixels' layout. Returns 0 if refused.
   ReadId beginRead(TargetId target, const Region& region);
-  // True once the copy is there: it is written to `out` and forgotten. out null: it is forgotten, at once.
+  // Returns true once the read is complete, writes it to `out` and frees it. out null: cancels and frees the read at
+  // once.
   bool endRead(ReadId read, void* out);
-  // The context's own name of a texture (GLuint), for edges that upload video frames themselves.
+  // Returns the context's own name of a texture (GLuint), for platform code that uploads video frames itself.
   uint32_t nativeTexture(TextureId texture) const;
   // Drops cached GL state after foreign code touched the context.
   virtual void invalidateState() {}
   void observe(DeviceObserver* observer) { observer_ = observer; }  // borrowed; null: none
   const Counters& counters() const { return counters_; }
-  void resetCounters();  // live_… keep their values
-  // Misuse seen since the last call, one line per case; empty: none. A misused call is dropped. Slow on GLES
+  void resetCounters();  // live_… are kept
+  // Returns misuse since the last call, one line per case; empty: none. A misused call is dropped. Slow on GLES
   // (glGetError).
   std::string takeErrors();
 
  protected:
-  // Hooks, called with valid arguments only. Those of this class draw nothing and read zeros.
+  // Hooks, called with valid arguments only. The null device's draw nothing and read zeros.
   virtual Status onCreateTexture(TextureRecord& texture);
   virtual void onUpdateTexture(const TextureRecord&, const Region&, const void*, int, int) {}
   virtual void onGenerateMipmaps(const TextureRecord&) {}
   virtual void onDestroyTexture(const TextureRecord&) {}
-  virtual IndexBufferId onCreateIndexBuffer() { return ++natives_; }  // the context's own name
+  virtual IndexBufferId onCreateIndexBuffer() { return ++natives_; }  // returns the context's own name
   virtual void onUpdateIndices(IndexBufferId, std::span<const uint32_t>) {}
   virtual void onDestroyIndexBuffer(IndexBufferId) {}
   // label, vertex text, fragment text
@@ -111,12 +106,12 @@ class Device {
   virtual void onDestroyProgram(ProgramId) {}
   virtual Status onCreateTarget(TargetRecord&) { return {}; }
   virtual void onDestroyTarget(const TargetRecord&) {}
-  virtual void onBeginPass(const Pass&, const TargetRecord*) {}  // target null: the default one
+  virtual void onBeginPass(const Pass&, const TargetRecord*) {}  // target null: default target
   virtual void onDraw(const Draw&) {}
   virtual void onBlit(const TargetRecord*, const TargetRecord*, const Region&) {}  // from, to
   virtual Status onReadPixels(const TargetRecord* target, PixelFormat format, const Region& region, void* out);
   virtual void onBeginRead(ReadId, const TargetRecord*, const Region&) {}
-  virtual bool onEndRead(ReadId read, const Region& region, void* out);  // out null: forget it
+  virtual bool onEndRead(ReadId read, const Region& region, void* out);  // out null: cancel
   virtual std::string onTakeErrors() { return {}; }
 
   const TextureRecord* texture(TextureId id) const;
@@ -124,7 +119,7 @@ class Device {
 
  private:
   Caps caps_;
-  uint32_t natives_ = 0;  // names that stand for a context's
+  uint32_t natives_ = 0;  // counter of native names
   void misuse(const std::string& line);
   std::string whyNotTexture(const TextureDesc& desc) const;
   std::string describeTarget(TargetRecord& record) const;
@@ -136,11 +131,11 @@ class Device {
   std::string whyNotBlit(TargetId from, TargetId to, const Region& region) const;
 
   std::map<TextureId, TextureRecord> textures_;
-  // Indices of the buffers, and one more; 0: there is no such buffer. By id.
+  // Index count + 1 by buffer id; 0: no such buffer.
   std::vector<uint32_t> index_counts_;
   struct ProgramRecord {
-    uint64_t key = 0;     // of its texts
-    uint32_t owners = 1;  // programs of the same texts are one
+    uint64_t key = 0;     // hash of the texts
+    uint32_t owners = 1;  // equal programs are shared
   };
   std::map<ProgramId, ProgramRecord> programs_;
   std::map<TargetId, TargetRecord> targets_;
@@ -153,9 +148,9 @@ class Device {
   std::string errors_;
 };
 
-// Needs a current GLES 3.0 / WebGL2 context. Only gles_*.cpp call gl*.
+// Requires a current GLES 3.0 / WebGL2 context. Only gles_*.cpp call gl*.
 Result<std::unique_ptr<Device>> createGlesDevice();
-// Draws nothing; see Device.
+// Makes a device that draws nothing; see Device.
 std::unique_ptr<Device> createNullDevice(bool float_targets = true);
 
 // Move-only owners.
@@ -199,8 +194,8 @@ Result<Program> makeProgram(Device& device, std::string_view label, std::string_
 Result<Target> makeTarget(Device& device, const TargetDesc& desc);
 IndexBuffer makeIndexBuffer(Device& device);
 
-// Embedded shader files (shaders/gles/NAME, e.g. "layered.vert"); empty if there is none. `#include "x.glsl"` lines
-// are expanded at build time by the embedding script.
+// Returns an embedded shader file (shaders/gles/NAME, e.g. "layered.vert"); empty if there is none. The embedding
+// script expands `#include "x.glsl"` lines at build time.
 std::string_view shaderText(std::string_view name);
 
 }  // namespace fourdvt::gpu

@@ -1,10 +1,11 @@
-# cmake -DSHADER_DIR=… -DOUTPUT=… -DFUNCTION=NAMESPACE::NAME [-DONLY=REGEX] [-DLEAVE_OUT=REGEX] [-DMARK=TEXT [-DLATER=REGEX]]
-#   [-DREADER=ON] -P embed_shaders.cmake
-# Writes a C++ file that defines fourdvt::NAMESPACE::NAME, shader source by file name, empty for a name that it does not
-# have. ONLY and LEAVE_OUT meet the beginnings of the names in SHADER_DIR. Lines `#include "x.glsl"` are replaced
-# by that file's text, once a shader; a further include of the same file becomes empty. Comments and
-# most spaces are left out. MARK is a first line of every source, or of those with names of LATER, for wasm/split.mjs to find it by;
-# the last line keeps the linker from using its end as another string. READER: gpu/shader_reader.h may return other texts.
+# cmake -DSHADER_DIR=… -DOUTPUT=… -DFUNCTION=NAMESPACE::NAME [-DONLY=REGEX] [-DLEAVE_OUT=REGEX] [-DMARK=TEXT
+# [-DLATER=REGEX]] [-DREADER=ON] -P embed_shaders.cmake
+# Writes a C++ file that defines fourdvt::NAMESPACE::NAME, which returns shader source by file name, empty for unknown
+# names. ONLY and LEAVE_OUT match the beginnings of the names in SHADER_DIR. Lines `#include "x.glsl"` are replaced by
+# that file's text, once per shader; further includes of the same file become empty. Comments and most spaces are
+# removed. MARK is a first line of every source, or of those with names matching LATER, found by wasm/split.mjs; the
+# last line keeps the linker from sharing its end with another string. READER: gpu/shader_reader.h may return other
+# texts.
 file(GLOB paths ${SHADER_DIR}/*.vert ${SHADER_DIR}/*.frag)
 if(ONLY)
   list(FILTER paths INCLUDE REGEX "/(${ONLY})[^/]*$")
@@ -67,7 +68,7 @@ ${entries}  return {};
 
 }  // namespace fourdvt::${namespace}
 ")
-# A shader that others embed leaves the file as it is, and nothing is compiled.
+# Changes in other embeds' shaders leave the file untouched and cause no recompilation.
 set(before "")
 if(EXISTS ${OUTPUT})
   file(READ ${OUTPUT} before)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// GLES 3.0 = WebGL2. State that the device sets is cached; invalidateState() forgets it.
+// GLES 3.0 = WebGL2 device. GL state set by the device is cached; invalidateState() drops the cache.
 #include <GLES3/gl3.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace fourdvt::gpu {
 namespace {
 
-constexpr int kMaxUnits = 16;  // GLES 3.0 guarantees this many in the fragment stage
+constexpr int kMaxUnits = 16;  // minimum of the fragment stage in GLES 3.0
 
 struct GlFormat {
   GLenum internal, format, type;
@@ -20,7 +20,7 @@ struct GlFormat {
 
 const GlFormat& glFormat(PixelFormat format) {
   static constexpr GlFormat kFormats[] = {
-      // in the order of PixelFormat
+      // Indexed by PixelFormat.
       {GL_R8, GL_RED, GL_UNSIGNED_BYTE},     {GL_RG8, GL_RG, GL_UNSIGNED_BYTE},
       {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE}, {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT},
       {GL_RG32F, GL_RG, GL_FLOAT},           {GL_RGBA32F, GL_RGBA, GL_FLOAT},
@@ -128,7 +128,7 @@ class GlesDevice final : public Device {
     const TextureDesc& desc = texture.desc;
     const GLenum internal = glFormat(desc.format).internal;
     bindUnit(0, target, name);
-    if (desc.respecifiable)  // in the format in which browsers copy video frames fastest
+    if (desc.respecifiable)  // format that browsers copy video frames to fastest
       glTexImage2D(target, 0, GL_RGBA, desc.width, desc.height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
     else if (desc.layers > 0)
       glTexStorage3D(target, texture.levels, internal, desc.width, desc.height, desc.layers);
@@ -281,14 +281,15 @@ class GlesDevice final : public Device {
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to ? to->framebuffer : 0);
     glBlitFramebuffer(0, 0, region.width, region.height, region.x, region.y, region.x + region.width,
                       region.y + region.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-    // Tiled GPUs need not store the samples. And without it ANGLE on Vulkan applies the next clear of `from` to `to`.
+    // Discards the samples, which tiled GPUs then need not store. Otherwise ANGLE on Vulkan applies the next clear of
+    // `from` to `to`.
     constexpr GLenum kSamples[] = {GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT};
     if (from && from->samples > 1) glInvalidateFramebuffer(GL_READ_FRAMEBUFFER, 2, kSamples);
   }
 
   Status onReadPixels(const TargetRecord* target, PixelFormat format, const Region& region, void* out) override {
     const auto [x, y, width, height] = region;
-    // Only the four-channel forms are guaranteed to be readable: read those, keep the format's channels.
+    // Reads four channels, the only layouts guaranteed to be readable, and keeps the format's channels.
     drainErrors();
     const bool is_byte = glFormat(format).type == GL_UNSIGNED_BYTE;
     const size_t channel_bytes = is_byte ? 1 : 4;
@@ -356,7 +357,7 @@ class GlesDevice final : public Device {
 
   static GLsizeiptr bytesOf(const Region& region) { return GLsizeiptr{4} * region.width * region.height; }
 
-  // The buffer has GL's order of rows.
+  // Copies rows from the buffer's GL order to top row first.
   static void copyRows(GLuint buffer, const Region& region, uint8_t* out) {
     glBindBuffer(GL_PIXEL_PACK_BUFFER, buffer);
     const int row_bytes = 4 * region.width;
@@ -370,7 +371,7 @@ class GlesDevice final : public Device {
     GLuint texture = 0;
   };
 
-  // Keeps earlier errors for takeErrors, so that the next glGetError belongs to the next call.
+  // Keeps earlier errors for takeErrors, so that the next glGetError reports the next call.
   void drainErrors() { pending_ = onTakeErrors(); }
 
   void bindUnit(int unit, GLenum target, GLuint name) {
@@ -382,7 +383,7 @@ class GlesDevice final : public Device {
     if (unit != 0) glActiveTexture(GL_TEXTURE0);
   }
 
-  // updateTexture relies on unit 0 being active whenever it has bound there.
+  // Leaves unit 0 active, as updateTexture requires after binding there.
   static void upload(const TextureRecord& texture, const Region& region, const void* pixels, int layer) {
     const auto [x, y, width, height] = region;
     const GlFormat format = glFormat(texture.desc.format);
@@ -427,7 +428,7 @@ class GlesDevice final : public Device {
     return 0;
   }
 
-  // Gives every sampler its own texture unit. Returns what is wrong, or nothing.
+  // Assigns every sampler its own texture unit. Returns an error message, or an empty string.
   std::string findUniforms(GlProgram& program) {
     glUseProgram(program_ = program.name);
     GLint count = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A decoded tiled picture in GPU textures. Decoding and upload scheduling are in player/.
+// A decoded tiled picture in GPU textures. The caller decodes it and schedules uploads.
 #pragma once
 
 #include <string>

@@ -124,7 +124,8 @@ void DepthMaps::forget() {
 }
 
 void DepthMaps::drawMap(gpu::Device& device, const CharacterModel& model, const Camera& camera) const {
-  // Sets no scissor unless texels are pixels: the region's border may lie within a texel.
+  // Restricts the viewport to the region only where texels are pixels; otherwise the region's border may lie within a
+  // texel, and the whole picture is drawn.
   const bool same = camera.columns == camera.pinhole.width && camera.rows == camera.pinhole.height;
   PictureRegion part = camera.region;
   if (!same) part.x = part.y = 0, part.width = camera.pinhole.width, part.height = camera.pinhole.height;

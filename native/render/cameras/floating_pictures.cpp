@@ -146,7 +146,7 @@ namespace {
 struct RoundOptions {
   FloatingFlow between;
   int octaves;        // octaves below the view's size
-  int patch_octaves;  // octaves of the finest patches below those of full-size flow
+  int patch_octaves;  // added to FlowOptions::finest of flow at the view's size
 };
 constexpr RoundOptions kRounds[] = {{FloatingFlow::EarlyMean, 2, 1}, {FloatingFlow::LastMean, 1, 0}};
 constexpr int kMeanOctaves = 1;  // octaves of the mean below the view's size (algorithms/floating.md)

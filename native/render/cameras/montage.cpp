@@ -24,7 +24,7 @@ constexpr KindOf kKinds[] = {{"montage4d", Kind::Blend, "camera_montage.frag"},
                              {"montage4d-seams", Kind::Seams, "camera_montage_look.frag"},
                              {"montage4d-weights", Kind::Weights, "camera_montage_look.frag"}};
 
-constexpr float kEverywhere = -1;  // reach of votes
+constexpr float kEverywhere = -1;  // vote reach without a limit
 constexpr float kLeaving = 5;      // settling times for which a camera is still blended after the view has left it
 
 // Inspection colours, one per slot.
@@ -77,7 +77,7 @@ struct Figure4D {
   std::vector<size_t> chosen;               // cameras chosen for the view
   std::vector<size_t> in_slots;             // up to the last slot in use; kNoCamera: empty slot
   TablePair serves, row_sums, sums, aims;
-  // Cache key of `serves`.
+  // Cache key of the visibility tables.
   uint64_t geometry = 0, picture = 0;
   FieldCameras served_slots = kNoFieldCameras;
   MethodOptions served_options;

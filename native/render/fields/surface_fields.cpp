@@ -49,10 +49,9 @@ std::string_view fieldShaderText(std::string_view name);  // embedded; see CMake
 
 namespace {
 
-constexpr float kSidesPerStep =
-    0.85f;                  // maximum side of triangles, in clamp / steps, for the steps to reach from seam to clamp
-constexpr int kCells = 64;  // cells along each axis of the box
-constexpr int kCellTexels = 512;  // texels along each side of the cells' texture
+constexpr float kSidesPerStep = 0.85f;  // maximum triangle sides between seam and clamp, per step
+constexpr int kCells = 64;              // cells along each axis of the box
+constexpr int kCellTexels = 512;        // texels along each side of the cells' texture
 static_assert(kCells * kCells * kCells == kCellTexels * kCellTexels);
 
 Status makeProgram(gpu::Device& device, const char* vertex, const char* fragment, gpu::Program& out) {

@@ -18,7 +18,8 @@ constexpr float kReachOfHeight = 0.006f;  // radius of the noise, in heights of 
 glm::mat4 viewerFromCharacter(const CharacterView& view) {
   const glm::mat4& m = view.clip_from_character;
   const glm::vec3 ahead = viewAxis(m);
-  const glm::vec3 upwards(m[0][1], m[1][1], m[2][1]);  // forward, also where the picture's middle is off the axis
+  const glm::vec3 upwards(m[0][1], m[1][1],
+                          m[2][1]);  // up, plus a part along `ahead` where the picture's middle is off the axis
   const glm::vec3 up = glm::normalize(upwards - glm::dot(upwards, ahead) * ahead);
   return glm::mat4(glm::transpose(glm::mat3(glm::cross(ahead, up), up, -ahead)));
 }
