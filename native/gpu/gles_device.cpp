@@ -383,7 +383,7 @@ class GlesDevice final : public Device {
     if (unit != 0) glActiveTexture(GL_TEXTURE0);
   }
 
-  // Leaves unit 0 active, as updateTexture requires after binding there.
+  // Requires the texture bound at unit 0, which bindUnit leaves active.
   static void upload(const TextureRecord& texture, const Region& region, const void* pixels, int layer) {
     const auto [x, y, width, height] = region;
     const GlFormat format = glFormat(texture.desc.format);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A picture over the whole viewport. Its memory row 0 is the top; DRAWN: it was drawn, y up.
+// A picture over the whole viewport. Memory row 0 is its top; DRAWN: a drawn picture, y up.
 in vec2 v_uv;
 out vec4 o_color;
 uniform sampler2D u_background;

@@ -3,7 +3,7 @@ uniform mat4 cam_from_world;
 uniform vec4 intrinsics;      // fx, fy, cx, cy in pixels
 uniform vec4 size_near_far;   // pixels, pixels, metres, metres
 uniform float depth_bias;     // metres
-uniform float min_cosine;   // of the angle between a face's normal and the ray to the camera
+uniform float min_cosine;   // cosine of face normal and camera ray
 uniform sampler2D picture;
 uniform sampler2D depth_map;  // drawn y up: GL row 0 is the picture's bottom row
 
@@ -18,8 +18,8 @@ float mappedDepth(vec2 pixel) {
 
 vec2 pixelOf(vec3 point_in_cam) { return intrinsics.xy * point_in_cam.xy / point_in_cam.z + intrinsics.zw; }
 
-// True if the surface point faces the camera at more than a grazing angle, lies inside its picture (one pixel of margin)
-// and is not behind the depth map. The bias grows with the depth that one pixel spans on this slope.
+// True if the surface point faces the camera above a grazing angle, lies inside its picture (one pixel of margin) and
+// is not behind the depth map. The bias grows with the depth that one pixel spans on this slope.
 bool isSeen(vec3 point_in_cam, vec3 normal_in_cam, vec2 pixel, out float bias) {
   float cosine = -dot(normal_in_cam, normalize(point_in_cam));
   float slope = sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, max(min_cosine, 0.05));

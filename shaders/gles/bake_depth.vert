@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The mesh as one camera sees it. Draw 3 * face_count vertices.
+// The mesh from one camera. Draw 3 * face_count vertices.
 #include "bake_mesh.glsl"
 uniform mat4 clip_from_world;
 

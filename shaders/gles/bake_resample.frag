@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// One texel of a layer from one camera's picture: straight colour with alpha `mark`, or 0 where the camera does not see
-// the point, another part of the body passes in front within contour_pixels, or the matte says background.
+// Resamples one texel of a layer from one camera's picture: straight colour with alpha `mark`, or 0 where the camera
+// does not see the point, another part of the body occludes it within contour_pixels, or the matte is background.
 #include "bake_camera.glsl"
 in vec3 v_point_in_world;
 flat in vec3 v_normal_in_world;
 uniform mat4 colour_map;        // affine, on straight colour
 uniform float mark;
 uniform float contour_pixels;
-uniform float contour_step;     // metres of depth that make a contour
+uniform float contour_step;     // depth step of a contour, metres
 uniform float matte_threshold;
 uniform float matte_pixels;     // distance to background
 out vec4 texel;
@@ -40,8 +40,8 @@ vec4 catmullRom(float t) {
               (0.5 * t - 0.5) * t * t);
 }
 
-// Premultiplied. Filters 4 × 4 pixels and leaves out those below the matte threshold. Where the negative lobes would
-// then dominate, interpolates the remaining pixels bilinearly.
+// Returns a premultiplied colour. Filters 4 × 4 pixels, without those below the matte threshold. Where the negative
+// lobes would then dominate, interpolates the remaining pixels bilinearly.
 vec4 sampleSharp(vec2 pixel, vec4 otherwise) {
   vec2 base = floor(pixel - 0.5), t = pixel - 0.5 - base;
   vec4 wx = catmullRom(t.x), wy = catmullRom(t.y);
@@ -60,7 +60,7 @@ vec4 sampleSharp(vec2 pixel, vec4 otherwise) {
   return plain.a > 0.01 ? plain : otherwise;
 }
 
-// How many pixels one texel spans.
+// Returns the pixels spanned by one texel.
 float texelPixels(vec2 pixel) {
   vec2 dx = dFdx(pixel), dy = dFdy(pixel);
   return sqrt(max(dot(dx, dx), dot(dy, dy)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Faces of one layer and one camera, drawn where their UVs lie. Draw 3 vertices per listed face.
+// Faces of one layer and one camera, drawn at their UVs. Draw 3 vertices per listed face.
 #include "bake_mesh.glsl"
 uniform highp usampler2D face_list;
 uniform int first_entry;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// One texel per face, in table order: the share of seven sample points that one camera sees, in the red channel.
+// Visible share of seven sample points from one camera, in the red channel; one texel per face, in table order.
 #include "bake_mesh.glsl"
 #include "bake_camera.glsl"
-uniform int first_row;   // of the viewport
+uniform int first_row;   // first row of the viewport
 uniform int face_count;
 out vec4 share;
 
-const float kPull = 0.06;  // corners move this share of the way to the centroid
+const float kPull = 0.06;  // pulls corners towards the centroid by this share
 
 bool pointSeen(vec3 point_in_world, vec3 normal_in_cam) {
   vec3 point_in_cam = (cam_from_world * vec4(point_in_world, 1.0)).xyz;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mean luma of each cell of a picture's barcode, both copies side by side: a pixel per cell. Samples the middle half of a
-// cell at 4 x 4 places.
+// Mean luma of each cell of a picture's barcode, both copies side by side, a pixel per cell. Samples the middle half of
+// a cell at 4 × 4 points.
 #include "decoded_picture.glsl"
 uniform vec4 u_strip;  // x, y, side of a cell, height; texels, origin top left
 out vec4 o_color;

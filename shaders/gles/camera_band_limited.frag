@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Band-limited reconstruction (CTCS00, plenoptic sampling): pictures of cameras this far apart carry no detail
-// finer than the parallax that the surface's uncertainty makes between neighbours, so each picture is averaged over a
-// square of that side, from wherever one looks. The neighbour is the nearest other camera of this draw, by angle at the
-// point. Weights: the lumigraph's.
+// Band-limited reconstruction after plenoptic sampling (CTCS00: Jin-Xiang Chai, Xin Tong, Shing-Chow Chan, Heung-Yeung
+// Shum: Plenoptic Sampling. SIGGRAPH, 2000). Cameras at this distance resolve no detail finer than the parallax between
+// neighbours due to depth uncertainty, so each picture is averaged over a square of that side, whatever the view. The
+// neighbour is the nearest other camera of this draw, by angle at the point. Weights as in camera_lumigraph.glsl.
 #define OWN_COLOR
 #include "camera_lumigraph.glsl"
-uniform float u_depth_uncertainty;  // of the surface along a ray, to either side, metres
+uniform float u_depth_uncertainty;  // depth of the surface along a ray, to either side, metres
 
-const int kTaps = 4;  // along each side; each is a mean over about two texels
+const int kTaps = 4;  // along each side; each averages about two texels
 
 vec4 cameraColor(vec3 point, vec3 to_eye, vec3 at, int i) {
   vec3 ray = normalize(u_centres[i].xyz - point);
   float apart = kOpposite;  // radians
   for (int k = 0; k < CAMERAS; ++k)
     if (k != i) apart = min(apart, angleBetween(ray, normalize(u_centres[k].xyz - point)));
-  float parallax_m = 2.0 * u_depth_uncertainty * sin(apart);  // 0 if there is one camera alone
+  float parallax_m = 2.0 * u_depth_uncertainty * sin(apart);  // 0 for a single camera
   float side = parallax_m / (u_pixel_spans[i].x * at.z);      // pixels
   if (side <= 1.0) return pictureColor(at.xy, i);
   vec4 sum = vec4(0.0);

@@ -1,31 +1,30 @@
-// What the methods of texturing a surface from CAMERAS pictures share: where a point lies in each camera's picture,
-// whether the camera sees it (depth maps), and the blend. A method's .frag gives cameraWeight, includes this file, and
-// calls blendCameras. If it defines COMPARES_CAMERAS, it also gives compareCameras; if OWN_COLOR, also cameraColor. TILED: the pictures are tiles of one decoded picture; else layers of an array, with mattes.
-// Blends encoded values, as the papers do.
+// Texturing of a surface from CAMERAS pictures: projection into each camera's picture, depth test, and blend. A
+// method's .frag defines cameraWeight, includes this file, and calls blendCameras. COMPARES_CAMERAS: it also defines
+// compareCameras; OWN_COLOR: also cameraColor. TILED: the pictures are tiles of one decoded picture; otherwise layers
+// of an array, with mattes. Blends encoded values, as the papers do.
 #ifdef TILED
 #include "decoded_picture.glsl"
-uniform vec4 u_sources[CAMERAS];            // x, y, width, height of the region that the tile shows, pixels
+uniform vec4 u_sources[CAMERAS];            // x, y, width, height of the region in the tile, pixels
 uniform vec4 u_tiles[CAMERAS];              // x, y, width, height in picture texture coordinates
 #else
 uniform highp sampler2DArray u_pictures;    // premultiplied, alpha = matte; row 0 is the top row
 uniform vec2 u_picture_size;                // texels of a layer
 #endif
 uniform highp sampler2DArray u_depth_maps;  // drawn y up: row 0 is the bottom row
-uniform int u_depth_rows;                   // of a layer of the depth maps
-uniform float u_reach;                      // texels of a depth map that its depth may be off by; negative: no depth test
-uniform float u_depth_bias;                 // of the depth test, metres
-uniform float u_least_cosine;               // of surface and ray: a camera that sees the point more from aside is not used
+uniform int u_depth_rows;                   // rows of a depth map
+uniform float u_reach;                      // depth tolerance, texels of a depth map; negative: no depth test
+uniform float u_depth_bias;                 // bias of the depth test, metres
+uniform float u_least_cosine;               // cosine of surface normal and ray below which a camera is rejected
 uniform mat4 u_pixel_from_character[CAMERAS];  // → (pixel · depth, depth along the optical axis, unused)
 uniform vec4 u_centres[CAMERAS];            // xyz character's frame; w layer of the depth maps
-uniform vec4 u_pixel_spans[CAMERAS];        // x: metres that a pixel spans at 1 m; yz: texels of the depth map per pixel;
-                                            // w: layer of the pictures
+uniform vec4 u_pixel_spans[CAMERAS];        // metres per pixel at 1 m; depth map texels per pixel (yz); picture layer
 uniform vec4 u_sizes_near_far[CAMERAS];     // pixels, pixels, metres, metres
 
 const float kMinSum = 1e-6;
 
-float cameraWeight(vec3 to_camera, float cosine, vec3 to_eye);  // of the method; 0: not used
-void compareCameras(vec3 point, vec3 to_eye);  // comes before the weights of a point, for what depends on all cameras
-// at: what projected gives of the point. Straight colour; alpha 0: the camera has none.
+float cameraWeight(vec3 to_camera, float cosine, vec3 to_eye);  // blend weight by the method; 0: not used
+void compareCameras(vec3 point, vec3 to_eye);  // called before a point's weights; for state that depends on all cameras
+// Returns straight colour; alpha 0: none. at: projected(point, i).
 vec4 cameraColor(vec3 point, vec3 to_eye, vec3 at, int i);
 
 float mappedDepth(vec2 pixel, int i) {
@@ -35,7 +34,7 @@ float mappedDepth(vec2 pixel, int i) {
   return 2.0 * near * far / (far + near - z * (far - near));
 }
 
-// xy pixel, z depth; z <= 0: outside the picture (its margin of half a pixel counts as outside).
+// xy pixel, z depth; z <= 0: outside the picture or within half a pixel of its border.
 vec3 projected(vec3 point, int i) {
   vec3 p = (u_pixel_from_character[i] * vec4(point, 1.0)).xyz;
   vec2 pixel = p.xy / p.z;
@@ -53,7 +52,7 @@ bool isHidden(vec3 at, float cosine, int i) {
   return u_reach >= 0.0 && at.z > mappedDepth(at.xy, i) + u_depth_bias + reach * slope * at.z * u_pixel_spans[i].x;
 }
 
-// Straight colour; alpha 0 where the matte says background.
+// Returns straight colour; alpha 0 where the matte is background.
 vec4 pictureColor(vec2 pixel, int i) {
 #ifdef TILED
   return vec4(decodedColor(u_tiles[i].xy + (pixel - u_sources[i].xy) / u_sources[i].zw * u_tiles[i].zw, u_tiles[i]), 1.0);
@@ -70,7 +69,7 @@ void compareCameras(vec3 point, vec3 to_eye) {}
 vec4 cameraColor(vec3 point, vec3 to_eye, vec3 at, int i) { return pictureColor(at.xy, i); }
 #endif
 
-// The camera that faces the point best in spite of occlusion; black where no picture has it.
+// Returns the colour of the best-facing camera, occlusion ignored; black outside every picture.
 vec3 bestFacingColor(vec3 point, vec3 normal) {
   vec3 color = vec3(0.0);
   float best = -2.0;
@@ -86,7 +85,7 @@ vec3 bestFacingColor(vec3 point, vec3 normal) {
   return color;
 }
 
-// Straight colour; alpha 0: no camera sees the point.
+// Returns straight colour; alpha 0: no camera sees the point.
 vec4 blendCameras(vec3 point, vec3 normal, vec3 to_eye) {
   compareCameras(point, to_eye);
   vec3 color = vec3(0.0);

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The edges of a camera's depth map as wide lines (OVH03 5.2.2), which reach over the contour. They lie behind the faces
-// beside them by what the face's slope gains across half the line. Draw 18 * face_count vertices.
+// Edges of a camera's depth map as wide lines that overlap the contour (OVH03 5.2.2; Ming Li, Marcus Magnor, Hans-Peter
+// Seidel: Online Accelerated Rendering of Visual Hulls in Real Scenes. Journal of WSCG 11, 2003). They lie behind the
+// adjacent faces by the face's slope times half the line width. Draw 18 * face_count vertices.
 #include "character_vertex.glsl"
 uniform mat4 u_clip_from_character;
-uniform vec3 u_centre;          // of the camera, world
+uniform vec3 u_centre;          // camera centre, world
 uniform vec2 u_clip_per_texel;
 uniform vec2 u_near_far;        // metres
 uniform float u_half_width;     // texels
-uniform float u_texel_span;     // metres that a texel spans at a depth of 1 m
-uniform bool u_closed;          // faces seen from behind have no lines
+uniform float u_texel_span;     // metres per texel at a depth of 1 m
+uniform bool u_closed;          // closed surface: back faces get no lines
 
 const float kBehind = 0.005;    // metres, on flat faces
 const float kLeastCosine = 0.25;

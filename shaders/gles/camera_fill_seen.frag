@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Each vertex's colour from the cameras that see it, whatever the view: a texel per vertex; alpha 0: none sees it.
+// View-independent colour of each vertex from the cameras that see it, a texel per vertex; alpha 0: unseen.
 #include "character_vertex.glsl"
 #include "camera_blend.glsl"
 uniform int u_vertex_count;

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// One step in which vertices that no camera sees take the mean of their neighbours' colours (Jacobi's iteration of
-// Laplace's equation on the surface).
+// One Jacobi step of Laplace's equation on the surface: unseen vertices take the mean of their neighbours' colours.
 #include "tables.glsl"
-uniform sampler2D u_seen;         // a texel per vertex, as of camera_fill_seen.frag
-uniform sampler2D u_before;       // likewise, after the step before
-uniform usampler2D u_neighbours;  // [vertex] where its list begins, and the end; then the lists
+uniform sampler2D u_seen;         // a texel per vertex (camera_fill_seen.frag)
+uniform sampler2D u_before;       // previous step, a texel per vertex
+uniform usampler2D u_neighbours;  // [vertex] start of its list, and the end; then the lists
 uniform int u_vertex_count;
 out vec4 o_color;
 

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Filtered blending (EM07), as those describe it who build on it: FT 2 says that it considers the
-// viewpoint too, B14 that it filters each picture in one dimension, as wide as the surface is uncertain. So what
-// lies on the view's ray within the uncertainty is a line in a camera's picture, and the camera's colour is that line's
-// mean: a point, and sharp, where view and camera look along the same ray; the longer, the further they are apart.
-// Weights: the lumigraph's. The paper itself was not at hand; its own weights may differ.
+// Filtered blending (EM07: Martin Eisemann, Marcus Magnor: Filtered Blending: A New, Minimal Reconstruction Filter for
+// Ghosting-Free Projective Texturing with Multiple Images. Vision, Modeling, and Visualization (VMV), 2007),
+// reconstructed from descriptions in later work, since the paper was unavailable: it considers the viewpoint too (FT 2)
+// and filters each picture in one dimension, as wide as the surface is uncertain (B14). The view ray's segment within
+// the uncertainty projects to a line in a camera's picture, and the camera's colour is the mean over that line: a
+// point, and sharp, where the rays of view and camera coincide, longer with the angle between them. Weights as in
+// camera_lumigraph.glsl; the paper's may differ.
 #define OWN_COLOR
 #include "camera_lumigraph.glsl"
-uniform float u_depth_uncertainty;  // of the surface along the ray, to either side, metres
+uniform float u_depth_uncertainty;  // depth of the surface along the ray, to either side, metres
 
-const int kTaps = 8;  // along the line; each is a mean over about two texels
+const int kTaps = 8;  // along the line; each averages about two texels
 
 vec2 pixelOf(vec3 point, int i) {
   vec3 p = (u_pixel_from_character[i] * vec4(point, 1.0)).xyz;

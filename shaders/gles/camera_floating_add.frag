@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adds a flow field, weighted by one camera's share of the pixel, to the sum of those before it (FT Eq. 6).
-uniform sampler2D u_before;   // of the target's size
-uniform sampler2D u_flow;     // in its own pixels, of the weights' size or smaller
+// Adds a flow field, weighted by one camera's share of the pixel, to the partial sum (FT Eq. 6).
+uniform sampler2D u_before;   // same size as the target
+uniform sampler2D u_flow;     // displacements in its own pixels; at most the weights' size
 uniform sampler2D u_weights;
-uniform int u_camera;   // whose share; negative: 1
-uniform float u_keeps;  // of the sum before: 0 or 1
-uniform vec2 u_scale;   // pixels of the weights per pixel that is drawn
-uniform float u_most;   // of a displacement that counts in full, heights of the picture; at twice it, none does
-const float kLeastMost = 4.0;  // pixels, of what u_most bounds
+uniform int u_camera;   // camera that gives the weight; negative: weight 1
+uniform float u_keeps;  // factor of the partial sum: 0 or 1
+uniform vec2 u_scale;   // pixels of the weights per target pixel
+uniform float u_most;   // displacement with full weight, heights of the picture; 0 at twice this
+const float kLeastMost = 4.0;  // minimum of u_most, pixels
 out vec2 o_flow;
 
 void main() {

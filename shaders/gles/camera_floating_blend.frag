@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cameras' pictures of a view, blended by their weights (FT Eq. 1); WARPED: each is displaced first (FT Eq. 5).
-// Star form: the mean at p resembles picture i at p + u_flow_i(p). PAIRS: picture i at p resembles the mean at
-// p + u_flow_i(p), so that it is asked for where that leads to the pixel. Displacements are in pixels of the weights,
-// which have the view's size; everything else may be smaller.
+// Blends the camera pictures of a view by their weights (FT Eq. 1). WARPED: displaces each first (FT Eq. 5). Mean form:
+// the mean at p resembles picture i at p + u_flow_i(p). PAIRS: picture i at p resembles the mean at p + u_flow_i(p), so
+// the displacement is inverted by one fixed-point step. Displacements are in pixels of the weights, which have the
+// view's size; pictures, flows and target may be smaller.
 uniform sampler2D u_weights;
 uniform sampler2D u_picture_0, u_picture_1, u_picture_2, u_picture_3;
-uniform vec2 u_size;  // of the target
+uniform vec2 u_size;  // target size
 out vec4 o_color;
 
 vec2 here() { return gl_FragCoord.xy / u_size; }

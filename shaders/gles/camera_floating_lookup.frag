@@ -1,24 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Floating Textures of a still scene (FT Eq. 7): the surface blended from the cameras' pictures, each looked up where the
-// flow between the pictures leads. The flow was computed in every camera's own view. Each of these views tells how far
-// every picture is displaced along the surface. The mean of what they tell is taken, so that an error in one view's flow
-// counts only with that view's share.
+// Floating Textures of a still scene (FT Eq. 7): blends the surface from the camera pictures, each displaced by the
+// flow between the pictures, which was computed in every camera's own view. Each of these views gives a displacement of
+// every picture along the surface; their weighted mean limits an error in one view's flow to that view's share.
 #include "camera_unseen.glsl"
-in vec3 v_pixel_point;                   // as v_point, but at the pixel: for derivatives
-uniform sampler2D u_weights;             // of the view's size, a channel per camera
+in vec3 v_pixel_point;                   // v_point at the pixel centre, for derivatives
+uniform sampler2D u_weights;             // the view's size, a channel per camera
 uniform highp sampler2DArray u_flows;    // pixels of a layer, drawn y up: picture i at p resembles picture j at p + flow
-uniform vec4 u_places[CAMERAS];          // x, y, width, height of what a camera's layers show, pixels of its picture
-uniform vec4 u_layers[CAMERAS];          // of the flow from camera i's picture to each other's
-uniform float u_most;                    // of a displacement that counts in full, heights of the camera's picture
-const float kLeastFacing = 0.05;         // cosine; a camera that sees the surface more obliquely is not asked
-const float kLeastArea = 1e-9;           // pixels²: below this share of one side's square the surface is seen edge-on
-const float kTap = 0.2887;               // of a pixel's side, 1/√12: four taps spread as much as the pixel's area
+uniform vec4 u_places[CAMERAS];          // x, y, width, height of a camera's layers, pixels of its picture
+uniform vec4 u_layers[CAMERAS];          // layers of the flow from camera i's picture to the others
+uniform float u_most;                    // displacement with full weight, heights of the camera's picture
+const float kLeastFacing = 0.05;         // minimum cosine of surface normal and camera ray
+const float kLeastArea = 1e-9;           // pixels²: minimum share of one side's square; edge-on below
+const float kTap = 0.2887;               // share of a pixel's side, 1/√12: taps have the variance of its area
 const float kMostTap_px = 4.0;           // pixels of a camera
 
 float cameraWeight(vec3 to_camera, float cosine, vec3 to_eye) { return cosine; }
 
-// How far camera j's picture, seen from camera i, shows what camera i's picture shows at `pixel` away from there; pixels
-// of camera i.
+// Returns the displacement, in camera i's view, from `pixel` of picture i to the matching point of picture j; pixels of
+// camera i.
 vec2 flowTo(vec2 pixel, int i, int j) {
   vec2 at = (pixel - u_places[i].xy) / u_places[i].zw;
   vec2 flow = textureLod(u_flows, vec3(at.x, 1.0 - at.y, u_layers[i][j]), 0.0).xy;
@@ -32,13 +31,14 @@ vec2 towardsMean(vec2 pixel, int i, vec4 shares) {
   return sum;
 }
 
-// How camera i's pixel moves with the point.
+// Returns the derivative of camera i's pixel along `step`.
 vec2 pixelStep(vec3 point, vec2 pixel, vec3 step, int i) {
   vec3 p = (u_pixel_from_character[i] * vec4(point, 1.0)).xyz, moved = mat3(u_pixel_from_character[i]) * step;
   return (moved.xy - pixel * moved.z) / p.z;
 }
 
-// Where on the surface, metres along `right` and `up`, each camera's picture shows what the mean shows here.
+// Returns the offset on the surface, metres along `right` and `up`, from this point to each picture's match of the
+// mean.
 void findOffsets(vec3 normal, vec3 right, vec3 up, vec4 shares, out vec2 offsets[CAMERAS]) {
   for (int i = 0; i < CAMERAS; ++i) offsets[i] = vec2(0.0);
   float sum = 0.0;
@@ -61,9 +61,9 @@ void findOffsets(vec3 normal, vec3 right, vec3 up, vec4 shares, out vec2 offsets
   for (int i = 0; i < CAMERAS; ++i) offsets[i] /= max(sum, kMinSum);
 }
 
-// The weights were drawn with one sample a pixel: they are 0 where no camera sees the surface, but also where the surface
-// misses the pixel's middle. Both show the unseen surface's colour. If there is none (u_fills is false), the weights of
-// the neighbouring pixels are taken.
+// Weights here. They were drawn with one sample a pixel: 0 where no camera sees the surface, but also where the surface
+// misses the pixel centre. Both cases use the fill colour; without fill (u_fills is false), the neighbouring pixels'
+// weights are added.
 vec4 weightsHere() {
   ivec2 here = ivec2(gl_FragCoord.xy), last = textureSize(u_weights, 0) - 1;
   vec4 weights = texelFetch(u_weights, here, 0);
@@ -72,7 +72,7 @@ vec4 weightsHere() {
   return weights;
 }
 
-// at: projected(v_point, i). A long displacement does not count, nor does one that leaves the picture.
+// Fades out long displacements, and ignores those that leave the picture. at: projected(v_point, i).
 vec2 displaced(vec3 at, vec3 along, int i) {
   vec3 to = projected(v_point + along, i);
   float most = u_most * u_sizes_near_far[i].y;
@@ -80,7 +80,7 @@ vec2 displaced(vec3 at, vec3 along, int i) {
   return to.z > 0.0 ? at.xy + by * (1.0 - smoothstep(most, 2.0 * most, length(by))) : at.xy;
 }
 
-// The mean over the area of the view's pixel, whose sides are dx and dy in camera i's picture; premultiplied.
+// Returns the premultiplied mean over the view pixel's footprint, with sides dx and dy in camera i's picture.
 vec4 areaColor(vec2 pixel, vec2 dx, vec2 dy, int i) {
   vec4 sum = vec4(0.0);
   for (int tap = 0; tap < 4; ++tap) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture of every camera on the surface as the view sees it. Where a camera's weight is 0, its picture shows that
-// of the camera with the largest one (FT 4.2), so that flow is not led astray; where all are 0, the unseen surface's colour.
+// Each camera's picture on the surface in the view. Where a camera's weight is 0, the camera with the largest weight is
+// shown instead (FT 4.2), which keeps flow from false matches; where all are 0, the fill colour.
 #include "camera_unseen.glsl"
-uniform sampler2D u_weights;  // of the view's size, a channel per camera
+uniform sampler2D u_weights;  // the view's size, a channel per camera
 layout(location = 0) out vec4 o_first;
 #if CAMERAS > 1
 layout(location = 1) out vec4 o_second;

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Per pixel of a view, for up to four cameras: whether each is hidden from the surface there, and its weight by angle,
-// times the cosine at which it sees the surface. (FT takes the angle alone; see algorithms/floating.md.)
+// Occlusion and weight of up to four cameras per pixel of a view. The weight is by angle, times the cosine of surface
+// normal and camera ray. (FT uses the angle alone; see algorithms/floating.md.)
 #include "camera_blend.glsl"
 centroid in vec3 v_point;  // character's frame, metres
 centroid in vec3 v_normal;
 uniform vec3 u_eye;
-uniform vec4 u_next;       // xyz centre of the nearest camera that is not used, at which weights end; w 0: there is none
-layout(location = 0) out vec4 o_hidden;   // 1 on the surface where the camera does not see it; background 0
+uniform vec4 u_next;       // xyz centre of the nearest unused camera, at which weights reach 0; w 0: none
+layout(location = 0) out vec4 o_hidden;   // 1 on surface hidden from the camera; background 0
 layout(location = 1) out vec4 o_weights;
 
 const float kLeastAngle = 0.01;  // radians
-const float kLeastShare = 0.01;  // of a camera that lies further off than the next one: it serves where no other sees
+const float kLeastShare = 0.01;  // minimum for cameras beyond the next one, used where no other camera sees the surface
 
-// BBMGC01's weight of a camera by the angle between its ray and the view's: 0 at `end`, without bound at 0.
+// Camera weight of BBMGC01 by the angle between camera ray and view ray: 0 at `end`, unbounded at 0.
 float angularWeight(float angle, float end) {
   return max(1.0 - angle / end, kLeastShare) / max(angle, kLeastAngle);
 }
@@ -24,7 +24,7 @@ float cameraWeight(vec3 to_camera, float cosine, vec3 to_eye) { return cosine; }
 void main() {
   vec3 normal = normalize(v_normal), to_eye = normalize(u_eye - v_point);
   float end = u_next.w > 0.0 ? angleBetween(normalize(u_next.xyz - v_point), to_eye) : 3.15;
-  vec4 are_hidden = vec4(0.0), weights = vec4(0.0);  // WebGL takes no index that varies for an output
+  vec4 are_hidden = vec4(0.0), weights = vec4(0.0);  // WebGL forbids dynamic indices for outputs
   for (int i = 0; i < CAMERAS; ++i) {
     vec3 ray = normalize(u_centres[i].xyz - v_point);
     float cosine = dot(normal, ray);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The blend that Montage4D is compared with (M4D Eq. 2): normal weights of the cameras that see the fragment, with
-// dilated depth discontinuities, and were not outvoted at its corners; where none is left, without these two.
+// Baseline of Montage4D (M4D Eq. 2): normal weights of the cameras that see the fragment, outside dilated depth
+// discontinuities and not outvoted at its corners; without any such camera, both conditions are dropped.
 #include "camera_unseen.glsl"
 #include "camera_occluder.glsl"
 #include "camera_slots.glsl"

@@ -1,3 +1,3 @@
 // SPDX-License-Identifier: Apache-2.0
-// Unstructured lumigraph rendering (BBMGC01).
+// Unstructured lumigraph rendering (camera_lumigraph.glsl).
 #include "camera_lumigraph.glsl"

@@ -1,15 +1,15 @@
-// Unstructured lumigraph weights (BBMGC01): the penalty of a camera is the angle at the point between its
-// ray and the view's, and its weight (1 - angle / bound) / angle falls smoothly to 0 where the angle reaches the bound.
-// BOUNDED: the bound is the angle of the farthest camera of this draw, whether or not it sees the point, so that a camera
-// that enters or leaves the choice has no weight then, and what hides a camera moves no bound. Else all cameras are in
-// use, none enters or leaves, and the bound is the opposite direction.
-// In place of the paper's penalty of resolution, a camera fades out towards the cosine at which it is not used any more.
+// Unstructured lumigraph weights (BBMGC01: Chris Buehler, Michael Bosse, Leonard McMillan, Steven Gortler, Michael
+// Cohen: Unstructured Lumigraph Rendering. SIGGRAPH, 2001). A camera's penalty is the angle at the point between its
+// ray and the view's; its weight (1 - angle / bound) / angle falls smoothly to 0 at the bound. BOUNDED: the bound is
+// the angle of the farthest camera of this draw, independent of visibility, so that cameras enter and leave the choice
+// with weight 0, and occlusion does not move the bound. Otherwise all cameras are in use and the bound is the opposite
+// direction. In place of the paper's resolution penalty, a camera fades out towards the minimum cosine.
 #define COMPARES_CAMERAS
 #include "camera_shade.glsl"
 
-const float kLeastAngle = 1e-3;  // radians: a camera in the view's direction has a finite weight
-const float kLeastShare = 1e-3;  // where only the camera at the bound sees the point, it is shown all the same
-const float kFade = 0.3;         // of the cosine
+const float kLeastAngle = 1e-3;  // radians; keeps the weight finite in the view's direction
+const float kLeastShare = 1e-3;  // keeps a camera at the bound usable where no other sees the point
+const float kFade = 0.3;         // range of cosine
 const float kOpposite = 3.14159265;
 
 float angle_bound;

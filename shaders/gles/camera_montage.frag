@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Montage4D: the slots' cameras by their fields, which the triangle interpolates (M4D Eq. 1). What a camera does not see
-// is not taken from it, however the field is; where nothing is left, normal weights (M4D Eq. 2) as they come.
+// Montage4D: blends the slots' cameras by their fields, interpolated over the triangle (M4D Eq. 1). A camera that does
+// not see the fragment is excluded whatever its field; without any left, normal weights (M4D Eq. 2) alone are used.
 #include "camera_unseen.glsl"
 #include "camera_slots.glsl"
 centroid in vec4 v_low;   // fields
@@ -8,7 +8,7 @@ centroid in vec4 v_high;
 uniform float u_exponent;
 out vec4 o_color;
 
-const float kLeastShare = 0.03;  // of a camera that is looked up
+const float kLeastShare = 0.03;  // minimum share of a camera to be sampled
 
 float cameraWeight(vec3 to_camera, float cosine, vec3 to_eye) { return pow(cosine, u_exponent); }
 

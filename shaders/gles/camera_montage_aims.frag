@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shares that the view wants of each slot's camera at each vertex (M4D Eq. 4, times the cosine of surface and ray),
-// 1 in all; where Σγ < 1 the normal-weighted ones (M4D Eq. 2) come in. 0 where no camera serves the vertex. A texel per
+// Target weights of each slot's camera for the view (M4D Eq. 4, times the cosine of surface normal and ray), normalised
+// to sum 1; where Σγ < 1 the normal weights (M4D Eq. 2) complete them. 0 where no camera sees the vertex. A texel per
 // vertex.
 #include "character_vertex.glsl"
 #include "camera_slots.glsl"
 uniform int u_vertex_count;
 uniform vec4 u_centres[CAMERAS];  // xyz character's frame
 uniform vec3 u_eye;
-uniform float u_exponent;         // of M4D Eq. 2 and 4
+uniform float u_exponent;         // exponents of M4D Eq. 2 and 4
 uniform float u_view_exponent;
-uniform vec4 u_chosen_low;        // 1 where the slot's camera is one that the view chooses
+uniform vec4 u_chosen_low;        // 1 if the view chooses the slot's camera
 uniform vec4 u_chosen_high;
 uniform sampler2D u_serves_low;
 uniform sampler2D u_serves_high;
 uniform sampler2D u_distances_low;
 uniform sampler2D u_distances_high;
-uniform sampler2D u_counts_low;   // one texel: of served vertices
+uniform sampler2D u_counts_low;   // one texel: number of visible vertices
 uniform sampler2D u_counts_high;
-const float kLeastCosine = 0.05;  // of surface and ray, by which shares are weighted
+const float kLeastCosine = 0.05;  // minimum cosine of surface normal and ray
 layout(location = 0) out vec4 o_low;
 layout(location = 1) out vec4 o_high;
 

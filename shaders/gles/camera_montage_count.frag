@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sums over a table, in 1/256: of each row, or of the one column that such sums fill.
+// Sums over a table, in 1/256: each row, or the single column of such row sums.
 uniform sampler2D u_before_low;
 uniform sampler2D u_before_high;
-uniform int u_rows;  // that are in use
+uniform int u_rows;  // rows in use
 layout(location = 0) out vec4 o_low;
 layout(location = 1) out vec4 o_high;
 

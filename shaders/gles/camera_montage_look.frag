@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What Montage4D goes by, a colour per camera (M4D Fig. 3, 7): the fields, or (SEAMS) how near the cameras' seams are.
+// Inspection view of Montage4D, a colour per camera (M4D Fig. 3, 7): the fields, or (SEAMS) the distance to the
+// cameras' seams.
 #include "camera_slots.glsl"
 centroid in vec3 v_point;
 centroid in vec3 v_normal;
 centroid in vec4 v_low;        // fields, or distances
 centroid in vec4 v_high;
 uniform vec3 u_eye;
-uniform vec4 u_slot_colors[8];  // alpha 0: the slot is not shown
+uniform vec4 u_slot_colors[8];  // alpha 0: slot hidden
 out vec4 o_color;
 
 void main() {

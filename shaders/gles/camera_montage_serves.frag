@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of the slots' cameras serve each vertex (the visibility of M4D Eq. 2 and 4): it is in the picture, faces the
-// camera, no occluder is near in the depth map, and enough of the others that see it agree with its colour (M4D Eq. 3).
-// VOTES_ONLY: where the colour was outvoted, 0; else 1. A texel per vertex.
+// Visibility of each vertex from each slot's camera (M4D Eq. 2 and 4): it is in the picture, faces the camera, has no
+// occluder nearby in the depth map, and enough of the other cameras that see it agree with its colour (M4D Eq. 3).
+// VOTES_ONLY: 0 where the colour was outvoted, else 1. A texel per vertex.
 #include "character_vertex.glsl"
 #include "camera_blend.glsl"
 #include "camera_occluder.glsl"
@@ -9,9 +9,8 @@
 uniform int u_vertex_count;
 uniform vec4 u_used_low;         // 1 where the slot holds a camera
 uniform vec4 u_used_high;
-uniform float u_vote_threshold;  // distance of two colours in Lab, whose L is 0…1; 0: there is no vote
-uniform float u_vote_reach;      // pixels from an occluder within which a camera's colour must be voted for;
-                                 // negative: everywhere
+uniform float u_vote_threshold;  // colour distance in Lab, with L in 0…1; 0: no vote
+uniform float u_vote_reach;      // pixels from an occluder within which votes are held; negative: everywhere
 layout(location = 0) out vec4 o_low;
 layout(location = 1) out vec4 o_high;
 
@@ -26,7 +25,7 @@ vec3 labColor(vec3 encoded) {  // sRGB, D65
   return vec3(1.16 * f.y - 0.16, 5.0 * (f.x - f.y), 2.0 * (f.y - f.z));
 }
 
-// The colour round a pixel: of one sample, or the mean of nine.
+// Returns the colour round a pixel: one sample, or the mean of nine.
 vec3 levelColor(vec2 pixel, int i, float spacing) {
   if (spacing == 0.0) return labColor(pictureColor(pixel, i).rgb);
   vec4 sum = vec4(0.0);
@@ -58,7 +57,7 @@ void main() {
     pixels[i] = at.xy;
     count += int(sees[i]);
   }
-  // From coarse to fine: who agrees with enough others at one level is trusted.
+  // Votes from coarse to fine: agreement with enough others at one level suffices.
   bool any_asked = false;
   for (int i = 0; i < CAMERAS; ++i) any_asked = any_asked || asked[i];
   for (int level = 0; any_asked && level < 2; ++level) {

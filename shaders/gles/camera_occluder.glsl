@@ -1,6 +1,6 @@
-// Dilated depth discontinuities (M4D 4.2): what lies behind an occluder's outline in a camera's picture, and within a
-// few pixels of it, is not textured from the camera. Include camera_blend.glsl first.
-uniform float u_discontinuity;  // pixels: how far beyond the outline; at most the 8 that depth maps have to spare
+// Dilated depth discontinuities (M4D 4.2): surface behind an occluder's outline in a camera's picture, or within a few
+// pixels of it, is not textured from that camera. Include camera_blend.glsl first.
+uniform float u_discontinuity;  // pixels beyond the outline; at most the 8 that depth maps reserve
 
 const vec2 kRound[8] = vec2[8](vec2(1, 0), vec2(0.7071), vec2(0, 1), vec2(-0.7071, 0.7071), vec2(-1, 0), vec2(-0.7071),
                                vec2(0, -1), vec2(0.7071, -0.7071));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a picture of the same surface and view has at this pixel. The picture has one sample a pixel: where the surface
-// covers only a part of a pixel whose middle it misses, the pixels round it answer.
-uniform sampler2D u_shown;  // premultiplied, of the view's size; alpha 0: nothing
-uniform vec2 u_origin;      // pixel of the view that the target begins at
+// Looks up a picture of the same surface and view at this pixel. The picture has one sample a pixel: where the surface
+// covers a pixel without its centre, neighbouring pixels are used.
+uniform sampler2D u_shown;  // premultiplied, the view's size; alpha 0: empty
+uniform vec2 u_origin;      // view pixel at the target's corner
 out vec4 o_color;
 
 void main() {

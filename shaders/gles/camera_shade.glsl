@@ -1,4 +1,4 @@
-// A method's picture of the surface: the blend of its cameras, and what no camera sees.
+// Shades the surface with the blend of its cameras, and the fill of unseen surface.
 #include "camera_unseen.glsl"
 out vec4 o_color;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Soft visibility (FT Eq. 8), first of two passes: distance along the row to the nearest pixel that is hidden.
+// Soft visibility (FT Eq. 8), first of two passes: distance along the row to the nearest hidden pixel.
 uniform sampler2D u_hidden;  // a channel per camera: 1 hidden
 uniform float u_radius;      // pixels, below 255
-out vec4 o_across;           // pixels / 255; 1: there is none within the radius
+out vec4 o_across;           // pixels / 255; 1: none within the radius
 
 void main() {
   ivec2 here = ivec2(gl_FragCoord.xy);

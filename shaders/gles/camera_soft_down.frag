@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Soft visibility (FT Eq. 8), second pass: the exact distance to the nearest pixel that is hidden, over the radius, at
-// most 1, times the camera's weight.
-uniform sampler2D u_across;   // of camera_soft_across.frag
+// Soft visibility (FT Eq. 8), second pass: exact distance to the nearest hidden pixel, over the radius, at most 1,
+// times the camera's weight.
+uniform sampler2D u_across;   // output of camera_soft_across.frag
 uniform sampler2D u_weights;  // a channel per camera
 uniform float u_radius;       // pixels
 out vec4 o_weights;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// A surface that is textured from cameras, as the view sees it. Draw 3 * face_count vertices.
+// A surface textured from cameras. Draw 3 * face_count vertices.
 #include "character_vertex.glsl"
 uniform mat4 u_clip_from_character;
 centroid out vec3 v_point;   // character's frame, metres
 centroid out vec3 v_normal;
-out vec3 v_pixel_point;      // as v_point, but at the pixel, for its derivatives
-out vec3 v_corner;           // barycentric; at the pixel, for its derivatives
-invariant gl_Position;       // style_mesh.vert covers the same pixels
+out vec3 v_pixel_point;      // v_point at the pixel centre, for derivatives
+out vec3 v_corner;           // barycentric, at the pixel centre, for derivatives
+invariant gl_Position;       // matched by style_mesh.vert
 #ifdef FILLED
-uniform sampler2D u_fill;    // a texel per vertex: colour, 1 if it is known
+uniform sampler2D u_fill;    // a texel per vertex: colour; alpha 0: unknown
 centroid out vec4 v_fill;    // premultiplied
 #endif
 #ifdef FIELDS

@@ -1,9 +1,8 @@
-// The surface as the view of a sweep sees it, a texel for each of its pixels, and where the depths that are tried lie on
-// the view's rays.
-uniform sampler2D u_normals;         // of the surface, 0…1 for -1…1; alpha 0: it is not there
-uniform highp sampler2D u_depths;    // drawn y up, as the normals
+// The surface in the view of a sweep, a texel per pixel, and the unprojection of its depths.
+uniform sampler2D u_normals;         // surface normals, 0…1 for -1…1; alpha 0: no surface
+uniform highp sampler2D u_depths;    // drawn y up, like the normals
 uniform mat4 u_character_from_clip;
-uniform float u_length_scale;        // of lengths that suit a person
+uniform float u_length_scale;        // scale of lengths given for a person
 
 bool isSurface(ivec2 at) { return texelFetch(u_normals, at, 0).a > 0.0; }
 
@@ -12,10 +11,10 @@ vec4 unprojected(ivec2 at) {
   return u_character_from_clip * vec4(clip, 1.0);
 }
 
-// Metres along the view's axis.
+// Depth of the surface, metres along the view's axis.
 float surfaceDepth(ivec2 at) { return 1.0 / unprojected(at).w; }
 
-// 16 bits in two channels, for shifts of -1…1.
+// Shifts of -1…1 as 16 bits in two channels.
 vec2 packedShift(float shift) {
   float steps = floor(clamp(0.5 * shift + 0.5, 0.0, 1.0) * 65535.0 + 0.5), high = floor(steps / 256.0);
   return vec2(high, steps - 256.0 * high) / 255.0;

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cameras' blend where the sweep found the point of each fragment's ray.
+// Blends the cameras at the point that the sweep found on each fragment's ray.
 #include "camera_unseen.glsl"
 #include "camera_sweep.glsl"
 uniform sampler2D u_shifts;
-uniform float u_reach_m;     // that a shift of 1 stands for
-uniform float u_texels;      // of the shifts, along a side of a pixel
-uniform vec2 u_origin;       // pixel of the view that the target begins at
+uniform float u_reach_m;     // metres for a shift of 1
+uniform float u_texels;      // texels of the shifts along a side of a pixel
+uniform vec2 u_origin;       // view pixel at the target's corner
 out vec4 o_color;
 
-const float kSlack = 3.0;      // of the depth test: what hides the point may be as wrong as what was given for it
-const float kSamePart = 0.01;  // metres of depth, about, of a person
+const float kSlack = 3.0;      // depth test slack, in shifts: occluders may be off as much as the surface
+const float kSamePart = 0.01;  // approximate depth difference within one part of a person, metres
 
 float cameraWeight(vec3 to_camera, float cosine, vec3 to_eye) { return cosine * max(dot(to_camera, to_eye), 0.0); }
 
-// Linear between the shifts of the same part of the surface; 0 where there is none.
+// Returns the shift, interpolated within the same part of the surface; 0 without any.
 float shiftHere(float depth) {
   vec2 at = (u_origin + gl_FragCoord.xy) * u_texels - 0.5, first = floor(at), share = at - first;
   ivec2 last = textureSize(u_shifts, 0) - 1;
@@ -31,7 +31,7 @@ float shiftHere(float depth) {
   return sum > 0.0 ? u_reach_m * shift / sum : 0.0;
 }
 
-// As blendCameras at the moved point.
+// Blends like blendCameras at the moved point.
 vec4 blendMoved(vec3 point, vec3 normal, vec3 to_eye, float moved) {
   vec3 color = vec3(0.0);
   float sum = 0.0;

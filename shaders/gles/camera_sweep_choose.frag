@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shift of each pixel along its ray: semi-global matching (H08) on four paths of a bounded length,
-// then the sum's least place between planes. A small price on large shifts keeps what the pictures leave open.
+// Shift of each pixel along its ray: semi-global matching on four paths of limited length, then the sub-plane minimum
+// of the sum. H08: Heiko Hirschmüller: Stereo Processing by Semiglobal Matching and Mutual Information. IEEE
+// Transactions on Pattern Analysis and Machine Intelligence 30(2), 2008. A small penalty on large shifts resolves
+// ambiguous costs.
 #include "camera_sweep.glsl"
 uniform highp sampler2DArray u_costs;
-uniform int u_length;         // of a path, pixels
-uniform vec3 u_prices;        // of a change by one plane, of any change, of a large shift
+uniform int u_length;         // path length, pixels
+uniform vec3 u_prices;        // penalties: change by one plane, any change, large shift
 uniform vec2 u_band;          // first and last plane behind the surface, metres
-uniform float u_reach_m;      // that a shift of 1 stands for
-out vec4 o_shift;             // shift in two channels, unused, 1: the surface is there
+uniform float u_reach_m;      // metres for a shift of 1
+out vec4 o_shift;             // shift in two channels, unused, 1: surface present
 
-const float kWell = 0.016;     // metres of a person, at which a shift has half its price
-const float kSamePart = 0.03;  // metres of depth of a person
+const float kWell = 0.016;     // shift with half the penalty, metres for a person
+const float kSamePart = 0.03;  // depth difference within one part of a person, metres
 
-vec4 blocks[BLOCKS];  // of the path
+vec4 blocks[BLOCKS];  // path costs
 
 float least() {
   vec4 m = blocks[0];
@@ -20,7 +22,7 @@ float least() {
   return min(min(m.x, m.y), min(m.z, m.w));
 }
 
-// What the path costs one pixel further, without that pixel's own cost.
+// Advances the path costs by one pixel, without that pixel's own cost.
 void advance() {
   float lowest = least();
   vec4 before = vec4(1e3);
@@ -40,7 +42,7 @@ void main() {
   for (int b = 0; b < BLOCKS; ++b) total[b] = texelFetch(u_costs, ivec3(here, b), 0);
   for (int d = 0; d < 4; ++d) {
     ivec2 direction = ivec2(d == 0 ? 1 : d == 1 ? -1 : 0, d == 2 ? 1 : d == 3 ? -1 : 0);
-    int length = 0;  // up to the border of this part of the surface
+    int length = 0;  // pixels to the border of this part of the surface
     float depth = surfaceDepth(here);
     while (length < u_length) {
       ivec2 at = here + (length + 1) * direction;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// How badly the cameras' colours agree at four places on each pixel's ray: the root of their weighted standard
-// deviation, because highlights and what hides a camera count too much otherwise. The same cameras vote at all places,
-// those that see the surface there. 0 at all places: fewer than two do.
+// Photo-consistency cost of the cameras at four points on each pixel's ray: the root of their weighted standard
+// deviation, which limits the influence of highlights and occlusions. The same cameras, those that see the surface
+// there, are used at all points. 0 at all points: fewer than two cameras.
 #include "camera_blend.glsl"
 #include "camera_sweep.glsl"
 uniform vec3 u_eye;
-uniform vec4 u_offsets;       // of the places, metres behind the surface
+uniform vec4 u_offsets;       // points' offsets, metres behind the surface
 out vec4 o_costs;
 
 const float kMostDeviation = 0.35;
@@ -44,7 +44,7 @@ void main() {
     ++voters;
   }
   if (voters < 2) return;
-  vec4 costs;  // WebGL takes no index that varies for an output
+  vec4 costs;  // WebGL forbids dynamic indices for outputs
   for (int k = 0; k < 4; ++k) {
     vec3 mean = means[k] / sum;
     costs[k] = sqrt(sqrt(max(squares[k] / sum - dot(mean, mean), 0.0)) / kMostDeviation);

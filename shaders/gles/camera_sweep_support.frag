@@ -7,7 +7,7 @@ uniform vec2 u_step;
 uniform int u_radius;
 out vec4 o_costs;
 
-const float kSamePart = 0.03;  // metres of depth of a person
+const float kSamePart = 0.03;  // depth difference within one part of a person, metres
 
 void main() {
   ivec2 here = ivec2(gl_FragCoord.xy), last = textureSize(u_normals, 0) - 1;

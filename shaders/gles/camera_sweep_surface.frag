@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The surface's normals in the view.
+// Surface normals in the view.
 centroid in vec3 v_normal;
 out vec4 o_normal;
 

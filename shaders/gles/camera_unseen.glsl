@@ -1,12 +1,12 @@
-// The colour of what no camera sees: its neighbourhood's (FILLED), else that of the camera that faces it best.
+// Colour of unseen surface: the fill from nearby surface (FILLED), otherwise that of the best-facing camera.
 #include "camera_blend.glsl"
 centroid in vec3 v_point;   // character's frame, metres
 centroid in vec3 v_normal;
 #ifdef FILLED
-centroid in vec4 v_fill;    // premultiplied; alpha 0: nothing near is seen either
+centroid in vec4 v_fill;    // premultiplied; alpha 0: the fill does not reach it
 #endif
 uniform vec3 u_eye;
-uniform bool u_fills;       // else it is left transparent
+uniform bool u_fills;       // false: unseen surface is transparent
 
 vec4 unseenColor(vec3 normal) {
 #ifdef FILLED

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The surface's edges, a pixel wide, on its plain shape.
+// Edges of the surface, a pixel wide, on plain shading.
 centroid in vec3 v_point;
 centroid in vec3 v_normal;
 in vec3 v_corner;  // barycentric

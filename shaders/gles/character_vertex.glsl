@@ -1,5 +1,5 @@
 // Vertices pulled from CharacterModel's tables; gl_VertexID counts corners, three per face. INDEXED: surfaces without
-// texture coordinates, whose topology may change with every frame.
+// texture coordinates, with a topology that may change every frame.
 #include "tables.glsl"
 uniform sampler2D u_positions_normals;  // two texels per vertex
 #ifdef INDEXED

@@ -1,5 +1,6 @@
-// A decoded picture as sRGB-encoded colour. PICTURE_YUV: planes, BT.709 limited range, chroma sited in the middle of its
-// 2 × 2 block, in one texture of two channels with PICTURE_PAIR, else in two; otherwise one RGBA texture.
+// A decoded picture as sRGB-encoded colour. PICTURE_YUV: planes, BT.709 limited range, chroma sited in the middle of
+// its 2 × 2 block, in one two-channel texture with PICTURE_PAIR, otherwise in two; without PICTURE_YUV: one RGBA
+// texture.
 uniform vec2 u_picture_size;         // texels
 #ifdef PICTURE_YUV
 uniform sampler2D u_picture_y;
@@ -26,7 +27,7 @@ vec3 rgbFromYuv709(float y, float u, float v) {
   return clamp(vec3(luma + 1.5748 * cr, luma - 0.187324 * cb - 0.468124 * cr, luma + 1.8556 * cb), 0.0, 1.0);
 }
 
-// at: texture coordinates; nothing outside the rectangle (x, y, width, height) is read.
+// Samples at texture coordinates, clamped to the rectangle (x, y, width, height).
 vec3 decodedColor(vec2 at, vec4 rect) {
   vec2 luma_at = clampInside(at, rect, 0.5);
 #ifdef PICTURE_YUV

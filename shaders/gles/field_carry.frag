@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fields of a surface from those of the surface before it: of the nearest vertex in the cells round the place; where
-// there is none, what the fields should be. A texel per vertex.
+// Transfers fields from the previous surface: takes those of the nearest vertex in the surrounding cells, or the aims
+// if there is none. A texel per vertex.
 #include "field_neighbours.glsl"
 #include "field_box.glsl"
-uniform vec3 u_box_min;      // of the surface before
+uniform vec3 u_box_min;      // box of the previous surface
 uniform usampler2D u_cells;
-uniform sampler2D u_places;  // of the surface before
+uniform sampler2D u_places;  // vertices of the previous surface
 uniform sampler2D u_before_low;
 uniform sampler2D u_before_high;
 uniform sampler2D u_aims_low;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cell's vertex, counted from 1.
+// Vertex of the cell, counted from 1.
 flat in uint v_vertex;
 out uint o_vertex;
 

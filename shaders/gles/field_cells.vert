@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every vertex into its cell: a triangle round the middle of one texel. Draw 3 vertices per vertex.
+// Writes every vertex into its cell, by a triangle round one texel's centre. Draw 3 vertices per vertex.
 #include "field_box.glsl"
 uniform sampler2D u_places;  // a texel per vertex, metres
 flat out uint v_vertex;

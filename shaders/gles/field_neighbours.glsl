@@ -1,6 +1,6 @@
-// The vertices round a vertex, for passes with a texel per vertex.
+// Neighbours of a vertex, for passes with a texel per vertex.
 #include "tables.glsl"
-uniform usampler2D u_neighbours;        // [vertex] where its list begins, and the end; then the lists: pairs
+uniform usampler2D u_neighbours;        // [vertex] start of its list, and the end; then the lists: pairs
 uniform sampler2D u_positions_normals;  // two texels per vertex
 uniform int u_vertex_count;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where each vertex is: from the box's least corner, metres, a texel per vertex.
+// Position of each vertex from the box's minimum corner, metres, a texel per vertex.
 #include "field_neighbours.glsl"
 uniform vec3 u_box_min;
 out vec4 o_place;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The distances that the steps begin with: 0 at the vertices of a slot's seam triangles, 1 elsewhere (M4D 4.3).
+// Initial distances: 0 at the vertices of a slot's seam triangles, 1 elsewhere (M4D 4.3).
 #include "field_neighbours.glsl"
 uniform sampler2D u_serves_low;
 uniform sampler2D u_serves_high;

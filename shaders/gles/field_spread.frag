@@ -1,30 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// One step of the distances from the seams over the surface, a texel per vertex (Jacobi). A vertex is reached along its
-// edges, and across each of its faces from the two other vertices, in two ways: the distance grows there evenly, as from
-// a straight seam, or from a source that lies where the two distances say once the face is unfolded (M4D 4.4, Fig. 5,
-// windows of SSKGH05). Straight seams make the second too small, points the first too large, and the mean is within
-// 5 % of the clamp for both.
+// One Jacobi step of the distances from the seams over the surface, a texel per vertex. A vertex is reached along its
+// edges, and across each of its faces from the two other vertices, in two ways: the distance grows evenly over the
+// face, as from a straight seam, or from a point source placed in the unfolded face by the two distances (M4D 4.4, Fig.
+// 5). The latter is a window of SSKGH05 (Vitaly Surazhsky, Tatiana Surazhsky, Danil Kirsanov, Steven J. Gortler, Hugues
+// Hoppe: Fast Exact and Approximate Geodesics on Meshes. ACM Transactions on Graphics 24(3) (SIGGRAPH), 2005). It is
+// too small for straight seams, the former too large for points; the mean is within 5 % of the clamp for both.
 #include "field_neighbours.glsl"
 uniform sampler2D u_before_low;
 uniform sampler2D u_before_high;
 uniform float u_per_metre;   // 1 / clamp
-uniform float u_least_side;  // of a face, mean, in units of the clamp: smaller ones count as this large
+uniform float u_least_side;  // minimum mean side of a face, in units of the clamp; smaller ones count as this large
 layout(location = 0) out vec4 o_low;
 layout(location = 1) out vec4 o_high;
 
 const vec4 kNone = vec4(4.0);
 
-// a, b: distances at two corners that are `base` apart; `at`: the third in the frame of the first, x along the base.
-// Feet of the shortest ways must lie on the base; the conditions are multiplied out, since divisions are dear.
+// Distances at a third corner `at`, in the frame of the first with x along the base, from distances a and b at two
+// corners that are `base` apart. The shortest paths must cross the base; the conditions are multiplied out to avoid
+// divisions.
 vec4 across(vec4 a, vec4 b, float base, vec2 at) {
   float per_base = 1.0 / base;
   vec4 growth = (b - a) * per_base, steep = 1.0 - growth * growth;
-  vec4 rise = sqrt(max(steep, 0.0)), along = at.x * rise - at.y * growth;  // the foot, times rise
+  vec4 rise = sqrt(max(steep, 0.0)), along = at.x * rise - at.y * growth;  // crossing point on the base, times rise
   vec4 even = step(1e-6, steep) * step(0.0, along) * step(along, base * rise);
   vec4 straight = mix(kNone, a + growth * at.x + rise * at.y, even);
   vec4 source_x = 0.5 * (base - growth * (a + b)), square = a * a - source_x * source_x;
   vec4 source_y = sqrt(max(square, 0.0)), x = at.x - source_x, y = at.y + source_y;
-  along = source_x * y + x * source_y;  // likewise, times y
+  along = source_x * y + x * source_y;  // crossing point, times y
   vec4 meets = step(0.0, square) * step(0.0, along) * step(along, base * y);
   vec4 round = mix(kNone, sqrt(x * x + y * y), meets);
   return mix(min(straight, round), 0.5 * (straight + round), even * meets);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// DIS: a pixel's flow is the mean over the patches that cover it, each weighted by how well it explains the pixel.
+// DIS densification: a pixel's flow is the mean over the patches that cover it, each weighted by how well it explains
+// the pixel.
 out vec2 o_flow;
 uniform sampler2D u_slopes, u_patches;
 const int kStride = 4;  // half a patch

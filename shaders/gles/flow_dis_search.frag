@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Dense inverse search (Kroeger 2016), one patch per fragment: takes the best start among its own and its neighbours', then
-// runs Gauss-Newton on the mean-normalised difference.
+// Dense inverse search (Kroeger 2016), one patch per fragment: takes the best start among its own and its neighbours',
+// then runs Gauss-Newton on the mean-normalised difference.
 out vec2 o_flow;
 uniform sampler2D u_slopes;  // luma of a, of b, slope of a
-uniform sampler2D u_start;   // flow to start from
-uniform vec4 u_place;        // where patches lie in it: texture coordinates from patch to patch, and those of the first
-uniform float u_gain;        // of u_start
+uniform sampler2D u_start;   // initial flow
+uniform vec4 u_place;        // texture coordinates in u_start: step between patches, first patch
+uniform float u_gain;        // scale of u_start
 uniform int u_iterations;
 const int kPatch = 8, kStride = 4;
 const float kPixels = float(kPatch * kPatch);
-const float kDamping = 512.0;  // holds patches without texture at their start
+const float kDamping = 512.0;  // keeps untextured patches at their start
 
 vec2 start(vec2 neighbour) { return texture(u_start, (gl_FragCoord.xy + neighbour) * u_place.xy + u_place.zw).xy * u_gain; }
 
-// Sum of squared differences, their mean removed; pull: its slope over flow.
+// Sum of squared differences after removal of their mean; pull: its gradient over flow.
 float mismatch(vec2 flow, vec2 mean_slope, out vec2 pull) {
   ivec2 corner = kStride * ivec2(gl_FragCoord.xy);
   vec2 size = vec2(textureSize(u_slopes, 0)), sums = vec2(0.0);

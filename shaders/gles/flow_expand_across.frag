@@ -4,8 +4,8 @@ layout(location = 0) out vec4 o_a;
 layout(location = 1) out vec4 o_b;
 layout(location = 2) out vec2 o_mixed;
 uniform sampler2D u_a, u_b;
-uniform vec4 u_taps[8];   // as flow_expand_down
-uniform vec4 u_inverse;   // of the moments: entries 11, 03, 33, 55
+uniform vec4 u_taps[8];   // the uniform of flow_expand_down
+uniform vec4 u_inverse;   // inverse moments: entries 11, 03, 33, 55
 uniform int u_side;
 
 // y, x, y², x²; then xy

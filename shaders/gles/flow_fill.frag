@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Push-pull over the mipmaps: each coarser level fills what the finer ones leave open, with the mean of both pictures.
+// Push-pull over the mipmaps: coarser levels fill the gaps of finer ones with the mean of both pictures.
 in vec2 v_uv;
 out vec4 o_filled;  // luma of a, luma of b, unused, confidence
 uniform sampler2D u_luma;
-const float kNoise = 2.0 / 255.0;  // luma that compression alone makes, standard deviation
-const int kEmptyLevel = 4;         // whose nine texels round a pixel cover all that finer levels and confidence look at
+const float kNoise = 2.0 / 255.0;  // standard deviation of luma from compression alone
+const int kEmptyLevel = 4;         // nine texels round a pixel cover the reach of finer levels and of confidence
 
-// From the character within 10 pixels: fades where it covers less than 0.4 of them, and where a's luma is constant.
+// Confidence: falls to 0 within 10 pixels of the character, starting where coverage is below 0.4, and where a's luma is
+// constant.
 float confidence() {
   vec3 sum = vec3(0.0);
   vec2 step = 4.0 / vec2(textureSize(u_luma, 0));
@@ -20,8 +21,8 @@ float confidence() {
   return smoothstep(0.0, 0.4, sum.x / 25.0) * variance / (variance + kNoise * kNoise);
 }
 
-// No character in the nine texels of kEmptyLevel round the pixel. Mipmaps of odd sizes leave columns and rows out, and
-// single pixels round to none: what shows something is not asked.
+// True without any character in the nine texels of kEmptyLevel round the pixel. Mipmaps of odd sizes drop columns and
+// rows, and single pixels round to 0, so covered pixels are excluded first.
 bool isFarOutside(ivec2 size) {
   if (max(size.x, size.y) >> kEmptyLevel == 0) return false;
   ivec2 coarse = textureSize(u_luma, kEmptyLevel), here = ivec2(v_uv * vec2(coarse)), last = coarse - 1;

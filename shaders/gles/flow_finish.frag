@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flow at the pictures' size, faded where it cannot be known. EXPLAINS: also where it does not bring the pictures
-// together.
+// Flow at the pictures' size, faded by confidence. EXPLAINS: also faded where it does not align the pictures.
 in vec2 v_uv;
 out vec2 o_flow;
 uniform sampler2D u_flow, u_pictures;
@@ -9,11 +8,11 @@ uniform float u_gain;
 #ifdef EXPLAINS
 const float kStep = 4.0;           // pixels between 5 x 5 samples
 const float kNoise = 1.0 / 255.0;  // luma
-uniform float u_must_explain;      // share of the difference's variance, see FlowOptions
-uniform float u_sure;              // pixels of a displacement that need not explain anything
+uniform float u_must_explain;      // share of the difference's variance (FlowOptions)
+uniform float u_sure;              // displacement exempt from u_must_explain, pixels
 
-// The share of the displacement that is taken: as much as it lowers the variance of b - a round the pixel; all of a long
-// one.
+// Returns the share of the displacement to keep, by its reduction of the variance of b - a round the pixel; 1 for long
+// ones.
 float explained(vec2 flow) {
   vec2 size = vec2(textureSize(u_pictures, 0)), sums = vec2(0.0), squares = vec2(0.0);
   for (int i = 0; i < 25; ++i) {

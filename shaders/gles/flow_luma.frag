@@ -3,7 +3,7 @@
 in vec2 v_uv;
 out vec4 o_luma;
 uniform sampler2D u_a, u_b;
-uniform vec2 u_size;  // of the target
+uniform vec2 u_size;  // target size
 const vec3 kLuma = vec3(0.299, 0.587, 0.114);
 
 vec4 picture(sampler2D from) {

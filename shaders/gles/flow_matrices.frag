@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Farnebäck's normal equations per pixel, from a's expansion here and b's expansion where the flow so far leads.
+// Farnebäck's normal equations per pixel, from a's expansion here and b's expansion displaced by the current flow.
 layout(location = 0) out vec4 o_first;   // G11, G12, G22, h1; y before x
 layout(location = 1) out vec2 o_second;  // h2
 in vec2 v_uv;
 uniform sampler2D u_a, u_b, u_mixed, u_flow;
-uniform float u_gain;  // of the flow so far: its texture may be a coarser level's
+uniform float u_gain;  // scale of the current flow, which may be of a coarser level
 
 const float kScale = 1.0 / 16.0;  // keeps half floats in range
 // OpenCV's weights near the border: 0.14 for two pixels, 0.4472 for three.

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// One direction of a pyramid level as OpenCV makes it: Gaussian blur (borders mirrored), then linear resize; two lumas.
+// One direction of a pyramid level as in OpenCV: Gaussian blur (borders mirrored), then linear resize; two lumas.
 out vec4 o_luma;
 uniform sampler2D u_from;
 uniform int u_down;     // 0: along x, 1: along y
 uniform vec3 u_blur;    // texels of u_from per texel, taps on each side, 1 / (2 sigma²)
-uniform vec2 u_values;  // x is subtracted from the values, then they are multiplied by y
+uniform vec2 u_values;  // offset x is subtracted, then the factor y applied
 
 float weight(int tap) { return abs(tap) <= int(u_blur.y) ? exp(-float(tap * tap) * u_blur.z) : 0.0; }
 

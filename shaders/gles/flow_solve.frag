@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Farnebäck: the equations averaged along y, and solved.
+// Averages Farnebäck's equations along y, and solves them.
 out vec2 o_flow;
 #include "flow_box.glsl"
-const float kRegular = 1e-3 / 256.0;  // OpenCV's, times the square of flow_matrices' scale
+const float kRegular = 1e-3 / 256.0;  // OpenCV's value, times the square of flow_matrices' scale
 
 void main() {
   vec4 g;  // G11, G12, G22, h1

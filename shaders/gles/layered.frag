@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// LVDT Eq. 3-4 with the corrected sign, per-fragment rays and seam feathering, for each drawn member; the members
-// are blended by their weights. Blends encoded values, as the paper does.
+// Layered view-dependent texture: LVDT Eq. 3-4 with the corrected sign, per-fragment rays and seam feathering, for each
+// drawn member; the members are blended by their weights. Marco Volino, Adrian Hilton: Layered View-Dependent Texture
+// Maps. European Conference on Visual Media Production (CVMP), 2013. Blends encoded values, as the paper does.
 #include "layered_weights.glsl"
 
-// Weights of the ranks of drawn member m, scaled to sum 1.
+// Returns the weights of the ranks of drawn member m, normalised to sum 1.
 void rankShares(int m, vec3 normal, vec3 to_eye, out float shares[LAYERS]) {
   float sum = 0.0;
   for (int rank = 0; rank < LAYERS; ++rank) {

@@ -1,11 +1,11 @@
-// The colour of a fragment, from the shares of the ranks (rankShares).
+// Colour of a fragment, from the shares of the ranks (rankShares).
 #ifdef ALIGNED
-uniform float u_detail;  // how much contrast of detail to restore, which the mean of several looks loses
+uniform float u_detail;  // contrast gain that compensates for the mean of several looks
 const float kReach = 3.0;
 #endif
 
-// Colour of drawn member m. ALIGNED: detail is restored against both neighbours on a diagonal, which turns
-// from member to member.
+// Returns the colour of drawn member m. ALIGNED: detail is restored against both neighbours on a diagonal that
+// alternates between members.
 vec3 memberColor(int m, vec3 normal, vec3 to_eye) {
   float shares[LAYERS];
   rankShares(m, normal, to_eye, shares);

@@ -1,4 +1,4 @@
-// What layered.vert hands to layered.frag: at most 15 vectors for 4 members of 6 layers. VARYING: in or out.
+// Varyings from layered.vert to layered.frag: at most 15 vectors for 4 members of 6 layers. VARYING: in or out.
 VARYING vec3 v_point;   // character's frame, metres
 VARYING vec3 v_normal;
 VARYING vec2 v_uv[MEMBERS];

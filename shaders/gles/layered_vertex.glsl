@@ -1,4 +1,4 @@
-// A corner of the character, as layered.vert has it.
+// Vertex shader of layered characters; writes layered_varyings.glsl.
 #include "character_vertex.glsl"
 #define VARYING out
 #include "layered_varyings.glsl"
@@ -8,12 +8,12 @@ uniform mat4 u_clip_from_character;
 uniform vec4 u_members[MEMBERS];    // per drawn member m: its number in the appearance, its weight
 uniform int u_vertex_count;
 uniform int u_face_count;
-invariant gl_Position;              // mesh_picture.vert covers the same pixels
+invariant gl_Position;              // matched by mesh_picture.vert
 
 float maskOf(uint camera, uint mask) { return camera == kEmpty ? 0.0 : float((mask >> camera) & 1u); }
 
 #ifdef ALIGNED
-uniform sampler2D u_alignment;  // [member - 1][vertex]; metres along the tangents from member 0's content to the member's
+uniform sampler2D u_alignment;  // [member - 1][vertex]; metres along the tangents, from member 0's content
 
 vec2 displacementOf(int m, int vertex) {
   int member = int(u_members[m].x);

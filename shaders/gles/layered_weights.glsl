@@ -1,4 +1,4 @@
-// What layered.frag knows of a fragment before it weighs the ranks: their weights one by one.
+// Blend weight of each rank at a fragment, before normalisation.
 #define VARYING in
 #include "layered_varyings.glsl"
 #include "picture.glsl"
@@ -9,7 +9,7 @@ uniform vec3 u_eye;
 uniform vec4 u_camera_centres[MAX_CAMERAS];
 uniform vec2 u_exponents;  // RecipeOptions::facing_exponent, view_exponent
 
-// Below this sum of weights the first rank takes over.
+// Sum of weights below which the first rank is used alone.
 const float kMinSum = 1e-8;
 
 uint labelOf(int m, int rank) { return (v_labels[m] >> uint(5 * rank)) & kEmpty; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a picture of the same mesh and view has at this pixel; its alpha is the mesh's coverage, which this draw has.
-uniform sampler2D u_shown;  // premultiplied, of the target's size
+// Looks up a picture of the same mesh and view at this pixel. Alpha is the mesh's coverage, supplied by this draw.
+uniform sampler2D u_shown;  // premultiplied, the target's size
 out vec4 o_color;
 
 void main() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The character as layered.vert covers it.
+// The character, with the same coverage as layered.vert.
 #include "character_vertex.glsl"
 uniform mat4 u_clip_from_character;
 invariant gl_Position;

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two pictures of one mesh and view, premultiplied. FLOW: 4DVT Eq. 7 corrected (algorithms/alignment.md).
+// Mixes two premultiplied pictures of one mesh and view. FLOW: 4DVT Eq. 7 corrected (algorithms/alignment.md).
 in vec2 v_uv;
 out vec4 o_color;
 uniform sampler2D u_first;
 uniform sampler2D u_second;
-uniform float u_share;  // of the second
+uniform float u_share;  // share of the second
 
 #ifdef FLOW
 uniform sampler2D u_flow;  // pixels: first(p) ~ second(p + flow)
 
 vec3 straight(vec4 color) { return color.rgb / max(color.a, 1.0 / 255.0); }
 
-// Straight colour; `plain` where a warped picture leaves the character.
+// Returns straight colour; `plain` where a warped picture leaves the character.
 vec3 warped(vec3 plain) {
   vec2 flow = texelFetch(u_flow, ivec2(gl_FragCoord.xy), 0).xy / vec2(textureSize(u_first, 0));
   vec4 first = texture(u_first, v_uv - u_share * flow);

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the fields should be, a texel per vertex: V γ (n·v_i)^a (v·v_i)^b for each slot, that is M4D Eq. 4
-// with the surface's angle of LVDT Eq. 3. The global visibility g is left out: which cameras a face has is the bake's
-// choice already.
+// Aims of the fields, a texel per vertex: V γ (n·v_i)^a (v·v_i)^b for each slot, that is M4D Eq. 4 with the surface's
+// angle of LVDT Eq. 3. The global visibility g is omitted, since the bake already selects the cameras of a face.
 #include "montage_slots.glsl"
 uniform sampler2D u_distances_low;  // γ
 uniform sampler2D u_distances_high;
 uniform sampler2D u_positions_normals;
-uniform vec4 u_slot_centres[8];     // of the slots' cameras, character's frame
+uniform vec4 u_slot_centres[8];     // camera centres of the slots, character's frame
 uniform vec3 u_eye;
-uniform vec2 u_powers;              // of surface and ray, of view and ray
+uniform vec2 u_powers;              // exponents: surface and ray, view and ray
 layout(location = 0) out vec4 o_low;
 layout(location = 1) out vec4 o_high;
 

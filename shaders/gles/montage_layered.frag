@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// As layered.frag, but the ranks weigh what their cameras' fields say (M4D Eq. 1, 4, 5). Where the fields are small all
-// together the plain weights take over smoothly, as M4D keeps the normal-weighted blend where all γ are small.
+// Variant of layered.frag with ranks weighted by their cameras' fields (M4D Eq. 1, 4, 5). Where all fields are small
+// the plain weights take over smoothly, as M4D keeps the normal-weighted blend where all γ are small.
 #include "layered_weights.glsl"
-in vec4 v_fields[(LAYERS + 3) / 4];  // of the member that has them, by rank
+in vec4 v_fields[(LAYERS + 3) / 4];  // fields of one member, by rank
 uniform int u_field_member;
-uniform float u_field_share;         // of the fields in that member's weights, 0..1
+uniform float u_field_share;         // share of the fields in that member's weights, 0..1
 
-const float kWhole = 0.25;  // fields that are this part of the plain weights have their whole share
+const float kWhole = 0.25;  // ratio of fields to plain weights from which the fields have their whole share
 
-// Weights of the ranks of drawn member m, scaled to sum 1.
+// Returns the weights of the ranks of drawn member m, normalised to sum 1.
 void rankShares(int m, vec3 normal, vec3 to_eye, out float shares[LAYERS]) {
   float fields[LAYERS];
   float sum = 0.0, field_sum = 0.0;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// As layered.vert, and the fields of the cameras that one drawn member's ranks are made from.
+// Variant of layered.vert with the fields of the cameras of one drawn member's ranks.
 #include "layered_vertex.glsl"
 out vec4 v_fields[(LAYERS + 3) / 4];  // by rank
-uniform int u_field_member;           // the drawn member that has fields
+uniform int u_field_member;           // drawn member that has fields
 uniform vec4 u_slot_cameras[2];
 uniform sampler2D u_fields_low;       // a texel per vertex, a channel per slot
 uniform sampler2D u_fields_high;
 
-// Of a camera without a slot: as if it had no seam and were seen from in front.
+// Returns a camera's field; without a slot 1, equal to no seam and a frontal view.
 float fieldOf(uint camera, vec4 low, vec4 high) {
   vec4 in_low = vec4(equal(vec4(camera), u_slot_cameras[0])), in_high = vec4(equal(vec4(camera), u_slot_cameras[1]));
   float held = dot(in_low + in_high, vec4(1.0));

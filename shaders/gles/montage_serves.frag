@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A slot's camera serves a vertex that has it in the label set of every face there. A texel per vertex.
+// Visibility of each slot's camera at a vertex: 1 if every face there has the camera in its label set. A texel per
+// vertex.
 #include "montage_slots.glsl"
 layout(location = 0) out vec4 o_low;
 layout(location = 1) out vec4 o_high;

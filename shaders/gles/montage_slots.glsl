@@ -1,8 +1,8 @@
-// Which camera each of the eight slots of a field holds; negative: none. Passes with a texel per vertex.
+// Camera of each of the eight slots of a field; negative: none. For passes with a texel per vertex.
 #include "tables.glsl"
 uniform vec4 u_slot_cameras[2];
 uniform usampler2D u_vertex_masks;  // [member][vertex]; bit c: camera c is in the set of every incident face
-uniform int u_first;                // of the member
+uniform int u_first;                // first row of the member's vertices in the table
 uniform int u_vertex_count;
 
 int vertexHere() { return int(gl_FragCoord.y) * TABLE_WIDTH + int(gl_FragCoord.x); }

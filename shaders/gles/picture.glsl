@@ -2,14 +2,14 @@
 #include "decoded_picture.glsl"
 uniform vec4 u_layer_rects[MEMBERS * LAYERS];  // x, y, width, height in picture texture coordinates
 
-// uv: the character's, origin top left. Never reads outside the layer's rectangle.
+// Samples at the character's uv (origin top left), clamped to the layer's rectangle.
 vec3 sampleLayer(int layer, vec2 uv) {
   vec4 rect = u_layer_rects[layer];
   return decodedColor(rect.xy + uv * rect.zw, rect);
 }
 
 #ifdef ALIGNED
-// Mean luma on both sides, at `offset` texels of the first layer.
+// Mean luma at plus and minus `offset` texels of the first layer.
 float lumaBeside(int layer, vec2 uv, vec2 offset) {
   vec4 rect = u_layer_rects[layer];
   vec2 at = rect.xy + uv * rect.zw, away = offset / u_picture_size * (rect.zw / u_layer_rects[0].zw);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blended over what is there. Mode 0 keeps the colour and only writes depth, 1 draws the corners' colour, with 2 that is
-// a place in the picture.
+// Scene mesh, blended over the target. Mode 0 keeps the colour and writes depth only; 1 draws the corners' colour; 2
+// uses that colour as texture coordinates of the picture.
 in vec3 v_color;
 out vec4 o_color;
 uniform float u_mode;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One direction of a Gaussian, another width for each channel.
+// One direction of a Gaussian blur with a width per channel.
 in vec2 v_uv;
 out vec4 o_occlusion;
 uniform sampler2D u_occlusion;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// R: contact, fades within centimetres above the ground. G: body, fades within about a metre. Lengths of a person.
+// R: contact, fades within centimetres above the ground. G: body, fades within about a metre. Lengths for a person.
 in float v_height_m;
 uniform float u_length_scale;
 out vec4 o_occlusion;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The character from above, orthographic; nearer in depth = lower, so that the lowest surface casts.
+// The character from above, orthographic; lower is nearer in depth, so that the lowest surface casts.
 #include "character_vertex.glsl"
 uniform vec4 u_ground;  // centre x, centre z, half extent (m), ground y (m)
-uniform float u_height_m;  // of the volume that casts
+uniform float u_height_m;  // height of the volume that casts
 out float v_height_m;
 
 void main() {

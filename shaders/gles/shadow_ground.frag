@@ -4,7 +4,7 @@ in vec2 v_local;
 out vec4 o_color;
 uniform sampler2D u_occlusion;
 uniform float u_strength;
-// Gains undo what the blur takes from a foot's and a body's width.
+// Gains that compensate for the blur of a foot's and a body's width.
 const vec2 kGain = vec2(1.6, 1.3);
 const vec2 kShare = vec2(0.85, 0.7);
 

@@ -5,7 +5,7 @@ uniform vec3 u_eye;
 uniform vec4 u_ground;  // centre x, centre z, half extent (m), ground y (m)
 out vec2 v_local;       // -1..1
 
-const float kNearer = 0.003;  // share of the way to the eye, so that the shadow lies in front of a scene's floor; it covers the same pixels
+const float kNearer = 0.003;  // share of the way to the eye, in front of a scene's floor
 
 void main() {
   const vec2 corners[6] = vec2[6](vec2(-1, -1), vec2(-1, 1), vec2(1, 1), vec2(-1, -1), vec2(1, 1), vec2(1, -1));

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plane sweep: how badly the pictures agree on a surface at a depth, for four depths a fragment. The target holds blocks
-// of the reference's region one above another; block b has the depths 4 b … 4 b + 3, counted from the plane just before
-// the hull's front. 1: outside the hull, because a camera that sees the place sees background there.
+// Plane sweep: photo-consistency cost of a surface at four depths per fragment. The target holds blocks of the
+// reference's region one above another; block b has the depths 4 b … 4 b + 3, counted from the plane just before the
+// hull's front. 1: outside the hull, where a camera that sees the point sees background.
 out vec4 o_costs;
 uniform highp sampler2DArray u_pictures;          // straight RGBA, alpha = matte
 uniform highp sampler2D u_front;                  // metres, 0: no hull
 uniform mat4 u_pixel_from_reference[CAMERAS];     // from (x z, y z, z, 1), pixels and metres
 uniform vec4 u_layers[CAMERAS];                   // x: layer of u_pictures, y, z: its size in pixels. Sources go first
-uniform vec4 u_region;                            // of the reference: first column, first row, columns, rows
+uniform vec4 u_region;                            // reference region: first column, first row, columns, rows
 uniform vec2 u_texel;                             // one over the size of a layer
 uniform float u_step;                             // metres between planes
 const float kNoise = 0.0006;           // variance of three channels below which a patch counts as untextured
 const float kBackground = 0.35;        // a matte below this, between its reduced samples, is background
-const float kUnlike = 0.95, kUnknown = 0.9;  // costs of patches that differ in all, and of those that show too little
+const float kUnlike = 0.95, kUnknown = 0.9;  // costs of patches without any match, and of untextured ones
 
 vec3 pixelIn(int camera, vec2 pixel, float depth) {
   return (u_pixel_from_reference[camera] * vec4(pixel * depth, depth, 1.0)).xyz;
@@ -30,8 +30,8 @@ bool insideHull(vec2 pixel, float depth) {
   return true;
 }
 
-// Of the patches round the pixel in the first source and another: 1 - correlation, the colours' difference, and how
-// much the mattes differ.
+// Cost of the patches round the pixel in the first source and another, from 1 - correlation, colour difference and
+// matte difference.
 float pairCost(float weight, vec3 a, vec3 b, vec3 aa, vec3 bb, vec3 ab, float mattes) {
   float samples = float((2 * RADIUS + 1) * (2 * RADIUS + 1));
   if (weight < 0.25 * samples) return kUnknown;

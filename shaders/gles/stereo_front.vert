@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The hull seen from a reference, with its depth in metres along the optical axis. Draw the corners of all faces.
+// The hull from a reference camera, with its depth in metres along the optical axis. Draw the corners of all faces.
 #include "tables.glsl"
 uniform usampler2D u_corner_vertices;
 uniform sampler2D u_positions;

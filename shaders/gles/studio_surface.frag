@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Albedo × folds × lights + highlight, in sRGB-coded values. Opaque: coverage becomes alpha by multisampling.
+// Albedo × folds × lights + highlight, in sRGB-encoded values. Opaque: coverage becomes alpha by multisampling.
 uniform sampler2D albedo;
 uniform vec3 eye;
 uniform vec4 shading;  // wrinkles, specular, shading, unused; 0…1 each
-uniform vec2 motion;  // place among the motions 0…1, phase 0…1
+uniform vec2 motion;  // motion in 0…1, phase 0…1
 in vec2 v_uv;
 in vec3 v_world, v_normal, v_rest;
 out vec4 color;

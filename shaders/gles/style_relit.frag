@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light from nine coefficients at the normal in the viewer's frame (M4D Eq. 6-7) brightens or darkens what is
-// shown (Eq. 8); half of the range changes nothing. Encoded values, as the paper does.
+// Relighting: light from nine coefficients at the normal in the viewer's frame (M4D Eq. 6-7) brightens or darkens the
+// picture (M4D Eq. 8); half of the range is neutral. Blends encoded values, as the paper does.
 #include "style_shown.glsl"
 centroid in vec3 v_normal;            // character's frame
 uniform mat4 u_light_from_character;  // a rotation

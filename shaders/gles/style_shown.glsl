@@ -1,6 +1,6 @@
-// The figure's finished picture. Where its own draw was transparent, a style is too.
-uniform sampler2D u_shown;  // premultiplied, of the target's size
-uniform float u_strength;   // 0: as shown, 1: all of the style
+// The figure's finished picture; a style keeps its transparency.
+uniform sampler2D u_shown;  // premultiplied, the target's size
+uniform float u_strength;   // 0: unstyled, 1: full style
 out vec4 o_color;
 
 vec4 shownAt(ivec2 pixel) { return texelFetch(u_shown, clamp(pixel, ivec2(0), textureSize(u_shown, 0) - 1), 0); }
