@@ -20,12 +20,10 @@ std::vector<uint32_t> cornersBefore(std::span<const glm::uvec3> uvs, size_t uv_c
 void shareCorners(std::span<const uint32_t> before, std::span<const glm::uvec3> vertices,
                   std::span<const uint32_t> labels, std::vector<uint32_t>& shared);
 
-// Coarse faces over the same vertices, for content without detail such as soft shadows.
-
 // Merges vertices that share a grid cell and are connected by edges within it, each group to its lowest vertex;
 // vertices below `fine_below_m` are kept. Vertex clustering after RB93 (Jarek Rossignac, Paul Borrel: Multi-resolution
 // 3D Approximations for Rendering Complex Scenes. Modeling in Computer Graphics, 1993), restricted to connected
-// surface. Returns an index list, three corners per remaining face.
+// surface. Returns an index list, three corners per remaining face, for content without detail.
 std::vector<uint32_t> coarseCorners(std::span<const glm::uvec3> faces, std::span<const glm::vec3> positions,
                                     float cell_m, float fine_below_m);
 

@@ -17,7 +17,7 @@ uniform float u_depth_bias;                 // bias of the depth test, metres
 uniform float u_least_cosine;               // cosine of surface normal and ray below which a camera is rejected
 uniform mat4 u_pixel_from_character[CAMERAS];  // → (pixel · depth, depth along the optical axis, unused)
 uniform vec4 u_centres[CAMERAS];            // xyz character's frame; w layer of the depth maps
-uniform vec4 u_pixel_spans[CAMERAS];        // metres per pixel at 1 m; depth map texels per pixel (yz); picture layer
+uniform vec4 u_pixel_spans[CAMERAS];        // x: metres per pixel at 1 m; yz: depth map texels per pixel; w: layer
 uniform vec4 u_sizes_near_far[CAMERAS];     // pixels, pixels, metres, metres
 
 const float kMinSum = 1e-6;

@@ -103,10 +103,6 @@ class FlowSum {
   gpu::Program program_;
 };
 
-// Mean form of Floating Textures: flow from the mean of a view's pictures to each of them, n flows a round. The first
-// round, at a quarter of the view's size, displaces the pictures by its flow; the second, at half the size, starts from
-// their sharper mean. Cameras are chosen and the surface is drawn by floating.cpp.
-
 // Blends the pictures of a view by their weights.
 class PictureBlend {
  public:
@@ -122,6 +118,9 @@ class PictureBlend {
   std::map<std::string, gpu::Program> programs_;  // keyed by defines
 };
 
+// Mean form of Floating Textures: flow from the mean of a view's pictures to each of them, n flows a round. The first
+// round, at a quarter of the view's size, displaces the pictures by its flow; the second, at half the size, starts from
+// their sharper mean. Cameras are chosen and the surface is drawn by floating.cpp.
 class FloatingStar {
  public:
   // Errors: Unsupported: no half-float targets.
