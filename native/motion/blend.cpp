@@ -10,7 +10,7 @@ namespace {
 
 using package::ParameterSample;
 using package::Sequence;
-using Corners = std::array<glm::dvec2, 3>;  // of a simplex, in parameter ranges
+using Corners = std::array<glm::dvec2, 3>;  // simplex corners, in shares of the parameter ranges
 
 glm::dvec2 pointOf(std::span<const double> at, std::span<const Range> ranges) {
   glm::dvec2 point(0);
@@ -26,7 +26,7 @@ double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y 
 struct Nearest {
   double distance = 1e300;  // squared
   uint32_t simplex = 0;
-  glm::dvec3 shares{1, 0, 0};  // of the simplex's corners
+  glm::dvec3 shares{1, 0, 0};  // barycentric weights of the simplex's corners
   void offer(double d, uint32_t s, const glm::dvec3& corner_shares) {
     if (d < distance) *this = {d, s, corner_shares};
   }

@@ -12,38 +12,37 @@
 
 namespace fourdvt::motion {
 
-// --- parameter values → what to blend: pure logic on the manifest's tables (package/character.h) ---
+// ---- parameter values → weights, from the manifest's tables (package/character.h) ----
 
 struct BlendWeights {
   std::vector<float> members;  // sum 1
-  std::vector<float> offsets;  // coefficients of the references
+  std::vector<float> offsets;  // coefficients of the mesh blend's references
 };
 
 // Gives one member the whole weight.
 BlendWeights memberWeights(const package::Sequence& sequence, size_t member);
-// The weights at the point of the space's simplices that lies nearest to `at`. A plain sequence has {1}. `at`: one
-// value per parameter.
+// Weights at the point of the space's simplices nearest to `at` (one value per parameter). A plain sequence has {1}.
 BlendWeights weightsAt(const package::Sequence& sequence, std::span<const double> at);
 struct Range {
   double min = 0, max = 0;
 };
 Range parameterRange(const package::Sequence& sequence, size_t parameter);
 int findParameter(const package::Sequence& sequence, std::string_view name);  // -1: no parameter has that name
-// Duration of one pass at these weights of the members; durations mix linearly.
+// Duration of one pass, seconds: members' durations mixed linearly by their weights.
 double durationAt(const package::Sequence& sequence, std::span<const float> members);
 
-// --- one frame of a stream → positions, by the hybrid blend (algorithms/motion.md): the linear blend of the members
-// plus precomputed corrections towards the non-linear blend. Nothing is solved at run time. ---
+// ---- one frame of a stream → positions by the hybrid blend (algorithms/motion.md): linear blend of the members plus
+// precomputed corrections towards the non-linear blend; no solve at run time ----
 
-// Blends frame number `row` of a chunk, which must be decoded. `out` gets vertex_count points in metres.
+// Blends frame `row` of a decoded chunk. `out` gets vertex_count points in metres.
 void blendFrame(const package::ChunkFrames& frames, uint32_t row, const package::StreamIndex& index,
                 const BlendWeights& weights, Positions& out);
-// Alignment in metres along the vertex's tangents: [member - 1][vertex]; empty if the stream has none.
+// Alignment along the vertex's tangents, metres: [member - 1][vertex]; empty if the stream has none.
 void alignmentOf(const package::ChunkFrames& frames, uint32_t row, const package::StreamIndex& index,
                  std::vector<glm::vec2>& out);
-// The members' root motion since frame 0 of the sequence (ChunkFrames::root), mixed by their weights.
+// Members' root motion since frame 0 of the sequence (ChunkFrames::root), mixed by weight.
 glm::vec3 rootOf(const package::ChunkFrames& frames, uint32_t row, std::span<const float> members);
-// out = a + share * (place(b) - a): cross-fade of two meshes of the same topology, b first moved by `a_from_b`.
+// out = a + share * (place(b) - a): cross-fade of two meshes of one topology; `a_from_b` moves b first.
 void crossFade(Positions& a, std::span<const glm::vec3> b, const glm::mat4& a_from_b, float share);
 
 }  // namespace fourdvt::motion

@@ -115,7 +115,7 @@ std::optional<Transition> MotionGraph::plan(const PlayedState& from, int target,
   const GraphState& state = states_[source];
   const uint32_t last = state.frame_count - 1, row = nearestRow(state, from.weights);
   const uint32_t frame = std::min(from.frame, last);
-  // After its end a motion shows no new frame. A loop goes on, and shows every frame within one pass.
+  // A motion that does not loop shows no new frame after its end; a loop shows every frame within one pass.
   const double longest = loops_[source] ? 1e6 : last - frame;
   const auto frames = [&](double wait) { return uint32_t(std::clamp(wait, 0.0, longest)); };
   const uint32_t first = frames(std::ceil(options.min_wait_s * frames_per_s - 1e-6));

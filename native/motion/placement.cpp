@@ -6,7 +6,7 @@
 namespace fourdvt::motion {
 namespace {
 
-// A ground vector (x, z) turned by a heading.
+// Turns a ground vector (x, z) by a heading.
 glm::vec2 turned(const glm::vec2& v, float heading_rad) {
   const float c = std::cos(heading_rad), s = std::sin(heading_rad);
   return {c * v.x + s * v.y, c * v.y - s * v.x};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Place of a character on the ground, and its root motion. Ground = the xz plane; a heading turns about y,
-// positive from +z towards +x; heading 0 faces +z.
+// Placement of a character on the ground, and its root motion. Ground: the xz plane. A heading turns about y, positive
+// from +z towards +x; heading 0 faces +z.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,16 +8,15 @@
 namespace fourdvt::motion {
 
 struct Placement {
-  glm::vec2 ground_m{0};  // x, z in world
+  glm::vec2 ground_m{0};  // x, z in world coordinates
   float heading_rad = 0;
 };
 
 glm::mat4 worldFromCharacter(const Placement& placement);
-// `step`: metres along x and z and radians about y, in the character's frame before the step.
+// Applies `step`: metres along x and z and radians about y, in the character's frame before the step.
 Placement moved(const Placement& placement, const glm::vec3& step);
-// The step that leads from one root value to the next (both as of blend.h rootOf, in the frame of frame 0),
-// seen from the character's own frame at `from`.
+// Step between two root values (rootOf in blend.h, in the frame of frame 0), in the character's own frame at `from`.
 glm::vec3 stepBetween(const glm::vec3& from, const glm::vec3& to);
-float wrapAngle(float radians);  // to -π…π
+float wrapAngle(float radians);  // wraps to -π…π
 
 }  // namespace fourdvt::motion

@@ -17,7 +17,7 @@ Error invalidMesh(const char* what) {
   return {ErrorId::MeshDataInvalid, std::string("base mesh: ") + what + "; the mesh file is damaged, upload it again"};
 }
 
-// Float values of an attribute, Components each; false if an index or a value is bad.
+// Reads an attribute's values, Components floats each; false on a bad index or value.
 template <class Vec>
 bool attributeValues(const draco::PointAttribute& attribute, std::vector<Vec>& out) {
   constexpr int kComponents = sizeof(Vec) / sizeof(float);
@@ -47,7 +47,7 @@ std::unique_ptr<draco::Mesh> decodeDracoMesh(std::span<const uint8_t> bytes, uin
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   auto mesh = std::make_unique<draco::Mesh>();
-  draco::MeshEdgebreakerDecoder decoder;  // the one method that looksLikeMesh lets through
+  draco::MeshEdgebreakerDecoder decoder;  // only method that looksLikeMesh accepts
   return decoder.Decode({}, &buffer, mesh.get()).ok() ? std::move(mesh) : nullptr;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two passes: edgebreaker with per-corner identifiers shows where every vertex and face goes; the second pass is
-// encoded without them and must come back in the same order.
+// Two passes: edgebreaker with per-corner identifiers yields the decoded order of vertices and faces; the second pass
+// encodes without identifiers and must decode in the same order.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -19,7 +19,7 @@ constexpr double kMaxUvErrorTexels = 0.1, kTexelsPerUv = 1024;
 constexpr int kMaxUvBits = 20;
 
 struct Quantisation {
-  int position = 14, uv = 13;  // bits
+  int position = 14, uv = 13;  // quantisation bits
 };
 
 Error meshFailed(const std::string& what) { return {ErrorId::Internal, "base mesh: " + what}; }
@@ -35,7 +35,7 @@ int addFloats(draco::Mesh& mesh, GeometryAttribute::Type type, const std::vector
   return id;
 }
 
-// The Draco point of every corner: one point per unique (vertex, uv) pair, or one per corner.
+// Draco point of every corner: one point per unique (vertex, uv) pair, or one per corner.
 std::vector<uint32_t> cornerPoints(const MeshTopology& topology, bool one_per_corner, uint32_t& point_count) {
   std::vector<uint32_t> points;
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> known;
@@ -50,7 +50,7 @@ std::vector<uint32_t> cornerPoints(const MeshTopology& topology, bool one_per_co
   return points;
 }
 
-// with_ids adds a generic int32 attribute that holds 3 * face + corner.
+// with_ids: adds a generic int32 attribute holding 3 * face + corner.
 draco::Mesh* buildMesh(draco::Mesh& mesh, const MeshTopology& topology, const Positions& positions, bool with_ids) {
   uint32_t point_count = 0;
   const std::vector<uint32_t> points = cornerPoints(topology, with_ids, point_count);
@@ -118,7 +118,7 @@ Status readOrder(const draco::Mesh& mesh, const BaseMesh& base, const MeshTopolo
   return {};
 }
 
-// Corner of the source face that a decoded corner came from; rotations keep the winding.
+// Source-face corner of a decoded corner; rotations keep the winding.
 int sourceCorner(const EncodedBaseMesh& mesh, const MeshTopology& source, uint32_t face, int corner) {
   for (int turn = 0; turn < 3; ++turn) {
     bool same = true;
@@ -131,7 +131,7 @@ int sourceCorner(const EncodedBaseMesh& mesh, const MeshTopology& source, uint32
   return -1;
 }
 
-// Largest UV error in texels of a 1024 texture, or negative if positions or faces are not the source's.
+// Largest UV error in texels of a 1024² texture; negative if positions or faces differ from the source's.
 double verify(const EncodedBaseMesh& mesh, const MeshTopology& source, const Positions& positions, int position_bits) {
   glm::vec3 low(1e30f), high(-1e30f);
   for (const glm::vec3& p : positions) low = glm::min(low, p), high = glm::max(high, p);

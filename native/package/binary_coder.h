@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adaptive binary arithmetic coding, integers only: the same bits on every machine. Exact definition: FORMAT.md, "The
-// bit coder". A model is a template over BinaryEncoder / BinaryDecoder, so that both sides run the same code; code()
-// takes the bit to write, or ignores it, and returns the bit. Functions of models that run for every vertex or face are
-// [[gnu::flatten]]: a page's build is made for size and would leave the arithmetic in them as calls. Internal to
-// package/.
+// Adaptive binary arithmetic coding in integers: identical bits on every machine. Exact definition: FORMAT.md, "The bit
+// coder".
+// A model is a template over BinaryEncoder / BinaryDecoder, so that both sides run the same code; code() takes the bit
+// to write (ignored by the decoder) and returns the bit.
+// Model functions that run per vertex or face are [[gnu::flatten]]: a size-optimised wasm build would leave their
+// arithmetic as calls. Internal to package/.
 #pragma once
 
 #include <array>
@@ -51,7 +52,7 @@ class BinaryDecoder {
     return bit;
   }
   bool overrun() const { return position_ > bytes_.size(); }
-  // What a whole stream leaves behind: every byte read, none missing.
+  // True at the end of an intact stream: every byte read, none missing.
   bool finished() const { return position_ == bytes_.size(); }
 
  private:
@@ -64,12 +65,12 @@ class BinaryDecoder {
   uint32_t low_ = 0, high_ = UINT32_MAX, value_ = 0;
 };
 
-// Probability of a 1 with 22 bits, and how often it was updated with 10.
+// Probability of a 1 (22 bits) and its number of updates (10 bits).
 class AdaptiveBit {
  public:
   uint32_t p16() const { return state_ >> 16; }
   uint32_t p12() const { return state_ >> 20; }
-  // Moves by 1 / (n + 1.5), n at most `limit`.
+  // Moves the probability by 1 / (n + 1.5), n at most `limit`.
   void update(bool bit, uint32_t limit) {
     const uint32_t n = state_ & 1023, rate = 131072 / (2 * n + 3);
     const int64_t p = state_ >> 10, moved = p + ((((bit ? 4194303 : 0) - p) * rate) >> 16);
@@ -80,7 +81,7 @@ class AdaptiveBit {
   uint32_t state_ = 1u << 31;
 };
 
-// ln(p / (1 - p)) and back, in 1/128.
+// Logistic function and its inverse ln(p / (1 - p)), in 1/128.
 class Logistic {
  public:
   static constexpr int kMax = 1407;
@@ -105,7 +106,7 @@ class Logistic {
   std::array<int16_t, 4096> stretch_;
 };
 
-// Predicts a bit from N contexts: their probabilities are weighted in the logistic domain by weights that learn.
+// Predicts a bit from N contexts: mixes their probabilities in the logistic domain with learned weights.
 template <int N>
 class MixedBit {
  public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stream headers and chunks may hold. Internal to package/.
+// Limits and counts of stream headers and chunks. Internal to package/.
 #pragma once
 
 #include <cmath>
@@ -11,12 +11,12 @@
 
 namespace fourdvt::package {
 
-// Limits of a sequence, in the manifest and in its stream's header alike.
+// Sequence limits, in the manifest and in the stream header alike.
 constexpr uint32_t kMaxFrames = 1u << 20;
 constexpr uint32_t kMaxCount = 1u << 22;  // vertices, faces
 constexpr uint32_t kMaxRenditions = 16;
 
-// counts: StreamIndex or ChunkFrames. A plain sequence has no blend to correct and nothing to align.
+// Checks a StreamIndex or ChunkFrames. A plain sequence has no blend corrections and no alignment.
 template <class Counts>
 bool validCounts(const Counts& counts) {
   return counts.layer_count >= 1 && counts.layer_count <= uint32_t(kMaxLayers) && counts.member_count >= 1 &&
@@ -25,20 +25,20 @@ bool validCounts(const Counts& counts) {
          (counts.alignment_count == 0 || counts.alignment_count == counts.member_count - 1);
 }
 
-// Of a camera stream (surface_chunk.h): its chunks hold surfaces, which have no layers and no members to blend.
+// True for a camera stream (surface_chunk.h): its chunks hold surfaces, without layers or members.
 inline bool isCameraStream(const StreamIndex& index) {
   return index.layer_count == 0 && index.member_count == 1 && index.reference_count == 0 && index.alignment_count == 0;
 }
 
-// Coded parts of a chunk, each with its length at the chunk's beginning (FORMAT.md): a member's positions, its labels,
-// the next member's …, offsets, alignment.
+// Number of coded parts of a chunk, each with its length at the chunk's beginning (FORMAT.md): per member positions and
+// labels, then offsets, alignment.
 template <class Counts>
 uint32_t partCount(const Counts& counts) {
   return 2 * counts.member_count + counts.reference_count + counts.alignment_count;
 }
 
-// What one decoded frame takes: ChunkFrames::bytes() of a chunk, by its counts; of a camera stream, positions and
-// faces, as if every frame had its own.
+// Decoded bytes per frame, equal to ChunkFrames::bytes() of a chunk by its counts; of a camera stream, positions and
+// faces, counted for every frame.
 template <class Counts>
 uint64_t decodedFrameBytes(const Counts& counts) {
   const uint64_t vertices = counts.vertex_count, faces = counts.face_count;
@@ -48,7 +48,7 @@ uint64_t decodedFrameBytes(const Counts& counts) {
          counts.alignment_count * vertices * sizeof(glm::ivec2);
 }
 
-// StreamIndex → ChunkFrames or back; all counts but that of the frames, which differ.
+// Copies all counts but frame_count between StreamIndex and ChunkFrames.
 template <class From, class To>
 void copyCounts(const From& from, To& to) {
   to.vertex_count = from.vertex_count;
@@ -64,7 +64,7 @@ inline bool validRoot(const glm::vec3& root) {
   return std::fabs(root.x) <= kMax && std::fabs(root.y) <= kMax && std::fabs(root.z) <= kMax;
 }
 
-// The error of a chunk that does not decode, whatever kind of stream it is of.
+// Error of a corrupt chunk, for every kind of stream.
 inline Error invalidChunk(const char* what) {
   return {ErrorId::StreamInvalid, std::string("GOP chunk: ") + what + "; the .bin file is damaged, upload it again"};
 }

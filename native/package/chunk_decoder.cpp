@@ -13,12 +13,12 @@
 namespace fourdvt::package {
 namespace {
 
-// One coded part of a chunk; its frames are decoded in order.
+// One coded part of a chunk, decoded frame by frame in order.
 class Part {
  public:
   explicit Part(std::span<const uint8_t> bytes) : bits_(bytes) {}
   virtual ~Part() = default;
-  // Appends a frame of what the part holds to `out`. False: it does not decode, or bytes are left after the last frame.
+  // Appends one frame of the part to `out`. False: corrupt, or bytes left after the last frame.
   bool decode(ChunkFrames& out, bool last) {
     return decodeFrame(out) && !bits_.overrun() && (!last || bits_.finished());
   }
@@ -28,7 +28,7 @@ class Part {
   BinaryDecoder bits_;
 };
 
-// Makes room for `count` more values, and returns the first.
+// Makes room for `count` more values; returns the first.
 template <class Value>
 Value* append(std::vector<Value>& values, size_t count) {
   values.resize(values.size() + count);
@@ -76,7 +76,7 @@ class FrameByFrame final : public ChunkDecoder {
  public:
   FrameByFrame(const ChunkFrames& counts, const ChunkMesh& mesh) : frames_(counts), mesh_(mesh) {}
 
-  // False: the lengths are not those of the bytes.
+  // False: the part lengths disagree with the byte count.
   bool open(std::span<const uint8_t> bytes) {
     ByteReader lengths(bytes), in(bytes);
     in.bytes(size_t(4) * partCount(frames_));
@@ -117,7 +117,7 @@ class FrameByFrame final : public ChunkDecoder {
     if (broken_) return invalidChunk("positions, labels or fields do not decode");
     return {};
   }
-  // Decodes one frame at a time, so that memory grows only with frames that the bytes really hold.
+  // Decodes one frame at a time, so that memory grows only with frames present in the bytes.
   bool decodePart() {
     const bool last = decoded_ + 1 == frames_.frame_count;
     if (!parts_[part_]->decode(frames_, last)) return false;
@@ -129,7 +129,7 @@ class FrameByFrame final : public ChunkDecoder {
       if (!validRoot(root)) return false;
     }
     ++decoded_;
-    if (last) parts_.clear();  // their models are larger than the frames
+    if (last) parts_.clear();  // models are larger than the frames
     return true;
   }
 
@@ -137,7 +137,7 @@ class FrameByFrame final : public ChunkDecoder {
   const ChunkMesh& mesh_;
   std::vector<std::unique_ptr<Part>> parts_;
   ByteReader root_{{}};
-  size_t part_ = 0;  // of the next frame, that is decoded next
+  size_t part_ = 0;  // next part to decode, of the next frame
   uint32_t decoded_ = 0;
   bool broken_ = false;
 };

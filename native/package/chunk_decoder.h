@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes a GOP's chunk frame by frame, so that a page never waits for a whole GOP at once. Frames are predicted from
-// the ones before, so the first call for frame n decodes 0..n.
+// Decodes a GOP's chunk frame by frame, so that a page never blocks for a whole GOP. Frames are predicted from their
+// predecessors: the first call for frame n decodes 0..n.
 #pragma once
 
 #include <memory>
@@ -12,22 +12,23 @@ namespace fourdvt::package {
 
 class ChunkDecoder {
  public:
-  // `bytes` and `mesh` are borrowed for the decoder's life. Errors: StreamInvalid, as of decodeChunk.
+  // `bytes` and `mesh` are borrowed for the decoder's life. Errors: StreamInvalid, as decodeChunk.
   static Result<std::unique_ptr<ChunkDecoder>> open(std::span<const uint8_t> bytes, const StreamIndex& index,
                                                     uint32_t chunk, const ChunkMesh& mesh);
   virtual ~ChunkDecoder() = default;
-  // Decodes until frames 0..frame of the chunk are there, or all of them. Errors: StreamInvalid, from then on always.
+  // Decodes until frames 0..frame of the chunk, or all of them, are present. Errors: StreamInvalid, from then on
+  // always.
   virtual Status decodeTo(uint32_t frame) = 0;
-  // Decodes a part of the next frame: one member's positions, for example. Nothing once all frames are there. Errors:
-  // as of decodeTo.
+  // Decodes one part of the next frame, e.g. one member's positions. No effect after the last frame. Errors: as
+  // decodeTo.
   virtual Status step() = 0;
   virtual uint32_t decodedCount() const = 0;
-  // Counts are the whole chunk's; the contents are those of the decoded frames, and of parts of the next one.
+  // Counts of the whole chunk; contents of the decoded frames and of parts of the next one.
   virtual const ChunkFrames& frames() const = 0;
-  // The frames decoded since the last call; `frames` is empty of them afterwards.
+  // Moves out the frames decoded since the last call; `frames` then lacks them.
   virtual ChunkFrames take() = 0;
-  // The next frame, decoded elsewhere (decoded_frame.h). False: not one of this chunk's size, or this decoder decodes
-  // itself.
+  // Appends the next frame, decoded elsewhere (decoded_frame.h). False: wrong size for this chunk, or a decoder that
+  // decodes itself.
   virtual bool append(std::span<const uint8_t>) { return false; }
 };
 

@@ -15,11 +15,11 @@
 namespace fourdvt::package {
 namespace {
 
-// Share of a step up to which a residual counts as 0, and by which larger ones are drawn towards 0: half of the bytes
-// of rounding, for errors that are at most 0.3 steps larger.
+// Dead zone, in steps: smaller residuals become 0, larger ones shrink towards 0 by this. Halves the bytes of rounding,
+// at errors at most 0.3 steps larger.
 constexpr double kDeadZone = 0.8;
 
-// value: in steps of its own; predicted: in steps that are `scale` times as large, as is the result.
+// value: in steps of its own; predicted and result: in steps `scale` times as large.
 template <int N>
 glm::ivec3 coarseResidual(const glm::vec<N, int>& value, double scale, const glm::ivec3& predicted) {
   glm::ivec3 out(0);
@@ -50,8 +50,7 @@ bool valuesFit(const ChunkFrames& in) {
                      [](uint8_t label) { return label < kMaxCameras || label == kNoCamera; });
 }
 
-// Encodes a part of corrections of the mesh blend or of alignment: number `field` of `count` fields. fields:
-// [frame][field][vertex].
+// Encodes one part of mesh-blend corrections or alignment: field `field` of `count`. fields: [frame][field][vertex].
 template <int N>
 std::vector<uint8_t> encodeField(std::vector<glm::vec<N, int>> fields, const ChunkFrames& frames, uint32_t count,
                                  uint32_t field, const ChunkMesh& mesh, double coarse_scale) {
@@ -67,8 +66,8 @@ std::vector<uint8_t> encodeField(std::vector<glm::vec<N, int>> fields, const Chu
   return encoder.take();
 }
 
-// Scale from the base pose's lattice to the stream's steps, which are `step` of the positions'. Edges hardly change
-// their lengths between poses, so their lengths in frame 0 are compared with those of the base pose.
+// Scale from the base pose's lattice to the stream's steps (`step`, of the positions): ratio of edge lengths in frame 0
+// and in the base pose, since edge lengths hardly change between poses.
 uint32_t baseScale(const glm::ivec3* positions, const ChunkMesh& mesh, double step) {
   double steps = 0, lattice = 0;
   for (uint32_t v = 0; v < mesh.vertexCount(); ++v) {
@@ -117,7 +116,7 @@ std::vector<uint8_t> encodePositions(const ChunkFrames& frames, const ChunkMesh&
 
 namespace {
 
-// coarse_scale: 0: exactly the frames.
+// coarse_scale: 0 encodes the frames exactly.
 Result<std::vector<uint8_t>> encode(const ChunkFrames& frames, const ChunkMesh& mesh, double coarse_scale) {
   if (!countsMatch(frames, mesh)) return Error{ErrorId::Internal, "GOP chunk: counts do not match its contents"};
   if (!valuesFit(frames)) return Error{ErrorId::Internal, "GOP chunk: a value is out of range"};

@@ -31,7 +31,7 @@ std::vector<Edge> sortedEdges(const std::vector<glm::uvec3>& faces) {
   return edges;
 }
 
-// Links the faces that share an edge in pairs: the first with the second, the third with the fourth.
+// Links faces that share an edge in pairs: first with second, third with fourth.
 void linkFaces(const std::vector<Edge>& edges, ChunkMesh& out) {
   for (size_t i = 0; i + 1 < edges.size();) {
     const Edge &e = edges[i], &o = edges[i + 1];
@@ -64,12 +64,12 @@ Adjacency vertexAdjacency(const std::vector<Edge>& edges, uint32_t vertex_count)
   for (uint32_t v = 0; v < vertex_count; ++v) out.first[v + 1] += out.first[v];
   out.neighbours.resize(out.first.back());
   std::vector<uint32_t> next(out.first.begin(), out.first.end() - 1);
-  eachEdge([&](uint32_t a, uint32_t b) { out.neighbours[next[b]++] = a; });  // smaller ones first
+  eachEdge([&](uint32_t a, uint32_t b) { out.neighbours[next[b]++] = a; });  // smaller indices first
   eachEdge([&](uint32_t a, uint32_t b) { out.neighbours[next[a]++] = b; });
   return out;
 }
 
-// Neighbours below v ascending; then for each of them in turn its neighbours below v, descending.
+// Lists neighbours below v ascending; then for each of them in turn its neighbours below v, descending.
 void listEarlier(const Adjacency& adjacency, uint32_t v, ChunkMesh& out) {
   const auto own = adjacency.of(v);
   std::vector<uint32_t> list(own.begin(), std::lower_bound(own.begin(), own.end(), v));
@@ -88,7 +88,7 @@ void listEarlier(const Adjacency& adjacency, uint32_t v, ChunkMesh& out) {
   out.earlier_first.push_back(static_cast<uint32_t>(out.earlier.size()));
 }
 
-// Recovers Draco's integers from the decoded positions, so that every machine starts from the same ones.
+// Recovers Draco's integers from the decoded positions: the same start on every machine.
 std::vector<glm::ivec3> lattice(const Positions& positions) {
   glm::dvec3 low(positions.empty() ? glm::vec3(0) : positions[0]), high = low;
   for (const glm::vec3& p : positions) low = glm::min(low, glm::dvec3(p)), high = glm::max(high, glm::dvec3(p));

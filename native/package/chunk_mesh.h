@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the coders of GOP chunks take from the base mesh: which faces and vertices lie beside each other, and a pose to
-// start from. Built once per character.
+// Base-mesh data of the GOP chunk coders: neighbouring faces and vertices, and a start pose. Built once per character.
 #pragma once
 
 #include <array>
@@ -17,7 +16,7 @@ constexpr uint32_t kNoFace = UINT32_MAX;
 
 struct ChunkMesh {
   std::vector<std::array<uint32_t, 3>> face_neighbours;  // [face][edge k, k+1]; kNoFace at a border
-  std::vector<glm::ivec3> base;         // [vertex] base pose on the lattice 0…16383 of its longest side
+  std::vector<glm::ivec3> base;         // [vertex] base pose on the lattice 0…16383 of the longest side
   std::vector<uint32_t> earlier;        // see earlierOf
   std::vector<uint32_t> earlier_first;  // [vertex], and the end
   std::vector<uint8_t> ring_count;      // [vertex]
@@ -30,9 +29,9 @@ struct ChunkMesh {
   }
 };
 
-// Time and memory are linear in the counts whatever the topology.
+// Builds from a base mesh in time and memory linear in the counts, for any topology.
 ChunkMesh makeChunkMesh(const BaseMesh& mesh);
-// The same of any faces; base: [vertex] as ChunkMesh::base, of any scale.
+// Builds from any faces; base: [vertex] as ChunkMesh::base, at any scale.
 ChunkMesh makeChunkMesh(const std::vector<glm::uvec3>& faces, std::vector<glm::ivec3> base);
 
 }  // namespace fourdvt::package

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Predicts a field of small vectors on the surface (corrections of the mesh blend, alignment), for the encoder and the
-// decoder alike. Integers only. Exact definition: FORMAT.md, "Fields". Internal to package/.
+// Predicts a field of small vectors on the surface (mesh-blend corrections, alignment) for encoder and decoder.
+// Integers only. Exact definition: FORMAT.md, "Fields". Internal to package/.
 #pragma once
 
 #include <algorithm>
@@ -12,12 +12,12 @@ namespace fourdvt::package {
 template <class Coder>
 class FieldModel {
  public:
-  // components: of each vector, 2 or 3.
+  // components: 2 or 3 per vector.
   FieldModel(Coder& coder, const ChunkMesh& mesh, int components)
       : mesh_(mesh), residuals_(coder, mesh, components), before_(mesh.vertexCount(), glm::ivec3(0)), now_(before_) {}
 
-  // Codes one frame; frames come in order. values: [vertex], read by an encoder, written by a decoder. False: a value
-  // is out of range.
+  // Codes one frame; frames come in order. values: [vertex], read by an encoder, written by a decoder. False: value out
+  // of range.
   template <int N>
   bool frame(glm::vec<N, int>* values) {
     return frame(values, [&](uint32_t v, const glm::ivec3& predicted) {
@@ -26,7 +26,7 @@ class FieldModel {
       return wanted - predicted;
     });
   }
-  // residualOf(vertex, prediction): the residual to code; a decoder's has no meaning.
+  // residualOf(vertex, prediction): residual to code; unused in a decoder.
   template <int N, class ResidualOf>
   bool frame(glm::vec<N, int>* values, const ResidualOf& residualOf) {
     std::swap(before_, now_);
@@ -41,7 +41,7 @@ class FieldModel {
   }
 
  private:
-  // The vertex's value in the previous frame (0 before the first), plus the mean change of its neighbours since then.
+  // Vertex value in the previous frame (0 before the first) plus the mean change of its neighbours since then.
   [[gnu::flatten]] glm::ivec3 predict(uint32_t v) const {
     glm::ivec3 change(0);
     const int n = mesh_.ring_count[v];

@@ -11,7 +11,8 @@ bool isPlain(char c) {
   return (lower >= 'a' && lower <= 'z') || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-';
 }
 
-// Segments of plain characters, none of them empty, "." or "..": no URL parser leads it out of the character folder.
+// True for non-empty segments of plain characters other than "." and "..": no URL parser resolves it outside of the
+// character folder.
 bool isSafeUri(const std::string& uri) {
   size_t segment = 0;
   for (size_t i = 0; i <= uri.size(); ++i) {

@@ -10,9 +10,9 @@ namespace fourdvt::package {
 
 constexpr double kMaxMetres = 1e6;
 
-std::string item(const std::string& list, int index);  // JSON pointer of a list's entry
+std::string item(const std::string& list, int index);  // JSON pointer of a list entry
 
-// Keeps the first complaint. Values read after it are in range, but mean nothing.
+// Keeps the first error. Values read after it are in range, but meaningless.
 class FieldReader {
  public:
   explicit FieldReader(const FlatJson& json) : json_(json) {}
@@ -26,15 +26,14 @@ class FieldReader {
   std::string uri(const std::string& pointer);
   uint64_t hash(const std::string& pointer);  // 16 hexadecimal digits
   bool flag(const std::string& pointer);
-  // A list of exactly `count`.
+  // Reads a list of exactly `count` numbers.
   std::vector<double> numbers(const std::string& pointer, size_t count, double low, double high);
   glm::dvec3 vec3(const std::string& pointer);  // metres
   Rect rect(const std::string& pointer);
-  // Length of a list; complains outside [low, high].
+  // Length of a list; error outside [low, high].
   int arraySize(const std::string& pointer, int low, int high);
 
-  // The same of a key ("/name") below `at`: calls of these take half the code, of which a manifest's reader mostly
-  // consists.
+  // Overloads for a key ("/name") below `at`: half the code size at the call sites.
   void fail(const std::string& at, const char* key, const char* what);
   bool has(const std::string& at, const char* key) const;
   double number(const std::string& at, const char* key, double low, double high);
@@ -53,12 +52,13 @@ class FieldReader {
   std::string problem_;
 };
 
-// Fields that the manifests of characters and of live streams have in common, but for names of files.
+// Fields shared by the manifests of characters and live streams, file names excepted.
 
-// Name, counts, box, ground, scale, cameras; `appearance` is set before, and from cameras the method is read as well.
+// Reads name, counts, box, ground, scale, cameras, and from cameras the method; requires `appearance`.
 void readBody(FieldReader& in, const std::string& at, Character& character);
-void readLayout(FieldReader& in, const std::string& at, Sequence& sequence);  // from cameras
-// Codec, size, barcode and layers of the tiled picture. layer_count: of all members; 0: from cameras, tiles.
+void readLayout(FieldReader& in, const std::string& at, Sequence& sequence);  // from cameras only
+// Reads codec, size, barcode and layers of the tiled picture. layer_count: sum over the members; 0: from cameras,
+// tiles.
 void readPicture(FieldReader& in, const std::string& at, int layer_count, Rendition& rendition);
 
 }  // namespace fourdvt::package

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Predicts labels, for the encoder and the decoder alike. Exact definition: FORMAT.md, "Labels". Internal to
-// package/.
+// Predicts labels, for encoder and decoder. Exact definition: FORMAT.md, "Labels". Internal to package/.
 #pragma once
 
 #include <algorithm>
@@ -35,7 +34,7 @@ class LabelModel {
   void frame(uint8_t* labels) {
     std::swap(previous_, current_);
     std::swap(changed_before_, changed_);
-    uint32_t history = 0;  // changes of the last eight faces
+    uint32_t history = 0;  // change bits of the last eight faces
     for (uint32_t f = 0; f < faces_; ++f) {
       uint8_t* tuple = &current_[size_t(f) * layers_];
       for (uint32_t l = 0; l < layers_; ++l) tuple[l] = labels[size_t(l) * faces_ + f];
@@ -89,7 +88,7 @@ class LabelModel {
     }
   }
 
-  // Lists the labels that rank l may hold, every label once, likely ones first; returns their number.
+  // Lists the possible labels of rank l, each once, likely ones first; returns their number.
   int listCandidates(uint32_t f, uint32_t l, std::array<uint8_t, kValues>& out) const {
     uint32_t seen = 0;
     int count = 0;
@@ -130,7 +129,7 @@ class LabelModel {
     return candidates[count - 1];
   }
 
-  // Codes "the label of rank l of face f is x", where x is the candidate of this number; lower ranks are known.
+  // Codes "the label of rank l of face f is x", x being candidate number `number`; lower ranks are coded already.
   [[gnu::flatten]] bool codeCandidate(uint32_t f, uint32_t l, uint32_t changed_ranks, uint8_t x, uint32_t number) {
     const uint8_t *tuple = currentOf(f), *before = previousOf(f);
     uint32_t used = 0, displaced = 0, came_from = 0;
@@ -138,7 +137,7 @@ class LabelModel {
       used |= tuple[j] == x && x != kNoCamera;
       displaced |= temporal_ && tuple[j] == before[l] && tuple[j] != kNoCamera;
     }
-    for (uint32_t j = layers_; temporal_ && j-- > 0;) {  // the lowest rank that held x
+    for (uint32_t j = layers_; temporal_ && j-- > 0;) {  // lowest rank that held x
       if (before[j] == x) came_from = j < l ? 1 + !(changed_ranks >> j & 1) : j == l ? 3 : 4;
     }
     std::array<uint32_t, 3> states;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One frame of a live stream: the surface, where the cameras' pictures lie, and one video sample. Byte layout:
-// FORMAT.md, "A live stream". Does NOT decode either.
+// One frame of a live stream: surface, tile placement of the camera pictures, and one video sample, all still coded.
+// Byte layout: FORMAT.md, "A live stream".
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@
 namespace fourdvt::package {
 
 struct LiveFrame {
-  uint32_t number = 0;              // one more than the frame before, unless frames were left out; then a key follows
-  bool key = false;                 // the sample decodes without any before it
-  int64_t captured_us = 0;          // by the server's clock, since 1970
-  std::span<const uint8_t> chunk;   // of a stream from cameras, with one frame (surface_chunk.h)
-  std::span<const uint8_t> sample;  // H.264 Annex B; a key has the parameter sets in it
+  uint32_t number = 0;              // previous number + 1, or a gap, then a key
+  bool key = false;                 // sample decodes without predecessors
+  int64_t captured_us = 0;          // server clock, since 1970
+  std::span<const uint8_t> chunk;   // chunk of a camera stream with one frame (surface_chunk.h)
+  std::span<const uint8_t> sample;  // H.264 Annex B; a key contains the parameter sets
 };
 
 constexpr size_t kMaxLiveFrameBytes = 8u << 20;

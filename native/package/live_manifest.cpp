@@ -18,7 +18,7 @@ void readStream(FieldReader& in, const std::string& at, LiveCharacter& live) {
   s.fps = in.number(at, "/fps", 0.1, 1000);
   readLayout(in, at, s);
   readPicture(in, at, 0, s.renditions.emplace_back());
-  s.renditions[0].video_uri = "live stream";  // as messages name it
+  s.renditions[0].video_uri = "live stream";  // name in messages
   StreamIndex& index = live.index;
   index.frame_count = 1;
   index.vertex_count = live.character.vertex_count;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Manifest of a live stream (FORMAT.md, "A live stream"), validated: a character from cameras without files, whose one
-// sequence is what comes. Does NOT read its frames (live_frame.h).
+// Validated manifest of a live stream (FORMAT.md, "A live stream"): a character from cameras without files; its one
+// sequence is the incoming frames (live_frame.h).
 #pragma once
 
 #include "base/flat_json.h"
@@ -11,8 +11,8 @@ namespace fourdvt::package {
 
 struct LiveCharacter {
   Character character;   // one sequence "live" of one rendition
-  StreamIndex index;     // of one GOP of one frame, as SurfaceChunk::open takes it for the chunk of every LiveFrame
-  uint64_t session = 0;  // another one: the stream has begun anew, and so have its numbers
+  StreamIndex index;     // one GOP of one frame: index for SurfaceChunk::open of every LiveFrame's chunk
+  uint64_t session = 0;  // changes when the stream restarts with new frame numbers
 };
 
 // Errors: ManifestInvalid; Unsupported (newer).

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kMaxSamples = 4096, kMaxSimplices = 8192;
 constexpr double kMaxDuration_s = 1e6, kMaxParameter = 1e6, kMaxCoefficient = 1000;
-constexpr double kWeightSlack = 1e-3;  // of single weights and of their sum
+constexpr double kWeightSlack = 1e-3;  // tolerance of single weights and of their sum
 
 std::vector<float> readFactors(FieldReader& in, const std::string& at, size_t count, double low, double high) {
   const std::vector<double> numbers = in.numbers(at, count, low, high);
@@ -30,7 +30,7 @@ ParameterSample readSample(FieldReader& in, const std::string& at, const Sequenc
   return sample;
 }
 
-// Length of an interval, or twice the area of a triangle. A look-up divides by it.
+// Length of an interval, or twice the area of a triangle: divisor of look-ups.
 double extent(const ParameterSpace& space, const std::array<uint16_t, 3>& simplex) {
   const auto &a = space.samples[simplex[0]].at, &b = space.samples[simplex[1]].at, &c = space.samples[simplex[2]].at;
   if (a.size() == 1) return b[0] - a[0];
@@ -76,8 +76,8 @@ Member itself(const Sequence& s) {
   return {s.name, {}, duration_s, glm::dvec3(s.root_velocity_mps.x, s.root_velocity_mps.z, 0) * duration_s};
 }
 
-// Sets members, space and reference_count; name, frame_count, fps and root_velocity_mps have been read. A sequence that
-// lists no members has one: itself.
+// Sets members, space and reference_count; requires name, frame_count, fps and root_velocity_mps. A sequence without
+// members gets itself as the only one.
 void readMembers(FieldReader& in, const std::string& at, Sequence& s) {
   if (!in.ok()) return;
   const int members = in.arraySize(at, "/members", 0, kMaxMembers);
@@ -152,7 +152,7 @@ Rendition readRendition(FieldReader& in, const std::string& at, int layer_count)
   return rendition;
 }
 
-// What a file, or a part of one, is named, how long it is, and what its bytes hash to.
+// Reads URI, byte length and hash of a file, or of a part of one.
 void readFileOf(FieldReader& in, const std::string& at, double max_bytes, std::string& uri, uint64_t& bytes,
                 uint64_t& hash) {
   uri = in.uri(at, "/uri");
@@ -191,7 +191,7 @@ void readCoarse(FieldReader& in, const std::string& at, Sequence& s) {
   s.coarse_bytes = uint64_t(in.integer(at, "/byteLength", 1, double(s.stream_bytes)));
 }
 
-// layer_count: 0: from cameras.
+// layer_count 0: from cameras.
 Sequence readSequence(FieldReader& in, const std::string& at, int version, int layer_count) {
   Sequence s;
   s.name = in.text(at, "/name", 128);

@@ -13,7 +13,7 @@ Error invalidMesh(const char* what) {
   return {ErrorId::MeshDataInvalid, std::string("base mesh: ") + what + "; the start file is damaged, upload it again"};
 }
 
-// Stands for the mesh in a decoder; the coder ignores the answers.
+// Decoder's stand-in for the mesh; the coder ignores its results.
 struct UnknownMesh {
   const BinaryDecoder& coder;
   bool lost() const { return coder.overrun(); }

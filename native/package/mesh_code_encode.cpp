@@ -11,7 +11,7 @@ namespace {
 
 Error meshFailed(const char* what) { return {ErrorId::Internal, std::string("base mesh: ") + what}; }
 
-// Answers the questions of MeshWalk from the mesh.
+// MeshWalk's queries, answered from the mesh.
 class KnownMesh {
  public:
   explicit KnownMesh(const MeshTopology& topology)
@@ -20,7 +20,7 @@ class KnownMesh {
   }
   bool lost() const { return false; }
 
-  // Edges above it on the stack are dropped: they must belong to no face that is still to come.
+  // Edges above it on the stack are dropped: no face still to come may contain them.
   bool attaches(const MeshLinks& links, const std::vector<uint32_t>& stack, uint32_t first) {
     constexpr ptrdiff_t kMaxSearch = 4096;
     for (uint32_t h = first; h < first + 3; ++h) --to_come_[edge(h)];
@@ -75,11 +75,11 @@ class KnownMesh {
   uint64_t reversed(uint32_t h) const { return key(vertexAt(nextCorner(h)), vertexAt(h)); }
 
   const MeshTopology& topology_;
-  std::vector<uint32_t> vertices_, uvs_;  // number in the walk
+  std::vector<uint32_t> vertices_, uvs_;  // numbers in the walk
   std::unordered_map<uint64_t, uint32_t> to_come_;
 };
 
-// Integers that give the very values; false: some value is none of this grid's.
+// Grid integers that reproduce the values exactly; false: a value off the grid.
 template <class Vec>
 bool quantise(const std::vector<Vec>& values, const MeshGrid& grid, std::vector<glm::ivec3>& q) {
   for (size_t i = 0; i < values.size(); ++i) {
@@ -94,7 +94,7 @@ bool quantise(const std::vector<Vec>& values, const MeshGrid& grid, std::vector<
   return true;
 }
 
-// Finds Draco's grid again: its origin is the least value, its step the longest side through 2^bits - 1.
+// Recovers Draco's grid: origin = minimum value, step = longest side / (2^bits - 1).
 template <class Vec>
 MeshGrid findGrid(const std::vector<Vec>& values, std::vector<glm::ivec3>& q) {
   q.resize(values.size());

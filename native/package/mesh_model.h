@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Codes a base mesh, for the encoder and the decoder alike: faces (mesh_walk.h), the places of vertices and UVs in the
-// order that Draco gives them, then their values. Predictions use IEEE double operations in the order written; files
-// that include this must not contract them (-ffp-contract=off). Exact definition: FORMAT.md, "The mesh in the start
-// file". Internal to package/.
+// Codes a base mesh, for encoder and decoder: faces (mesh_walk.h), then indices of vertices and UVs in Draco's order,
+// then their values. Predictions use IEEE double operations in the order written: files that include this must not
+// contract them (-ffp-contract=off). Exact definition: FORMAT.md, "The mesh in the start file". Internal to package/.
 #pragma once
 
 #include <cmath>
@@ -23,7 +22,7 @@ struct MeshHeader {
   MeshGrid positions, uvs;
 };
 
-// Lists the vertices as a depth-first traversal meets them, which is how Draco orders the values of an attribute.
+// Lists vertices in the order of a depth-first traversal, which is Draco's order of attribute values.
 inline std::vector<uint32_t> depthFirst(const MeshLinks& m) {
   std::vector<uint32_t> order, stack;
   std::vector<uint8_t> met(m.vertex_count), border(m.vertex_count), done(m.vertex.size() / 3);
@@ -55,7 +54,7 @@ inline std::vector<uint32_t> depthFirst(const MeshLinks& m) {
   return order;
 }
 
-// [item] the corners that show it, ascending.
+// Corners of each item, ascending.
 struct CornersOf {
   std::vector<uint32_t> first, list;
   CornersOf(const std::vector<uint32_t>& item, uint32_t count) : first(size_t(count) + 1), list(item.size()) {
@@ -67,21 +66,21 @@ struct CornersOf {
   std::span<const uint32_t> of(uint32_t i) const { return std::span(list).subspan(first[i], first[i + 1] - first[i]); }
 };
 
-// Replaces what the corners show by its rank in `order`.
+// Replaces the corners' items by their ranks in `order`.
 inline void rank(std::vector<uint32_t>& item, const std::vector<uint32_t>& order) {
   std::vector<uint32_t> ranks(order.size());
   for (uint32_t i = 0; i < order.size(); ++i) ranks[order[i]] = i;
   for (uint32_t& i : item) i = ranks[i];
 }
 
-// Codes the index in the mesh of every item, that is vertex or UV.
+// Codes the mesh index of every item (vertex or UV).
 template <class Symbols>
 class MeshPlaces {
  public:
-  // known: [item], of an encoder.
+  // known: [item], encoder only.
   MeshPlaces(Symbols& symbols, uint32_t count, const std::vector<uint32_t>& known)
       : symbols_(symbols), known_(known), places_(count, kNone), used_(count) {}
-  // Items that follow each other in an order of their own; most often one. False: the bytes are damaged.
+  // Codes items consecutive in an order of their own, mostly a single one. False: damaged bytes.
   bool group(uint32_t begin, uint32_t end) {
     rest_.clear();
     for (uint32_t i = begin; i < end; ++i) rest_.push_back(i);
@@ -95,7 +94,7 @@ class MeshPlaces {
     }
     return true;
   }
-  // Items without a face take the indices that are left.
+  // Assigns the remaining indices to items without a face.
   std::vector<uint32_t> take() {
     uint32_t next = 0;
     for (uint32_t& p : places_) {
@@ -144,7 +143,7 @@ struct MeshPrediction {
   }
 };
 
-// Lists for ResidualModel the items before each at the corners of its faces, some twice.
+// Lists for ResidualModel the preceding items at the corners of each item's faces, with repetitions.
 inline ChunkMesh earlierItems(const std::vector<uint32_t>& item, const CornersOf& corners, uint32_t count) {
   constexpr size_t kMaxEarlier = 24;
   ChunkMesh out;
@@ -166,10 +165,10 @@ inline ChunkMesh earlierItems(const std::vector<uint32_t>& item, const CornersOf
 
 inline double dot(const glm::dvec3& a, const glm::dvec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-// Predicts the values of items from those of the items before them, one at a corner of a triangle at a time.
+// Predicts the values of items from preceding items, triangle corner by triangle corner.
 class MeshPredictor {
  public:
-  // mesh: UVs are predicted by its positions; none: positions.
+  // mesh: null predicts positions; else UVs, from its positions.
   MeshPredictor(const MeshLinks& links, const std::vector<uint32_t>& item, const BaseMesh* mesh,
                 const std::vector<glm::ivec3>& q)
       : links_(links), item_(item), mesh_(mesh), q_(q) {}
@@ -200,10 +199,10 @@ class MeshPredictor {
     if (mesh_)
       addLikeInSpace(c, a, b - a, other - a, out);
     else if (opposite)
-      out.add(15.0 * (a + b) - 14.0 * other, 16);  // a parallelogram, a little flattened
+      out.add(15.0 * (a + b) - 14.0 * other, 16);  // parallelogram, slightly flattened
   }
 
-  // A triangle of the shape that it has in space, on the side of a b that `other` is not on.
+  // Adds the triangle with its shape in space, across the edge a b from `other`.
   void addLikeInSpace(uint32_t c, const glm::dvec3& a, const glm::dvec3& d, const glm::dvec3& other,
                       MeshPrediction& out) {
     const glm::dvec3 from = position(nextCorner(c)), edge = position(previousCorner(c)) - from,
@@ -220,7 +219,7 @@ class MeshPredictor {
   const std::vector<uint32_t>& item_;
   const BaseMesh* mesh_;
   const std::vector<glm::ivec3>& q_;
-  double side_ = 1;  // 1: area of UVs is above 0 in the order of the corners
+  double side_ = 1;  // 1: positive UV area in corner order
 };
 
 // Codes q of all items, ascending.
@@ -240,10 +239,11 @@ bool codeQuantised(Coder& coder, const MeshLinks& links, const BaseMesh* mesh, s
   return true;
 }
 
-// Orders that an encoder has and a decoder finds: both of a header's counts. [vertex] and [uv] of the mesh.
+// Orders of vertices and UVs, [vertex] and [uv] of the mesh, encoder input and decoder result; both have a header's
+// counts.
 struct MeshContents {
   BaseMesh mesh;
-  std::vector<glm::ivec3> position_q, uv_q;  // of an encoder
+  std::vector<glm::ivec3> position_q, uv_q;  // encoder only
 
   explicit MeshContents(const MeshHeader& h) {
     mesh.topology = {h.vertex_count, std::vector<glm::vec2>(h.uv_count), std::vector<glm::uvec3>(h.face_count), {}};
@@ -263,7 +263,7 @@ class MeshModel {
         contents_(contents),
         links_(header.face_count) {}
 
-  // False: the bytes are damaged.
+  // False: damaged bytes.
   bool code() { return codeFaces() && codeVertexPlaces() && codeUvPlaces() && codeValues(); }
 
  private:
@@ -288,7 +288,7 @@ class MeshModel {
     return true;
   }
 
-  // UVs are numbered vertex by vertex, in the order in which the faces show the vertices; those of one vertex in any.
+  // Codes UV indices: vertex by vertex in the faces' order of vertices; arbitrary order within a vertex.
   bool codeUvPlaces() {
     const std::vector<uint32_t> first = rankUvs();
     auto& faces = contents_.mesh.topology.face_uvs;
@@ -305,7 +305,7 @@ class MeshModel {
     return true;
   }
 
-  // Ranks UVs by the first vertex that has them. Gives the first of each vertex, and the end.
+  // Ranks UVs by their first vertex. Returns the first UV of each vertex, and the end.
   std::vector<uint32_t> rankUvs() {
     const CornersOf corners(links_.vertex, links_.vertex_count);
     std::vector<uint32_t> order(links_.uv_count), first(size_t(links_.vertex_count) + 1);
@@ -333,7 +333,7 @@ class MeshModel {
            codeAttribute(&mesh, header_.uvs, uv_places_, contents_.uv_q, &mesh.topology.uvs[0].x, 2);
   }
 
-  // Makes values from q, or codes their bits.
+  // Reconstructs values from q, or codes their raw bits.
   bool codeAttribute(const BaseMesh* mesh, const MeshGrid& grid, const std::vector<uint32_t>& places,
                      const std::vector<glm::ivec3>& known, float* values, uint32_t components) {
     std::vector<glm::ivec3> q(places.size());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Codes which vertices and UVs the faces of a base mesh have, for the encoder and the decoder alike. The walk goes from
-// the last face to the first: backwards through Draco's order, so that nearly every face is attached to the face before
-// it. Integers only. Exact definition: FORMAT.md, "The mesh in the start file". Internal to package/.
+// Codes the vertex and UV indices of a base mesh's faces, for encoder and decoder. The walk goes from the last face to
+// the first: backwards through Draco's order, so that nearly every face is attached to the face before it. Integers
+// only. Exact definition: FORMAT.md, "The mesh in the start file". Internal to package/.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace fourdvt::package {
 
 constexpr uint32_t kNone = UINT32_MAX;
 
-// Yes/no decisions and numbers; a context has an adaptive probability of its own.
+// Codes decisions and numbers; each context has its own adaptive probability.
 template <class Coder>
 class MeshSymbols {
  public:
@@ -23,13 +23,13 @@ class MeshSymbols {
     a.update(value, kLimit);
     return value;
   }
-  // The lowest `count` bits, the highest of them first, all equally probable.
+  // Codes the lowest `count` bits, highest first, equally probable.
   uint32_t plain(int count, uint32_t value) {
     uint32_t out = 0;
     while (count-- > 0) out = out * 2 + coder_.code(value >> count & 1, 32768);
     return out;
   }
-  // Below 2^31 - 1, small numbers in few bits; takes 30 contexts.
+  // Codes a value below 2^31 - 1, small ones in few bits; takes 30 contexts.
   uint32_t number(uint32_t context, uint32_t value) {
     int size = 0;
     while (size < 30 && bit(context + size, (value + 1) >> size > 1)) ++size;
@@ -42,7 +42,7 @@ class MeshSymbols {
   std::vector<AdaptiveBit> bits_;
 };
 
-// Contexts of MeshSymbols. kFresh and kGlued: per degrees of two vertices and the last face's kind.
+// Contexts of MeshSymbols. kFresh and kGlued: per degrees of two vertices and kind of the last face.
 enum MeshContext : uint32_t {
   kFresh = 0,
   kGlued = 256,
@@ -68,7 +68,7 @@ inline uint32_t previousCorner(uint32_t c) { return c % 3 == 0 ? c + 2 : c - 1; 
 
 struct MeshLinks {
   std::vector<uint32_t> vertex, uv;  // [corner] numbered by first appearance in the walk
-  std::vector<uint32_t> across;      // [half-edge] the one of the neighbouring face; kNone: open
+  std::vector<uint32_t> across;      // [half-edge] twin in the neighbouring face; kNone: open
   uint32_t vertex_count = 0, uv_count = 0;
 
   explicit MeshLinks(uint32_t faces) : vertex(3 * size_t(faces), kNone), uv(vertex), across(vertex) {}
@@ -79,7 +79,7 @@ struct MeshLinks {
   }
 };
 
-// Known: the mesh that an encoder writes (mesh_code_encode.cpp); a decoder has none (mesh_code.cpp).
+// Known: the encoder's mesh (mesh_code_encode.cpp), or the decoder's stand-in (mesh_code.cpp).
 template <class Coder, class Known>
 class MeshWalk {
  public:
@@ -93,7 +93,7 @@ class MeshWalk {
         previous_(next_),
         at_(max_vertices) {}
 
-  // Codes one face; false: the bytes are damaged.
+  // Codes one face; false: damaged bytes.
   bool face(uint32_t f) {
     const uint32_t gate = takeGate(3 * f);
     return gate == kNone ? freeFace(3 * f) : attachedFace(3 * f, gate);
@@ -106,12 +106,12 @@ class MeshWalk {
   struct AtVertex {
     uint32_t degree = 0, uv_count = 0, last_uv = kNone;
   };
-  // A face at a gate from a to b: its corners are b, a and the tip. Half-edges before and after the gate follow it on
-  // the boundary; left and right: they are glued to the face.
+  // Face at a gate from a to b: its corners are b, a and the tip. left, right: the boundary half-edges before and after
+  // the gate, glued to the face.
   struct Attached {
     uint32_t gate, b, a, tip, before, after;
     bool left = false, right = false;
-    uint32_t split = kNone;  // half-edge that the tip lies at
+    uint32_t split = kNone;  // half-edge at the tip
   };
 
   bool isOpen(uint32_t h) const { return links_.across[h] == kNone; }
@@ -183,7 +183,7 @@ class MeshWalk {
   }
   uint32_t degree(uint32_t c) const { return std::min(at_[links_.vertex[c]].degree, kMaxDegree); }
 
-  // A vertex elsewhere on the boundary, which divides it, or any.
+  // Vertex elsewhere on the boundary, which divides it, or any other.
   uint32_t farTip(Attached& f) {
     const uint32_t way = known_.wayTo(f.tip, f.before, f.after, next_, previous_, kMaxSteps);
     if (!symbols_.bit(kOnLoop, way != kNone)) return anyVertex(f.tip);
@@ -217,7 +217,7 @@ class MeshWalk {
            codeUv(f.tip, Tip, {far_right, far_left});
   }
 
-  // beside: UVs that neighbouring faces have at the corner's vertex.
+  // beside: UVs of neighbouring faces at the corner's vertex.
   bool codeUv(uint32_t c, Role role, const std::array<uint32_t, 2>& beside) {
     AtVertex& at = at_[links_.vertex[c]];
     ++at.degree;
@@ -251,7 +251,7 @@ class MeshWalk {
   MeshLinks& links_;
   const uint32_t max_vertices_, max_uvs_;
   std::vector<uint32_t> next_, previous_;  // [half-edge] on the boundary of the faces so far
-  std::vector<uint32_t> stack_;            // half-edges that may be gates
+  std::vector<uint32_t> stack_;            // candidate gates
   std::vector<AtVertex> at_;
   uint32_t tip_ = 0, kind_ = Fresh;
   bool attached_ = false, seam_ = false;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Predicts positions, for the encoder and the decoder alike. Exact definition: FORMAT.md, "Positions". The
-// prediction uses IEEE double additions, subtractions, multiplications and divisions in the order written; files that
-// include this must not contract them (-ffp-contract=off). Internal to package/.
+// Predicts positions, for encoder and decoder. Exact definition: FORMAT.md, "Positions". The prediction uses IEEE
+// double additions, subtractions, multiplications and divisions in the order written: files that include this must not
+// contract them (-ffp-contract=off). Internal to package/.
 #pragma once
 
 #include <array>
@@ -11,18 +11,18 @@
 
 namespace fourdvt::package {
 
-// Fits an affine motion to the displacements of known vertices, and applies it to one more vertex.
+// Fits an affine motion to the displacements of coded vertices, and applies it to one more vertex.
 class MotionFit {
  public:
   explicit MotionFit(const glm::dvec3& centre) : centre_(centre) {}
-  // Adds a known vertex: its reference position and its displacement.
+  // Adds a coded vertex: reference position and displacement.
   void add(const glm::dvec3& reference, const glm::dvec3& displacement, double weight) {
     offsets_[count_] = reference - centre_;
     displacements_[count_] = displacement;
     weights_[count_] = weight;
     ++count_;
   }
-  // Displacement at the centre, by ridge regression: defined for any set of vertices.
+  // Displacement at the centre by ridge regression: defined for any set of vertices.
   glm::dvec3 atCentre() const {
     if (count_ == 0) return glm::dvec3(0);
     double total = 0;
@@ -45,7 +45,7 @@ class MotionFit {
   }
 
  private:
-  // -(M + ridge I)^-1 offset, M the weighted scatter of the offsets around their mean.
+  // -(M + ridge I)^-1 offset, M: weighted scatter of the offsets around their mean.
   glm::dvec3 gradientWeights(const glm::dvec3& offset) const {
     double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
     for (int i = 0; i < count_; ++i) {
@@ -77,12 +77,12 @@ class PositionModel {
     for (const glm::ivec3& q : mesh.base) reference_.push_back(glm::dvec3(q) * (base_scale / 65536.0));
   }
 
-  // Codes one frame; frames come in order. positions: [vertex], read by an encoder, written by a decoder. False: a
-  // position is out of range.
+  // Codes one frame; frames come in order. positions: [vertex], read by an encoder, written by a decoder. False:
+  // position out of range.
   bool frame(glm::ivec3* positions) {
     return frame(positions, [&](uint32_t v, const glm::ivec3& predicted) { return positions[v] - predicted; });
   }
-  // residualOf(vertex, prediction): the residual to code; a decoder's has no meaning.
+  // residualOf(vertex, prediction): residual to code; unused in a decoder.
   template <class ResidualOf>
   bool frame(glm::ivec3* positions, const ResidualOf& residualOf) {
     residuals_.beginFrame();
@@ -114,7 +114,7 @@ class PositionModel {
 
   const ChunkMesh& mesh_;
   ResidualModel<Coder> residuals_;
-  std::vector<glm::dvec3> reference_;  // the frame before, or the base pose
+  std::vector<glm::dvec3> reference_;  // previous frame, or the base pose
 };
 
 }  // namespace fourdvt::package

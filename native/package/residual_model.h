@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Codes the residuals of a prediction, for the encoder and the decoder alike. Contexts are the magnitudes at the
-// neighbours and in the previous frame. Integers only. Exact definition: FORMAT.md, "Residuals". Internal to package/.
+// Codes prediction residuals, for encoder and decoder. Contexts: magnitudes at the neighbours and in the previous
+// frame. Integers only. Exact definition: FORMAT.md, "Residuals". Internal to package/.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ inline bool inRange(const glm::ivec3& q) {
 template <class Coder>
 class ResidualModel {
  public:
-  // components: how many of a residual's three numbers are coded, 2 or 3; the rest are 0.
+  // components: 2 or 3 coded numbers per residual; the rest are 0.
   ResidualModel(Coder& coder, const ChunkMesh& mesh, int components)
       : coder_(coder),
         mesh_(mesh),
@@ -109,9 +109,9 @@ class ResidualModel {
   Coder& coder_;
   const ChunkMesh& mesh_;
   const int components_;
-  bool started_ = false, temporal_ = false;  // temporal: not a chunk's first frame
+  bool started_ = false, temporal_ = false;  // temporal: after a chunk's first frame
   std::vector<AdaptiveBit> size_bits_, mantissa_bits_;
-  std::vector<glm::ivec3> magnitudes_, magnitudes_before_;  // of the residuals in this frame and in the previous one
+  std::vector<glm::ivec3> magnitudes_, magnitudes_before_;  // residual magnitudes of this frame and of the previous one
 };
 
 }  // namespace fourdvt::package

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the picture of a room's face lies on the box. Faces in this order: -x, +x, -y (floor), +y (ceiling), -z, +z,
-// each as it is seen from inside: up is +y on walls, -z on floor and ceiling.
+// Mapping of a room picture's faces to the box. Face order: -x, +x, -y (floor), +y (ceiling), -z, +z, each seen from
+// inside: up is +y on walls, -z on floor and ceiling.
 #pragma once
 
 #include "package/character.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sound of sequences in a manifest. Native only: a page reads it by itself, once it is heard.
+// Sound of sequences in a manifest. Native only: a page parses it itself once sound is on.
 #pragma once
 
 #include <map>
@@ -12,27 +12,26 @@ namespace fourdvt::package {
 
 constexpr int kMaxSoundEncodings = 8, kMaxSoundSegments = 1 << 16, kMaxSteps = 4096;
 
-// The sound of a plain sequence, or of the steps of a class, in the encodings that a page chooses from. It is cut into
-// segments that are files of their own, so that a page need not hold all of it. Not part of Character: native players
-// and the page's player have no use for it.
+// Sound of a plain sequence, or of a class's steps, in alternative encodings. Segments are separate files, so that a
+// page need not hold all of it. Separate from Character: the players do not use it.
 struct SoundSegment {
-  uint32_t bytes = 0, samples = 0;  // that a decoder gives which honours the file's priming
+  uint32_t bytes = 0, samples = 0;  // sample count from a decoder that honours the file's priming
 };
 struct SoundEncoding {
   std::string uri;
-  uint64_t bytes = 0, hash = 0;  // of the file: all segments, one behind the other
-  std::string mime_type;         // with the codec
-  uint32_t priming = 0;          // samples that some decoders give before the others
+  uint64_t bytes = 0, hash = 0;  // whole file: all segments, concatenated
+  std::string mime_type;         // including the codec
+  uint32_t priming = 0;          // leading samples that some decoders output
   std::vector<SoundSegment> segments;
 };
 struct Sound {
   int sample_rate = 0, channels = 0;
-  double segment_s = 0;                  // segment i begins at i times this; it goes on a little after its end
-  std::vector<SoundEncoding> encodings;  // none: there is no sound
-  std::vector<double> steps;             // of a class: phases in 0..1 at which a foot comes down
+  double segment_s = 0;                  // segment i begins at i * segment_s; it extends a little past its end
+  std::vector<SoundEncoding> encodings;  // empty: no sound
+  std::vector<double> steps;             // class only: phases in 0..1 of foot contacts
 };
 
-using Sounds = std::map<std::string, Sound>;  // by the sequence's name
+using Sounds = std::map<std::string, Sound>;  // keyed by sequence name
 
 // Gives no encodings if the sequence has no sound. Errors: ManifestInvalid.
 Result<Sound> readSound(const FlatJson& gltf, size_t sequence);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The start file, from which a player shows a first picture before any stream has come: the base mesh, a stream of
-// one frame (its header, chunk and key sample), and the header of the stream that follows. The manifest has the hash of
-// the whole file. Byte layout: FORMAT.md.
+// Start file: first picture before any stream arrives. Contains the base mesh, a stream of one frame (header, chunk and
+// key sample), and the header of the stream that follows. The manifest has the hash of the whole file. Byte layout:
+// FORMAT.md.
 #pragma once
 
 #include <span>
@@ -17,19 +17,19 @@ constexpr uint32_t kStartMagic = 0x46564434;  // "4DVF"
 constexpr uint16_t kStartVersion = 2;
 
 struct StartFile {
-  std::span<const uint8_t> mesh;  // mesh_code.h; of the file's bytes
+  std::span<const uint8_t> mesh;  // mesh_code.h; span of the file's bytes
   std::vector<uint8_t> chunk, video;
-  StreamIndex index;                // of one frame, one GOP and one rendition
-  std::span<const uint8_t> header;  // the first bytes of the first sequence's .bin; empty: a player fetches them
+  StreamIndex index;                // one frame, one GOP, one rendition
+  std::span<const uint8_t> header;  // first bytes of the first sequence's .bin; empty: a player fetches them
 };
 
-// Native only. index: of the stream, with the step of `gop`, its first chunk, fine or coarse; key: the first sample of
-// its first rendition; header: see StartFile. Only one frame's geometry is coded anew. Errors: those of ChunkDecoder;
-// Internal.
+// Encodes a start file. index: the stream's, with the steps of `gop`, its first chunk, fine or coarse; key: first
+// sample of its first rendition; header: see StartFile. Codes one frame's geometry anew. Native only. Errors: those of
+// ChunkDecoder; Internal.
 Result<std::vector<uint8_t>> encodeStartFile(const StreamIndex& index, std::span<const uint8_t> gop,
                                              std::span<const uint8_t> key, std::span<const uint8_t> header,
                                              const BaseMesh& base);
-// The same of a character from cameras, which has no base mesh.
+// Overload for a character from cameras, which has no base mesh.
 Result<std::vector<uint8_t>> encodeStartFile(const StreamIndex& index, std::span<const uint8_t> gop,
                                              std::span<const uint8_t> key, std::span<const uint8_t> header,
                                              const Character& character, const Sequence& sequence);

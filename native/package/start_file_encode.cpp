@@ -12,7 +12,7 @@
 namespace fourdvt::package {
 namespace {
 
-// Cuts lists that run frame by frame down to their first frame.
+// Truncates frame-major lists to their first frame.
 ChunkFrames firstFrame(ChunkFrames frames, uint32_t decoded) {
   const auto cut = [&](auto& list) { list.resize(list.size() / decoded); };
   cut(frames.positions), cut(frames.labels), cut(frames.offsets), cut(frames.alignment), cut(frames.root);
@@ -20,7 +20,7 @@ ChunkFrames firstFrame(ChunkFrames frames, uint32_t decoded) {
   return frames;
 }
 
-// The same with its first sample alone, a key sample of these bytes.
+// Table with its first sample only, a key sample of these bytes.
 SampleTable firstSample(const SampleTable& table, std::span<const uint8_t> bytes) {
   SampleTable out;
   out.decoder_description = table.decoder_description;
@@ -43,7 +43,7 @@ std::vector<uint8_t> join(std::span<const uint8_t> mesh, std::span<const uint8_t
   return out.take();
 }
 
-// The file of these parts: the index becomes that of one frame.
+// Assembles the file; the index becomes that of one frame.
 std::vector<uint8_t> finish(StreamIndex index, std::span<const uint8_t> mesh, const std::vector<uint8_t>& chunk,
                             std::span<const uint8_t> key, std::span<const uint8_t> header) {
   index.frame_count = 1;

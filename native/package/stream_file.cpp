@@ -35,7 +35,7 @@ void writeRendition(ByteWriter& out, const SampleTable& table, const std::vector
   }
 }
 
-// Reads the samples of one chunk. False unless they cover its frames exactly once and start with a key.
+// Reads one chunk's samples. False unless they cover its frames exactly once and start with a key.
 bool readChunkSamples(ByteReader& in, const ChunkEntry& chunk, SampleTable& table) {
   std::vector<uint8_t> seen(chunk.frame_count);
   uint64_t offset = in.u64();
@@ -60,7 +60,7 @@ Status readRendition(ByteReader& in, StreamIndex& index) {
   table.decoder_description.assign(description.begin(), description.end());
   for (const ChunkEntry& chunk : index.chunks) {
     table.chunk_first_sample.push_back(static_cast<uint32_t>(table.samples.size()));
-    // A sample takes 6 bytes: counts that the span cannot hold are refused before memory grows.
+    // A sample takes 6 bytes: counts beyond the span's length are refused before memory grows.
     if (!in.ok() || in.remaining() / 6 < chunk.frame_count) return invalidHeader("truncated sample table");
     if (!readChunkSamples(in, chunk, table)) return invalidHeader("sample table does not match the frames");
   }

@@ -12,12 +12,12 @@
 namespace fourdvt::package {
 namespace {
 
-// Positions of a run's frames, in order; see position_model.h.
+// Positions of a run's frames, in order (position_model.h).
 class Motion {
  public:
   Motion(ByteReader bytes, const std::vector<glm::uvec3>& faces, std::vector<glm::ivec3> first)
       : Motion(bytes.u32(), bytes, faces, std::move(first)) {}
-  // The next frame's; none: they do not decode, or bytes are left after the last frame.
+  // Decodes the next frame; null: corrupt, or bytes left after the last frame.
   const std::vector<glm::ivec3>* next(bool last) {
     const bool decoded = model_.frame(positions_.data()) && !bits_.overrun() && (!last || bits_.finished());
     return decoded ? &positions_ : nullptr;
@@ -38,7 +38,7 @@ class Motion {
 struct Run {
   uint32_t first = 0, frame_count = 0;
   std::span<const uint8_t> mesh, motion;
-  std::vector<glm::uvec3> faces;  // once its first frame is decoded
+  std::vector<glm::uvec3> faces;  // set once the first frame is decoded
 };
 
 class RunByRun final : public SurfaceChunk {
@@ -118,7 +118,7 @@ class RunByRun final : public SurfaceChunk {
     }
     if (first != frame_count_) return invalidChunk("runs do not cover all frames");
     if (!in.ok() || in.remaining() != 0) return invalidChunk("length differs from its header");
-    frames_.reserve(frame_count_);  // surfaces stay where they are
+    frames_.reserve(frame_count_);  // keeps surfaces at their addresses
     return {};
   }
 
@@ -144,7 +144,7 @@ class RunByRun final : public SurfaceChunk {
     const bool last = frame + 1 == runs_[run_].first + runs_[run_].frame_count;
     const auto* positions = motion_->next(last);
     const bool appended = positions && append(*positions);
-    if (last) motion_.reset();  // its model is larger than the frames
+    if (last) motion_.reset();  // the model is larger than the frames
     return appended;
   }
 
@@ -165,9 +165,9 @@ class RunByRun final : public SurfaceChunk {
   const float step_m_;
   std::vector<CameraTile> tiles_;
   std::vector<Run> runs_;
-  std::vector<Frame> frames_;       // decoded
-  uint32_t run_ = 0;                // of the frame decoded last
-  std::unique_ptr<Motion> motion_;  // of this run, until its last frame
+  std::vector<Frame> frames_;       // decoded frames
+  uint32_t run_ = 0;                // run of the last decoded frame
+  std::unique_ptr<Motion> motion_;  // decoder of this run, until its last frame
   uint64_t bytes_ = 0;
   bool broken_ = false;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// One GOP of a character from cameras: which part of each camera's picture lies where in the tiled picture, and the
-// surfaces of its frames. Consecutive frames of one topology are a run: its first surface is coded as a mesh, the
-// others as motion. Byte layout: FORMAT.md, "A chunk of a stream from cameras".
+// One GOP of a character from cameras: placement of each camera's picture in the tiled picture, and the surfaces of its
+// frames. Consecutive frames of one topology are a run: its first surface is coded as a mesh, the others as motion.
+// Byte layout: FORMAT.md, "A chunk of a stream from cameras".
 #pragma once
 
 #include <cstdint>
@@ -15,36 +15,37 @@
 
 namespace fourdvt::package {
 
-// Where one camera's picture is found, in all frames of a GOP.
+// Placement of one camera's picture, in all frames of a GOP.
 struct CameraTile {
-  Rect source;                                      // pixels of the camera's picture
-  Rect tile;                                        // texels of the sequence's layout; the source is stretched to it
-  bool empty() const { return source.width == 0; }  // the GOP has no picture of this camera
+  Rect source;                                      // pixels of the camera picture
+  Rect tile;                                        // texels of the sequence's layout; the source is scaled to it
+  bool empty() const { return source.width == 0; }  // GOP without a picture of this camera
 };
 
 struct Surface {
-  uint32_t topology = 0;                 // number of the run within the chunk
+  uint32_t topology = 0;                 // run number within the chunk
   std::span<const glm::uvec3> faces;     // indices < positions.size(), counter-clockwise seen from outside
   std::span<const glm::vec3> positions;  // metres
 };
 
 class SurfaceChunk {
  public:
-  // `bytes` is borrowed for its life. Errors: StreamInvalid.
+  // `bytes` is borrowed for the object's life. Errors: StreamInvalid.
   static Result<std::unique_ptr<SurfaceChunk>> open(std::span<const uint8_t> bytes, const StreamIndex& index,
                                                     uint32_t chunk, const Character& character,
                                                     const Sequence& sequence);
   virtual ~SurfaceChunk() = default;
-  // Decodes until frames 0..frame of the chunk are there, or all of them. Errors: StreamInvalid, from then on always.
+  // Decodes until frames 0..frame of the chunk, or all of them, are present. Errors: StreamInvalid, from then on
+  // always.
   virtual Status decodeTo(uint32_t frame) = 0;
   virtual uint32_t decodedCount() const = 0;
-  // Of a decoded frame; valid for the chunk's life.
+  // Surface of a decoded frame; valid for the chunk's life.
   virtual Surface surface(uint32_t frame) const = 0;
   virtual std::span<const CameraTile> tiles() const = 0;  // one per camera of the character
   virtual uint64_t bytes() const = 0;                     // held in memory
 };
 
-// position = origin + step * q, as the stream's header says.
+// position = origin + step * q, with the header's origin and step.
 struct QuantisedSurface {
   std::vector<glm::uvec3> faces;
   std::vector<glm::ivec3> positions;
@@ -52,12 +53,12 @@ struct QuantisedSurface {
 
 struct EncodedSurfaces {
   std::vector<uint8_t> bytes;                 // the chunk
-  uint32_t vertex_count = 0, face_count = 0;  // the most that any decoded frame has
+  uint32_t vertex_count = 0, face_count = 0;  // maximum over the decoded frames
   uint32_t run_count = 0;
 };
 
-// Native only. tiles: one per camera. Vertices without a face and faces without three different vertices are left out;
-// Draco may repeat vertices where more than one sheet of the surface meets. Errors: Internal.
+// Encodes a chunk; tiles: one per camera. Drops vertices without a face and faces without three different vertices;
+// Draco may repeat vertices where more than one sheet of the surface meets. Native only. Errors: Internal.
 Result<EncodedSurfaces> encodeSurfaceChunk(std::span<const CameraTile> tiles, std::span<const QuantisedSurface> frames);
 
 }  // namespace fourdvt::package

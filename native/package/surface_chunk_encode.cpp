@@ -19,7 +19,7 @@ struct EncodedRun {
 
 bool hasArea(const glm::uvec3& f) { return f.x != f.y && f.y != f.z && f.z != f.x; }
 
-// What is coded of a frame: without faces that have no area.
+// Frame to code: input without faces of zero area.
 Result<QuantisedSurface> checked(const QuantisedSurface& frame) {
   QuantisedSurface out{{}, frame.positions};
   std::copy_if(frame.faces.begin(), frame.faces.end(), std::back_inserter(out.faces), hasArea);
@@ -40,7 +40,7 @@ EncodedRun runOf(const EncodedSurfaceMesh& mesh) {
   return run;
 }
 
-// All frames as the motion of the first one's mesh.
+// Codes all frames as the motion of the first frame's mesh.
 Result<EncodedRun> movingRun(const EncodedSurfaceMesh& first, std::span<const QuantisedSurface> frames) {
   FOURDVT_ASSIGN(const auto source, sourceVertices(frames[0], first.decoded));
   EncodedRun run = runOf(first);
@@ -56,7 +56,7 @@ Result<EncodedRun> movingRun(const EncodedSurfaceMesh& first, std::span<const Qu
   return run;
 }
 
-// Frames of one topology: as one run, or as runs of one frame each, whichever is smaller.
+// Codes frames of one topology as one run or as runs of one frame each, whichever is smaller.
 Status encodeRuns(std::span<const QuantisedSurface> frames, std::vector<EncodedRun>& out) {
   std::vector<EncodedRun> single;
   EncodedRun moving;

@@ -14,7 +14,7 @@ using draco::GeometryAttribute;
 
 Error surfaceFailed(const std::string& what) { return {ErrorId::Internal, "surface: " + what}; }
 
-// One point per vertex; `values` has components values for each. Values of 16 bits are shares of 65535.
+// Adds an attribute with one point per vertex and `components` values per point. 16-bit values are shares of 65535.
 int addAttribute(draco::Mesh& mesh, GeometryAttribute::Type type, draco::DataType data, int components,
                  const void* values) {
   const int64_t stride = int64_t(draco::DataTypeLength(data)) * components;
@@ -36,7 +36,7 @@ void setFaces(draco::Mesh& mesh, size_t vertices, const std::vector<glm::uvec3>&
   }
 }
 
-// position_bits: of float positions; 0: they are integers.
+// position_bits: quantisation of float positions; 0: integer positions.
 Result<std::vector<uint8_t>> encode(const draco::Mesh& mesh, int position_bits) {
   draco::ExpertEncoder encoder(mesh);
   encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
@@ -48,13 +48,13 @@ Result<std::vector<uint8_t>> encode(const draco::Mesh& mesh, int position_bits) 
   return std::vector<uint8_t>(buffer.data(), buffer.data() + buffer.size());
 }
 
-// The same for surfaces that differ in the order of their vertices and faces alone.
+// Order-independent hash: equal for surfaces that differ only in the order of vertices and faces.
 uint64_t shapeOf(const QuantisedSurface& surface) {
   uint64_t sum = 0;
   for (const glm::uvec3& face : surface.faces) {
     std::array<glm::ivec3, 3> corners;
     for (int c = 0; c < 3; ++c) corners[c] = surface.positions[face[c]];
-    for (int turn = 0; turn < 3; ++turn) {  // whichever corner comes first
+    for (int turn = 0; turn < 3; ++turn) {  // independent of the first corner
       sum += fnv1a({reinterpret_cast<const uint8_t*>(corners.data()), sizeof corners});
       std::rotate(corners.begin(), corners.begin() + 1, corners.end());
     }
@@ -78,7 +78,7 @@ Result<EncodedSurfaceMesh> encodeSurfaceMesh(const QuantisedSurface& surface) {
   return out;
 }
 
-// The second encoding carries the vertices' numbers beside their positions; neither moves a vertex.
+// Encodes again with vertex numbers beside the positions; neither encoding moves a vertex.
 Result<std::vector<uint32_t>> sourceVertices(const QuantisedSurface& surface, const QuantisedSurface& decoded) {
   draco::Mesh mesh;
   setFaces(mesh, surface.positions.size(), surface.faces);

@@ -20,7 +20,7 @@ using tinygltf::Value;
 constexpr double kNear_m = 0.05, kFar_m = 100;
 
 Value number(double v) {
-  // Whole numbers print without a fraction where they fit.
+  // Prints whole numbers without a fraction if they fit an int.
   if (v == std::floor(v) && std::abs(v) < 2147483647.0) return Value(static_cast<int>(v));
   return Value(v);
 }
@@ -85,7 +85,7 @@ Value spaceValue(const ParameterSpace& space) {
   return Value(Value::Object{{"names", Value(names)}, {"samples", Value(samples)}, {"simplices", Value(simplices)}});
 }
 
-// Members and parameters; of a plain sequence only the member that it is.
+// Adds members and parameters; for a plain sequence its only member.
 void addMembers(const Sequence& s, Value::Object& out) {
   Value::Array members;
   for (const Member& member : s.members) members.push_back(memberValue(member));
@@ -249,7 +249,7 @@ void addMesh(tinygltf::Model& model, const ManifestInput& in) {
   model.meshes.push_back(gltf_mesh);
 }
 
-// The still; without one the mesh has the colours of its vertices, or is plain grey.
+// Adds the still as texture; else vertex colours, or plain grey.
 void addMaterial(tinygltf::Model& model, const std::string& texture_uri, bool coloured) {
   tinygltf::Material material;
   material.name = "still";
@@ -277,7 +277,7 @@ void addMaterial(tinygltf::Model& model, const std::string& texture_uri, bool co
   model.materials.push_back(material);
 }
 
-// A glTF camera looks along -Z with +Y up: its axes are COLMAP's with y and z turned round.
+// glTF cameras look along -Z with +Y up: COLMAP's axes with y and z negated.
 int addCameraNode(tinygltf::Model& model, const PinholeCamera& camera) {
   tinygltf::Camera gltf_camera;
   gltf_camera.name = camera.name;
@@ -341,7 +341,7 @@ Result<std::string> writeManifest(const ManifestInput& input) {
   if (!writer.WriteGltfSceneToStream(&model, text, false, false)) {
     return Error{ErrorId::Internal, "character.gltf: tinygltf could not write it"};
   }
-  // tinygltf's stream writer embeds buffers; ours is the external mesh file.
+  // tinygltf's stream writer embeds buffers; the mesh file stays external.
   nlohmann::json json = nlohmann::json::parse(text.str(), nullptr, false);
   if (json.is_discarded()) return Error{ErrorId::Internal, "character.gltf: tinygltf wrote broken JSON"};
   json["buffers"] = nlohmann::json::array({{{"uri", c.mesh_uri}, {"byteLength", c.mesh_offset + c.mesh_bytes}}});
