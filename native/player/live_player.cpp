@@ -9,12 +9,12 @@
 namespace fourdvt {
 namespace {
 
-constexpr size_t kMostWaiting = 8;      // frames, of which at most so many bytes are held: 8 · kMaxLiveFrameBytes
-constexpr size_t kMostBehind = 3;       // unfed frames before a key that are decoded all the same
-constexpr int64_t kMostInDecoder = 12;  // samples without an answer
+constexpr size_t kMostWaiting = 8;      // frames; their bytes: at most 8 · kMaxLiveFrameBytes
+constexpr size_t kMostBehind = 3;       // queued frames before a key that are still decoded
+constexpr int64_t kMostInDecoder = 12;  // samples in flight
 constexpr int64_t kSerialStep_us = 40000;
-constexpr int kMostLosses = 3, kMostBadPictures = 8;   // in a row
-constexpr int kNoLiveSlotNow = -1, kNobodyWaits = -2;  // as of Player::acquireSlot
+constexpr int kMostLosses = 3, kMostBadPictures = 8;   // consecutive
+constexpr int kNoLiveSlotNow = -1, kNobodyWaits = -2;  // as Player::acquireSlot
 
 bool isFed(const auto& frame) { return frame.fed; }
 
@@ -43,7 +43,7 @@ Status LivePlayer::loadManifest(const FlatJson& manifest, std::span<const uint8_
   return {};
 }
 
-// --- commands ---
+// ---- commands ----
 
 void LivePlayer::play() {
   failed_ = false;
@@ -68,7 +68,7 @@ double LivePlayer::parameter(const std::string&) const { return std::nan(""); }
 
 std::string LivePlayer::goal() const { return live_ ? sequence()->name : std::string(); }
 
-// --- frames as they come ---
+// ---- incoming frames ----
 
 Status LivePlayer::onLiveFrame(std::span<const uint8_t> bytes) {
   if (!live_) return Error{ErrorId::InvalidArgument, "a live stream begins with its manifest"};
@@ -151,7 +151,7 @@ bool LivePlayer::nextRequest(Request& out) {
   return true;
 }
 
-// --- pictures ---
+// ---- pictures ----
 
 LivePlayer::Frame* LivePlayer::frameIn(int slot) {
   for (Frame& frame : frames_)
@@ -159,7 +159,7 @@ LivePlayer::Frame* LivePlayer::frameIn(int slot) {
   return nullptr;
 }
 
-// A ready picture gives way to a newer one. -1: none is free now.
+// Free slot, or that of a ready picture older than `serial`; -1: none now.
 int LivePlayer::freeSlotFor(int64_t serial) {
   const int free = slots_.findFree();
   if (free >= 0) return free;
@@ -210,7 +210,7 @@ bool LivePlayer::checkNumber(Frame& frame, std::optional<uint32_t> seen) {
   return false;
 }
 
-// Now and then one is damaged; a decoder that gives only such ones has lost its place.
+// Single damaged pictures are skipped; a run of them resets the decoder.
 void LivePlayer::rejectPicture(Frame& frame, const char* reason) {
   frame.bad = true;
   slots_.reject(frame.slot);
@@ -229,7 +229,7 @@ void LivePlayer::commitSlot(int slot, int width, int height) {
   Frame* frame = frameIn(slot);
   if (on_gpu_ && frame && slots_.awaits(slot) && checkSize(*frame, width, height) && readable_) {
     const Status begun = checks_.begin(slot, slotTexture(slot), rendition().barcode);
-    if (begun.ok()) return;  // settled by a tick
+    if (begun.ok()) return;  // completed by a tick
     fail(begun.error());
   }
   finishSlot(slot);
@@ -260,14 +260,14 @@ void LivePlayer::lose(DecoderFault fault, const std::string& reason) {
   fail({kIds[static_cast<size_t>(fault)], "live stream: the video does not decode (" + reason + ")"});
 }
 
-// Once, until the next `play`.
+// Reports an error once, until the next `play`.
 void LivePlayer::fail(Error error) {
   forget();
   if (!failed_) outbox_.emit({EventKind::Error, std::move(error), 0, 0});
   failed_ = true;
 }
 
-// --- showing ---
+// ---- display ----
 
 void LivePlayer::tick(double now_s) {
   playback_.tick(now_s);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plays a live stream of a person from cameras: the edge hands over the manifest and then every frame as it comes.
-// Shows the newest frame whose picture and surface are both there, and never a picture with another frame's surface;
-// older ones are left out. Decodes after a key only; after a gap, a lost decoder or too many waiting frames it waits
-// for one. Holds at most a few frames. Does NOT fetch, connect or reconnect, own a clock or seek. Order of calls as of
-// player.h, with onLiveFrame in place of fetches. Paused, it holds the shown frame and goes on decoding, so that `play`
-// shows the newest at once. Out of sight it holds its decoder until the stream stops (onLiveGap).
+// Plays a live stream of a performer from cameras: the edge passes the manifest and then every frame as it arrives.
+// Shows the newest frame with both picture and surface, always of the same frame; older ones are skipped. Decoding
+// starts at a key; after a gap, a lost decoder or too many queued frames the player waits for the next key. Holds at
+// most a few frames.
+// Connections, reconnects and the clock are the edge's; there is no seeking. Order of calls as in player.h, with
+// onLiveFrame in place of fetches.
+// Paused, it holds the shown frame and goes on decoding, so that `play` shows the newest at once. Out of sight it holds
+// its decoder until the stream stops (onLiveGap).
 #pragma once
 
 #include <optional>
@@ -23,19 +25,19 @@ class LivePlayer final : public Player {
   static Result<std::unique_ptr<LivePlayer>> create(gpu::Device& device, std::shared_ptr<render::Recipe> recipe,
                                                     const PlayerOptions& options);
 
-  // One message of the stream, which may hold anything. Errors: as of package::readLiveFrame; InvalidArgument: no
-  // manifest yet. After one the stream is of no use: connect again. A surface that does not decode is an Error event.
+  // Processes one message of the stream, arbitrary bytes. Errors: as package::readLiveFrame; InvalidArgument: no
+  // manifest yet. After an error the stream is unusable: reconnect. A surface that does not decode is an Error event.
   Status onLiveFrame(std::span<const uint8_t> bytes);
-  // The connection is lost, or a new one begins: what waits is forgotten, the next frame must be a key.
+  // Connection lost or restarted: drops queued frames; the next frame must be a key.
   void onLiveGap();
-  // By the server's clock, since 1970, of the shown frame; 0: none is shown.
+  // Capture time of the shown frame, server clock, since 1970; 0: none shown.
   int64_t capturedUs() const { return hasFrame() ? shown_.captured_us : 0; }
 
   Status loadManifest(const FlatJson& manifest, std::span<const uint8_t> start) override;
   void play() override;
   void pause() override { playback_.pause(); }
   void seekFrame(uint32_t) override { seek(0); }
-  void seek(double) override;  // there is only now
+  void seek(double) override;  // no effect: live only
   Status selectSequence(const std::string& name) override;
   Status setParameter(const std::string& name, double, bool) override;
   double parameter(const std::string&) const override;
@@ -54,22 +56,22 @@ class LivePlayer final : public Player {
   const package::Character* character() const override { return live_ ? &live_->character : nullptr; }
   const package::Sequence* sequence() const override { return live_ ? &live_->character.sequences[0] : nullptr; }
   uint32_t frame() const override { return shown_.number; }
-  double currentTime() const override;  // since the first frame, by capture
+  double currentTime() const override;  // capture time since the first frame
   bool seeking() const override { return !hasFrame(); }
   bool failed() const override { return failed_; }
   PlayerStats stats() const override;
 
  private:
-  // A frame that has come and is not shown yet, in the order of coming.
+  // Received frame that is not shown yet; in order of arrival.
   struct Frame {
-    int64_t serial = 0;  // names the picture to decoder and slots; never repeats
+    int64_t serial = 0;  // picture's id for decoder and slots, unique
     uint32_t number = 0;
     bool key = false;
     int64_t captured_us = 0;
     std::vector<uint8_t> chunk, sample;
     bool fed = false;
-    int slot = -1;     // of its picture; -1: that has not come
-    bool bad = false;  // the picture is not to be shown
+    int slot = -1;     // slot of its picture; -1: none yet
+    bool bad = false;  // picture must not be shown
   };
   struct Shown {
     int slot = -1;
@@ -94,17 +96,17 @@ class LivePlayer final : public Player {
   bool showNewest();
   bool show(const Frame& frame);
 
-  const bool on_gpu_;  // the edge fills the slots' textures itself
+  const bool on_gpu_;  // slot textures are filled by the edge
   const bool readable_;
   PictureSlots slots_;
   ShownFrame surface_;
   std::optional<package::LiveCharacter> live_;
   std::vector<Frame> frames_;
-  std::vector<uint8_t> feeding_;  // the sample that the edge was given last
+  std::vector<uint8_t> feeding_;  // sample last given to the edge
   std::optional<uint32_t> last_number_;
   int64_t next_serial_ = 0, fed_serial_ = -1, answered_serial_ = -1;
   bool needs_key_ = true, configured_ = false, in_sight_ = true, failed_ = false;
-  int losses_ = 0, bad_pictures_ = 0;  // in a row
+  int losses_ = 0, bad_pictures_ = 0;  // consecutive
   Shown shown_;
   int64_t first_captured_us_ = 0;
   double shown_at_s_ = 0;

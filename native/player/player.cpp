@@ -10,8 +10,8 @@ namespace fourdvt {
 
 namespace {
 
-constexpr size_t kReordered = 4;      // samples that a decoder may keep to itself
-constexpr size_t kPacedSamples = 60;  // a <video> element begins to play with more of them
+constexpr size_t kReordered = 4;      // samples a decoder may hold back
+constexpr size_t kPacedSamples = 60;  // samples before a <video> element starts
 
 Track makeTrack(int decoder, const PlayerOptions& options) {
   return {decoder, options.picture_slots, options.picture_kind, options.paced ? kPacedSamples : kReordered};
@@ -78,8 +78,7 @@ uint32_t PlayerImpl::shownFrameOf(const Track& t) const {
   return static_cast<uint32_t>(t.head.shown().k % shownOf(t).frame_count);
 }
 
-// True on the last frame of a motion that neither loops nor leads to another: after a seek, or at a place that was
-// kept.
+// True on the last frame of a motion that neither loops nor leads to another: after a seek, or at a stored position.
 bool PlayerImpl::standsAtTheEnd() const {
   return hasFrame() && !seeking() && !inPhase() && transitions_.returnTo() < 0 && !loops(main()) &&
          shownFrameOf(main()) + 1 == wantedOf(main()).frame_count;
@@ -150,7 +149,7 @@ void PlayerImpl::select(int sequence) {
   startAt(main(), 0);
 }
 
-// The start file shows frame 0 of the first sequence until that itself is there.
+// Selects the start file's frame 0 of the first sequence until the streamed one is loaded.
 void PlayerImpl::selectFirst(int sequence) {
   if (sequence > 0 || loading_.startSequence() < 0) return select(sequence);
   transitions_.setGoal(sequence);
@@ -171,7 +170,7 @@ void PlayerImpl::startAt(Track& t, int64_t frame) {
   requestMissing();
 }
 
-// A sequence that was fed to its end and now loops is fed again, from the shown frame on.
+// Resumes feeding from the shown frame for a sequence that was fed to its end and now loops.
 void PlayerImpl::setLoop(int loop) {
   playback_.setLoop(loop);
   for (Track& t : tracks_) {
@@ -269,7 +268,8 @@ double PlayerImpl::clockTime() const {
   if (!t.head.used()) return 0;
   const package::Sequence& s = wantedOf(t);
   const double frames = t.head.clockFrames(s.fps);
-  return (frames - std::floor(frames / s.frame_count) * s.frame_count) / s.fps;  // fmod would be code of the first part
+  return (frames - std::floor(frames / s.frame_count) * s.frame_count) /
+         s.fps;  // fmod would be linked into the first part
 }
 
 std::optional<TimeRange> PlayerImpl::buffered(size_t number) const {

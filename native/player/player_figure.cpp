@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drawing: mesh, pictures and figure of the shown frame, its programs, and points of the surface of a layered
-// character by the vertices of its base mesh.
+// Drawing: mesh, pictures and figure of the shown frame, its programs, and surface points of a layered character by
+// vertices of its base mesh.
 #include <array>
 #include <cmath>
 #include <limits>
@@ -13,7 +13,7 @@ namespace {
 
 double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
-// Depth of the triangle at the pixel, by its corners' pixels and depths; infinity where it does not cover the pixel.
+// Depth of the triangle at the pixel, from its corners' pixels and depths; infinity outside of it.
 double depthAt(const glm::dvec3 (&corners)[3], const glm::dvec2& pixel) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   const glm::dvec2 a(corners[0]), b(corners[1]), c(corners[2]);
@@ -39,7 +39,7 @@ void PlayerImpl::composeMesh() {
                     {transitions_.fade(), transitions_.shift()});
 }
 
-// The GPU gets what is drawn: of pictures on screen the members that have a weight.
+// Uploads the drawn parts: members with a weight, of the pictures on screen.
 void PlayerImpl::stagePictures() {
   for (Track* t : {&main(), &other()}) {
     if (!t->head.hasPicture() || !(isMain(*t) || transitions_.fading())) continue;
@@ -75,8 +75,8 @@ Status Player::draw(const render::View& view, const render::RecipeOptions& optio
   return recipe_->draw({&drawn.value(), 1}, nullptr, view, {options, align_, method_}, target);
 }
 
-// A blend has at most one member more than the space has parameters, and is aligned as far as is known. An error comes
-// up again in the picture's draw.
+// Counts at most one member more than the space has parameters, aligned as far as the loaded headers show. Drawing
+// reports a persistent error again.
 bool PlayerImpl::makeNextProgram(const render::RecipeOptions& options) {
   if (!hasFrame() || fromCameras()) return false;
   size_t most_members = 1;
@@ -91,7 +91,7 @@ bool PlayerImpl::makeNextProgram(const render::RecipeOptions& options) {
   return made.ok() && made.value();
 }
 
-// Null: nothing of a layered character is on screen.
+// Null: no layered character on screen.
 const Positions* PlayerImpl::shownPositions() const {
   if (!hasFrame() || fromCameras() || !loading_.hasMesh()) return nullptr;
   const Positions& shown = composer_.shown(main().frame, transitions_.fading());

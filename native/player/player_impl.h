@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to native/player: the player behind player.h. It brings the parts together and decides nothing that one part
-// can decide alone. player.cpp has commands and queries; player_loading.cpp what is fetched; player_pictures.cpp what
-// is fed to decoders and comes back; player_tick.cpp what a tick does; player_transitions.cpp the steps of a
-// transition; player_figure.cpp what is drawn.
+// Implementation of player.h, private to native/player: combines the parts; decisions within one part stay there.
+// player.cpp: commands and queries; player_loading.cpp: fetches; player_pictures.cpp: decoder input and output;
+// player_tick.cpp: a tick; player_transitions.cpp: steps of a transition; player_figure.cpp: drawing.
 #pragma once
 
 #include <array>
@@ -14,8 +13,8 @@
 
 namespace fourdvt {
 
-// One sequence that is being played by one decoder: the parts that each track has of its own. A player has two tracks;
-// the second is used only around a transition.
+// One sequence played by one decoder: the parts that each track owns. A player has two tracks; the second is used only
+// around a transition.
 struct Track {
   Track(int decoder, int picture_slots, render::PictureTextures::Kind kind, size_t samples_ahead)
       : feeding(decoder, samples_ahead), slots(picture_slots, kind) {}
@@ -99,14 +98,14 @@ class PlayerImpl final : public Player {
   bool loops(int sequence) const { return playback_.loops(loading_.sequence(sequence)); }
   bool loops(const Track& track) const { return loops(track.head.sequence()); }
   bool standsAtTheEnd() const;
-  bool runs(const Track& track) const;     // its clock should
-  bool isReady(const Track& track) const;  // mesh and header of its sequence are there
+  bool runs(const Track& track) const;     // its clock should advance
+  bool isReady(const Track& track) const;  // mesh and header of its sequence are loaded
   const package::Sequence& wantedOf(const Track& track) const { return loading_.sequence(track.head.sequence()); }
-  const package::Rendition& renditionOf(const Track& track, uint32_t number) const {  // of the wanted sequence
+  const package::Rendition& renditionOf(const Track& track, uint32_t number) const {  // requested sequence's
     return wantedOf(track).renditions[number];
   }
   const package::Sequence& shownOf(const Track& track) const { return loading_.sequence(track.head.shown().sequence); }
-  uint32_t frameOf(const Track& track, int64_t k) const;  // of the wanted sequence
+  uint32_t frameOf(const Track& track, int64_t k) const;  // requested sequence's
   uint32_t shownFrameOf(const Track& track) const;
 
   // player_loading.cpp
@@ -173,17 +172,17 @@ class PlayerImpl final : public Player {
 
   PlayerOptions options_;
   Loading loading_;
-  std::array<Track, kDecoders> tracks_;  // by decoder
-  int main_ = 0;                         // the track whose sequence is the current one
+  std::array<Track, kDecoders> tracks_;  // one per decoder
+  int main_ = 0;                         // track of the current sequence
   Transitions transitions_;
   Parameters parameters_;
   std::string wanted_name_;  // selected before the manifest arrived
   bool in_sight_ = true;
-  bool start_fades_ = false;  // Sharper was emitted for what follows the start file's picture
+  bool start_fades_ = false;  // Sharper was emitted for the picture after the start file's
   // Beginnings of other motions are fetched while both hold.
   bool looks_ahead_ = false;  // lookAhead was called
-  bool commanded_ = false;    // a motion was chosen since the first picture, or need not be
-  int misfits_ = 0;           // pictures in a row with other frames' barcodes
+  bool commanded_ = false;    // a motion was selected since the first picture, or need not be
+  int misfits_ = 0;           // consecutive pictures with other frames' barcodes
 };
 
 }  // namespace fourdvt

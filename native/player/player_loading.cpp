@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Requests for files, their answers, and broken sequences.
+// File requests, their answers, and broken sequences.
 #include "base/later.h"
 #include "player/player_impl.h"
 
@@ -7,7 +7,7 @@ namespace fourdvt {
 
 namespace {
 constexpr size_t kMostLandings = 3;
-constexpr double kLead_s = 0.12;  // what a transition takes to prepare its target, about
+constexpr double kLead_s = 0.12;  // typical preparation time of a transition's target
 }  // namespace
 
 void PlayerImpl::requestMissing() {
@@ -48,9 +48,9 @@ void PlayerImpl::settle(const Arrival& arrival) {
   if (arrival.what != Arrival::What::Nothing) requestMissing();
 }
 
-// Reports what is broken and stops asking for it: one sequence, or everything (-1). The player itself stays usable.
+// Reports a broken sequence, or everything (-1), and stops its requests. The player itself stays usable.
 void PlayerImpl::fail(Error error, int broken_sequence) {
-  if (broken_sequence >= 0 && broken_sequence == loading_.startSequence()) {  // all can do without
+  if (broken_sequence >= 0 && broken_sequence == loading_.startSequence()) {  // dispensable
     if (starting()) select(0);
     return;
   }
@@ -61,7 +61,7 @@ void PlayerImpl::fail(Error error, int broken_sequence) {
   outbox_.emit({EventKind::Error, std::move(error), 0, 0});
 }
 
-// The device has no memory for a track's pictures or labels: without the second track a transition is a cut.
+// Gives up a track whose pictures or labels exceed device memory: without the second track a transition is a cut.
 void PlayerImpl::giveUp(const Track& t, const Error& error) {
   if (isMain(t))
     fail(error, -1);
@@ -88,7 +88,7 @@ void PlayerImpl::fetchAhead() {
   loading_.fetchAhead({landings.data(), found});
 }
 
-// Returns the frame at which a transition that starts now enters the target; without a motion graph, the first frame.
+// Target frame entered by a transition that starts now; without a motion graph, the first frame.
 uint32_t PlayerImpl::landingOn(int target) const {
   const TransitionView view = transitionView();
   if (view.held || !view.graph) return 0;

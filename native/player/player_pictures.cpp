@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Input of the decoders, and the pictures that come back.
+// Decoder input, and returned pictures.
 #include <cstdlib>
 
 #include "base/later.h"
@@ -9,7 +9,7 @@
 namespace fourdvt {
 
 namespace {
-// Answers of acquireSlot.
+// Results of acquireSlot.
 constexpr int kNoSlotNow = -1, kNotAwaited = -2;
 constexpr int kMostMisfits = 8;
 }  // namespace
@@ -25,7 +25,7 @@ void PlayerImpl::stopFeed(Track& t) {
   t.slots.beginEpoch();
 }
 
-// The key of the sought frame's GOP is nearer to it than what is shown of the sequence.
+// True if the key of the sought frame's GOP is nearer to it than the shown frame of the sequence.
 bool PlayerImpl::previews(const Track& t) const {
   if (!options_.preview_seeks || options_.paced || !isMain(t) || !t.head.seeking() ||
       t.head.shown().sequence != t.head.sequence())
@@ -41,8 +41,8 @@ void PlayerImpl::restartFeed(Track& t) {
   t.feeding.restart(fedBy(t), t.head.wantedK(), outbox_, previews(t));
 }
 
-// Goes on without its decoder's pictures: what is on screen stays. A pause waits for `play`, so that a decoder that is
-// not needed is not taken away again.
+// Restarts after a lost decoder; the picture on screen stays. While paused the restart waits for `play`, so that an
+// idle decoder is not reclaimed again.
 void PlayerImpl::feedAgain(Track& t) {
   if (!t.feeding.lost() || !isReady(t)) return;
   if (t.head.seeking() || !t.head.hasPicture()) return restartFeed(t);
@@ -53,7 +53,7 @@ void PlayerImpl::feedAgain(Track& t) {
   t.feeding.restart(fedBy(t), next, outbox_);
 }
 
-// Frees decoder and pictures; pictures that are being filled go when they are committed.
+// Frees decoder and pictures; pictures being filled are freed by commit.
 void PlayerImpl::closeTrack(Track& t) {
   if (!t.head.used()) return;
   stopFeed(t);
@@ -76,7 +76,7 @@ bool PlayerImpl::nextRequest(Request& out) {
   return false;
 }
 
-// Null for a number that is none. Slots are numbered over both decoders; `slot` becomes the number within the track.
+// Null for an invalid number. Slots are numbered over both decoders; `slot` becomes the number within the track.
 Track* PlayerImpl::trackOf(int& slot) {
   const int each = options_.picture_slots;
   if (slot < 0 || slot >= kDecoders * each) return nullptr;
@@ -121,7 +121,7 @@ bool PlayerImpl::checkSize(Track& t, int slot, int width, int height) {
   return false;
 }
 
-// Judges the picture in a slot by the frame number that its barcode has.
+// Checks the picture in a slot by its barcode's frame number.
 bool PlayerImpl::checkNumber(Track& t, int slot, std::optional<uint32_t> seen) {
   const int64_t k = t.slots.k(slot);
   const uint32_t expected = frameOf(t, k) % 4096;
@@ -161,7 +161,7 @@ void PlayerImpl::commitSlot(int slot, int width, int height) {
   if (unread && checkSize(*t, slot, width, height) && options_.readable) {
     const package::BarcodeStrip& strip = renditionOf(*t, t->slots.rendition(slot)).barcode;
     const Status begun = checks_.begin(number, t->slots.picture(slot).rgba.id(), strip);
-    if (begun.ok()) return;  // settled by a tick
+    if (begun.ok()) return;  // completed by a tick
     giveUp(*t, begun.error());
   }
   t->slots.commit(slot, t->head.used());
@@ -207,7 +207,7 @@ void PlayerImpl::setInSight(bool in_sight) {
   }
 }
 
-// Keeps a picture or two ready: a decoder that runs ahead of the clock is slowed down, one that lags is sped up.
+// Keeps one or two pictures ready: slows down a decoder ahead of the clock, speeds up one behind.
 double PlayerImpl::pace(int decoder) const {
   const Track& t = tracks_[static_cast<size_t>(decoder != 0)];
   if (!t.head.used() || !runs(t)) return 0;
@@ -216,9 +216,9 @@ double PlayerImpl::pace(int decoder) const {
   return wantedOf(t).fps * clockRate(t) * kPaces[ready];
 }
 
-// The picture is another presentation's than it was named for: of what the element had when it was copied. It counts as
-// that one's where that is a neighbour and yet to be shown, and goes unused where that has passed. One that is sought
-// must be that one: it is awaited again.
+// Handles a picture whose barcode differs from its timestamp: the element had advanced before the copy. It is
+// renumbered to a neighbouring presentation that is yet to be shown, and dropped if that has passed. A seek requires
+// the exact picture, which is awaited again.
 bool PlayerImpl::takeAs(Track& t, int slot, std::optional<uint32_t> seen) {
   const int64_t named = t.slots.k(slot);
   if (t.head.seeking()) {
@@ -226,8 +226,8 @@ bool PlayerImpl::takeAs(Track& t, int slot, std::optional<uint32_t> seen) {
     t.feeding.awaitAgain(named);
     return false;
   }
-  // A late page copies a later picture, a time that runs ahead names one that is yet to come. Within less than a loop
-  // the frame tells which.
+  // Search window: a late page copies a later picture, an early timestamp belongs to a picture still to come. The frame
+  // number is unambiguous within less than a loop.
   constexpr int64_t kBack = 8, kOn = 17;
   const int64_t first = std::max<int64_t>(0, named - kBack);
   const int64_t end = std::min(named + kOn, first + wantedOf(t).frame_count);

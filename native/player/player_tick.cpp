@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A tick: the clock moves on, and a picture is chosen.
+// Tick: advances the clock and selects a picture.
 #include <algorithm>
 #include <array>
 
@@ -12,7 +12,7 @@ void PlayerImpl::tick(double now_s) {
   playback_.tick(now_s);
   loading_.tick(playback_.tick_s());
   checks_.settle([this](int slot, std::optional<uint32_t> seen) { settlePicture(slot, seen); });
-  // Right only if a picture follows every tick: web/src/session/session.ts draws so what follows with time.
+  // Requires a picture after every tick; web/src/session/session.ts draws time-dependent content accordingly.
   method_.elapsed_s = static_cast<float>(playback_.tick_s());
   for (Track& t : tracks_) t.head.advance(now_s, clockRate(t), kMaxStep_s);
   if (!main().head.used()) return;
@@ -22,7 +22,7 @@ void PlayerImpl::tick(double now_s) {
   if (loading_.slicing()) later<&PlayerImpl::decodeAhead>(*this);
   for (Track* t : {&main(), &other()})
     if (isReady(*t)) choosePicture(*t);
-  // A motion that was asked for and does not come makes the player wait as a picture that does not come does.
+  // Counts a requested motion that is late as starvation, like a late picture.
   if (playback_.playing() && hasFrame() && seeking()) playback_.noteStarvation(playback_.canPlay());
   if (inPhase() || transitions_.returnTo() >= 0) later<&PlayerImpl::stepTransition>(*this);
   if (!playback_.playing()) sharpen();
@@ -31,7 +31,7 @@ void PlayerImpl::tick(double now_s) {
   playback_.finishTick(seeking());
 }
 
-// A class's phases pass as fast as the pass takes at these weights.
+// Rate of a class's phases: one pass per duration at these weights.
 double PlayerImpl::clockRate(const Track& t) const {
   const double rate = playback_.rate();
   if (!t.head.used() || t.head.shown().sequence != t.head.sequence()) return rate;
@@ -40,8 +40,7 @@ double PlayerImpl::clockRate(const Track& t) const {
   return sequence.isClass() && duration_s > 0 ? rate * sequence.duration_s() / duration_s : rate;
 }
 
-// The ready picture to show where that of `slot` cannot be; -1: none. While playing an older one, while seeking the
-// key.
+// Next best ready picture after `slot`; -1: none. While playing an older one, while seeking the key.
 int PlayerImpl::nextChoice(const Track& t, int slot) const {
   if (t.head.seeking()) {
     const int key = t.slots.findReady(t.feeding.previewK());
@@ -71,13 +70,13 @@ void PlayerImpl::choosePicture(Track& t) {
   if (isMain(t)) finishAtEnd(t);
 }
 
-// The network is not at fault where the samples to feed next are there, too.
+// The network is not the cause if the next samples to feed are loaded, too.
 void PlayerImpl::measureDecoding(const Track& t, bool late) {
   late = late && t.feeding.decoding() && loading_.video(t.head.sequence(), t.feeding.gop());
   loading_.ladder().measureDecoding(t.feeding.rendition(), playback_.tick_s(), late);
 }
 
-// False: there was no memory for it.
+// False: out of memory.
 bool PlayerImpl::showPicture(Track& t, int slot, const FrameGeometry& geometry) {
   const int previous_sequence = t.head.shown().sequence;
   const int64_t k = t.slots.k(slot);
@@ -91,8 +90,8 @@ bool PlayerImpl::showPicture(Track& t, int slot, const FrameGeometry& geometry) 
   return true;
 }
 
-// Picture, labels and alignment of one presentation go on screen together; its mesh follows in composeMesh. The
-// character moves along if the presentation continues the shown motion.
+// Shows picture, labels and alignment of one presentation together; composeMesh adds its mesh. Moves the character
+// along if the presentation continues the shown motion.
 bool PlayerImpl::present(Track& t, int slot, const FrameGeometry& geometry) {
   const package::Sequence& sequence = wantedOf(t);
   const int64_t k = t.slots.k(slot);
@@ -104,7 +103,7 @@ bool PlayerImpl::present(Track& t, int slot, const FrameGeometry& geometry) {
   }
   const Presentation& shown = t.head.shown();
   if (shown.sequence != t.head.sequence() || t.parameters.hasEntry()) t.parameters.enter(sequence, parameters_);
-  if (geometry.surfaces) return true;  // it stays where it was captured
+  if (geometry.surfaces) return true;  // no root motion: fixed in capture space
   const RootFrame root{sequence, t.parameters.weights().members, geometry};
   const int64_t count = sequence.frame_count;
   if (!t.head.seeking())
@@ -124,7 +123,7 @@ void PlayerImpl::finishSeek(Track& t, int previous_sequence) {
   playback_.finishSeek(known && previous_sequence != t.head.sequence());
 }
 
-// A state that is about to lead on stays on its last frame instead of ending.
+// Ends playback, except in a state about to lead on, which stays on its last frame.
 void PlayerImpl::finishAtEnd(Track& t) {
   if (loops(t) || shownFrameOf(t) + 1 != wantedOf(t).frame_count) return;
   if (inPhase() || transitions_.returnTo() >= 0) return;
@@ -133,15 +132,15 @@ void PlayerImpl::finishAtEnd(Track& t) {
   playback_.end();
 }
 
-// None while it is not decoded, or broken. due: as of Loading::geometry.
+// Empty while not decoded, or broken. due: as in Loading::geometry.
 FrameGeometry PlayerImpl::geometryOf(int sequence, uint32_t frame, bool due) {
   FrameGeometry geometry;
   if (Status status = loading_.geometry(sequence, frame, due, geometry); !status.ok()) fail(status.error(), sequence);
   return geometry;
 }
 
-// A picture that stands comes again when its GOP is there in a higher rendition, as does that of the start file. The
-// edge may cross-fade to it: what is on screen when Sharper is emitted stays until then.
+// Replaces a standing picture, and that of the start file, once its GOP is loaded in a higher rendition. The edge may
+// cross-fade: the picture on screen stays until after Sharper is emitted.
 void PlayerImpl::sharpen() {
   Track& t = main();
   if (!in_sight_ || inPhase() || other().head.used() || !isReady(t)) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Steps of a transition (parts/motion.h) as the player takes them: a second track is prepared at the entry, and
-// the two cross-fade.
+// Steps of a transition (parts/motion.h) in the player: a second track is prepared at the entry, and the two
+// cross-fade.
 #include "player/player_impl.h"
 
 namespace fourdvt {
@@ -104,7 +104,7 @@ void PlayerImpl::takeOver() {
   if (transitions_.goal() != main().head.sequence()) beginTransition(transitions_.goal());
 }
 
-// Whatever was on its way is given up; the source plays on.
+// Discards the transition; the source plays on.
 void PlayerImpl::cancelTransition() {
   if (!inPhase()) return;
   const bool fading = transitions_.fading();
@@ -124,7 +124,7 @@ void PlayerImpl::selectInstead() {
   transitions_.finish(source, source_loops, loops(target));
 }
 
-// A state that does not loop leads back to the one that it was entered from.
+// Returns from a state that does not loop to the state it was entered from.
 void PlayerImpl::returnBeforeTheEnd() {
   const int back = transitions_.returnTo();
   if (back < 0 || !playback_.running() || seeking() || loops(main())) return;

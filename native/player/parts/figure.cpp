@@ -87,7 +87,7 @@ void FigureComposer::compose(gpu::Device& device, const ShownFrame& first, const
   stale_ = false;
   if (first.surface().topology_serial != topology_serial_) {
     topology_serial_ = first.surface().topology_serial;
-    // It keeps to the manifest's counts: the reader of surfaces has checked that.
+    // Within the manifest's counts: checked by the surface reader.
     (void)later<&render::CharacterModel::setTopology>(*model_, device, first.surface().faces,
                                                       static_cast<uint32_t>(first.positions().size()));
   }

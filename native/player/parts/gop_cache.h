@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// GOPs that are held: those that playback needs next, and the least recently used ones to drop when the budget is
-// exceeded. Pure logic over encoded bytes and decoded geometry. Does NOT fetch.
+// Cache of GOPs: those that playback needs next, and eviction of the least recently used ones above the budget. Pure
+// logic over encoded bytes and decoded geometry, without fetches.
 #pragma once
 
 #include <cstdint>
@@ -25,21 +25,21 @@ enum class PartState { Absent, Fetching, Present, Failed };
 struct Gop {
   static constexpr uint32_t kNoRow = UINT32_MAX;
   PartState video_state = PartState::Absent, chunk_state = PartState::Absent;
-  uint32_t rendition = 0;                      // that `video` is, or will be, of
+  uint32_t rendition = 0;                      // rendition of `video`, loaded or requested
   std::vector<uint8_t> video;                  // the GOP's samples, contiguous as in the file
-  PartState better_state = PartState::Absent;  // of the samples in another rendition, to take their place
+  PartState better_state = PartState::Absent;  // replacement samples in another rendition
   uint32_t better_rendition = 0;
   std::vector<uint8_t> better;
   std::vector<uint8_t> chunk;                // encoded geometry
-  bool coarse = false;                       // that `chunk` is, or will be, of the coarse ones
-  PartState fine_state = PartState::Absent;  // of the chunk that takes the place of a coarse one
+  bool coarse = false;                       // `chunk`, loaded or requested, is a coarse one
+  PartState fine_state = PartState::Absent;  // chunk that replaces a coarse one
   std::vector<uint8_t> fine;
-  uint32_t row = kNoRow;                            // that a frame was wanted of last
-  std::unique_ptr<package::ChunkDecoder> geometry;  // of `chunk`, decoded as far as was asked for
-  bool damaged = false;                             // that does not decode
-  std::unique_ptr<package::SurfaceChunk> surfaces;  // likewise, of a character from cameras
-  uint32_t job = 0;   // of `geometry`, where it is decoded elsewhere (Loading::decodeElsewhere); 0: here
-  bool here = false;  // elsewhere it could not be decoded
+  uint32_t row = kNoRow;                            // row requested last
+  std::unique_ptr<package::ChunkDecoder> geometry;  // decoder of `chunk`, as far as requested
+  bool damaged = false;                             // chunk does not decode
+  std::unique_ptr<package::SurfaceChunk> surfaces;  // likewise, for a character from cameras
+  uint32_t job = 0;   // decode job of `geometry` (Loading::decodeElsewhere); 0: decoded here
+  bool here = false;  // decoding elsewhere failed
   uint64_t last_use = 0;
   uint64_t encodedBytes() const { return video.size() + chunk.size() + better.size() + fine.size(); }
   bool decoded() const { return geometry || surfaces; }
@@ -56,11 +56,11 @@ class GopCache {
  public:
   explicit GopCache(uint64_t encoded_budget_bytes, uint64_t decoded_budget_bytes = 32u << 20)
       : encoded_budget_bytes_(encoded_budget_bytes), decoded_budget_bytes_(decoded_budget_bytes) {}
-  Gop& touch(GopKey key);  // creates it; marks it used
+  Gop& touch(GopKey key);  // creates on demand; marks as used
   Gop* find(GopKey key);   // null if not held
   const Gop* find(GopKey key) const;
-  // Drops least recently used GOPs that are neither kept nor being fetched until the budget of encoded bytes holds, and
-  // the decoded geometry of those that are not kept until its budget holds: a short loop is decoded once.
+  // Evicts least recently used GOPs that are neither kept nor being fetched until the budget of encoded bytes holds,
+  // and the decoded geometry of unkept GOPs until its budget holds: a short loop is decoded once.
   void trim(const std::vector<GopKey>& keep);
   void dropSequence(int sequence);
   uint64_t encodedBytes() const;
@@ -70,7 +70,7 @@ class GopCache {
 
  private:
   using Entry = std::map<GopKey, Gop>::iterator;
-  // The least recently used of those that `may_go`; the end if none may.
+  // Least recently used entry that satisfies `may_go`; end if none.
   template <class MayGo>
   Entry oldest(const MayGo& may_go);
 
@@ -78,8 +78,8 @@ class GopCache {
   std::map<GopKey, Gop> gops_;
 };
 
-// The GOPs to hold for playing on from `frame`, nearest first: its own and the next ones until they have `ahead` frames
-// after it, at least one, wrapping if looping.
+// GOPs to hold for playback from `frame`, nearest first: its own and the next ones until they have `ahead` frames after
+// it, at least one, wrapping if looping.
 std::vector<uint32_t> neededGops(const package::StreamIndex& index, uint32_t frame, bool loop, uint32_t ahead);
 
 }  // namespace fourdvt

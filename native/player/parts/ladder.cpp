@@ -8,16 +8,16 @@ namespace fourdvt {
 
 namespace {
 
-constexpr double kHalfLife_s = 3;   // of what was measured, in time spent fetching
-constexpr double kSoonest_s = 0.2;  // of fetching, before which nothing is known
-constexpr double kExpected_s = 1;   // of measuring, that an expectation counts for
+constexpr double kHalfLife_s = 3;   // decay of measurements, in fetching time
+constexpr double kSoonest_s = 0.2;  // fetching time before the first estimate
+constexpr double kExpected_s = 1;   // weight of an expected throughput, in measuring time
 constexpr double kUp = 0.7,
-                 kKeep = 0.9;  // shares of the throughput that a rendition may take to be gone up to, and kept
-constexpr double kPlenty_s = 4, kTry = 2;  // held ahead, and share of the throughput, to try a rendition
-constexpr double kLateHalfLife_s = 3;      // of the time that pictures were late
-constexpr double kTooLate_s = 0.4;         // reached in the long run by a decoder that is late for a tenth of the time
-constexpr double kLongStep_s = 0.1;        // the page was busy, or asleep
-constexpr double kRest_s = 30;             // before a rendition that was too slow is tried again, the first time
+                 kKeep = 0.9;              // throughput shares for stepping up to a rendition, and for keeping it
+constexpr double kPlenty_s = 4, kTry = 2;  // buffer ahead, and throughput share, for trying a rendition
+constexpr double kLateHalfLife_s = 3;      // decay of late time
+constexpr double kTooLate_s = 0.4;         // steady state of a decoder that is late a tenth of the time
+constexpr double kLongStep_s = 0.1;        // page was busy or suspended
+constexpr double kRest_s = 30;             // first pause before a too slow rendition is retried
 
 double bitsPerSecond(const package::Sequence& s, uint32_t rendition) {
   return 8 * double(s.renditions[rendition].video_bytes + s.geometryBytes(rendition)) / s.duration_s();

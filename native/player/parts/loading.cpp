@@ -14,11 +14,11 @@ using Kind = FetchPurpose::Kind;
 
 namespace {
 
-constexpr int kMostAhead = 4;           // GOPs of one sequence: entries from all frames of a short loop
-constexpr size_t kSoonGops = 2;         // nearest ones of a need
-constexpr uint64_t kBudgetDivisor = 2;  // part of the budget that needs and beginnings fill together at most
-constexpr double kAhead_s = 6;          // of what is held or on its way
-// More would only share the network with the one that is due first.
+constexpr int kMostAhead = 4;           // GOPs per sequence: every landing frame of a short loop
+constexpr size_t kSoonGops = 2;         // nearest GOPs of a need
+constexpr uint64_t kBudgetDivisor = 2;  // share of the budget for needs and beginnings
+constexpr double kAhead_s = 6;          // held or in flight
+// More would compete with the first one for bandwidth.
 constexpr int kGopsBeforeTheFirstPicture = 1;
 
 }  // namespace
@@ -30,14 +30,14 @@ Status Loading::readManifest(const FlatJson& gltf, std::span<const uint8_t> star
   ladder_.forget();
   streams_.clear();
   streams_.resize(character_->sequences.size());
-  if (fromCameras()) mesh_state_ = PartState::Present;  // every GOP brings its own
+  if (fromCameras()) mesh_state_ = PartState::Present;  // every GOP has its own
   const package::Start& s = character_->start;
   started_ = start.size() == s.bytes && !s.uri.empty() && fnv1a(start) == s.hash && takeStart(start).ok();
   fetches_.startProgress(mesh_state_ == PartState::Present ? 0 : character_->mesh_bytes);
   return {};
 }
 
-// The first sequence's frame 0 becomes a sequence of its own, with everything there that its one GOP needs.
+// Makes a sequence of its own from the first sequence's frame 0, with its one GOP complete.
 Status Loading::takeStart(std::span<const uint8_t> bytes) {
   FOURDVT_ASSIGN(package::StartFile file, package::readStartFile(bytes));
   start_ = character_->sequences[0];
@@ -123,7 +123,7 @@ void Loading::requestGraph() {
   fetches_.request({Kind::Graph, -1, 0}, character_->graph_uri, 0, character_->graph_bytes);
 }
 
-// GOPs that playing on needs, nearest first.
+// GOPs needed to play on, nearest first.
 void Loading::addNeededGops(const Need& need, std::vector<GopKey>& keys) const {
   if (!playable(need.sequence)) return;
   const auto ahead = static_cast<uint32_t>(kAhead_s * sequence(need.sequence).fps);
@@ -132,7 +132,7 @@ void Loading::addNeededGops(const Need& need, std::vector<GopKey>& keys) const {
   if (need.fed_gop) keys.push_back({need.sequence, *need.fed_gop});
 }
 
-// True: some of it is on its way.
+// True: a part of it is in flight.
 bool Loading::requestGop(GopKey key, double ahead_s, bool stands) {
   const package::Sequence& q = sequence(key.sequence);
   Gop& gop = cache_.touch(key);
@@ -141,7 +141,7 @@ bool Loading::requestGop(GopKey key, double ahead_s, bool stands) {
     uint32_t& chosen = stream(key.sequence).rendition;
     gop.rendition = choose(key, ahead_s, stands);
     if (gop.rendition < chosen) ladder_.rest();
-    if (!stands) chosen = gop.rendition;  // a standing picture may be of one that the network does not carry
+    if (!stands) chosen = gop.rendition;  // the rendition of a standing picture may exceed the throughput
   }
   if (gop.chunk_state == PartState::Absent) {
     gop.chunk_state = PartState::Fetching;
@@ -165,7 +165,7 @@ void Loading::requestChunk(GopKey key, Kind kind, const package::ChunkEntry& ent
   fetches_.request({kind, key.sequence, key.gop}, sequence(key.sequence).stream_uri, entry.offset, entry.bytes);
 }
 
-// Requests the chunk that takes the place of a coarse one, once.
+// Requests, once, the chunk that replaces a coarse one.
 void Loading::requestFine(GopKey key, Gop& gop) {
   if (!gop.coarse || gop.fine_state != PartState::Absent) return;
   gop.fine_state = PartState::Fetching;
@@ -178,7 +178,7 @@ void Loading::requestVideo(GopKey key, Kind kind, uint32_t rendition) {
   fetches_.request({kind, key.sequence, key.gop}, uri, span.offset, span.bytes);
 }
 
-// A seek or another sequence has made them useless.
+// Cancels fetches made obsolete by a seek or another sequence.
 void Loading::cancelUnneeded(const std::vector<GopKey>& keep) {
   fetches_.cancel([&](const FetchPurpose& purpose) {
     const GopKey key{purpose.sequence, purpose.gop};
@@ -218,7 +218,7 @@ bool Loading::holds(int sequence, uint32_t gop_index) const {
   return gop && gop->video_state == PartState::Present && gop->chunk_state == PartState::Present;
 }
 
-// --- beginnings of motions that may come next, while the network is idle ---
+// ---- beginnings of likely next motions, while the network is idle ----
 
 void Loading::fetchAhead(std::span<const Landing> landings) {
   if (!ladder_.automatic() || !fetches_.empty()) return;
@@ -236,7 +236,7 @@ void Loading::fetchAhead(std::span<const Landing> landings) {
   }
 }
 
-// Nothing where it is there, where there is no room for it, or enough of the sequence.
+// Skips what is loaded, exceeds the budget or its sequence's limit.
 void Loading::requestAhead(GopKey key) {
   if (std::find(ahead_.begin(), ahead_.end(), key) == ahead_.end()) {
     const auto of_sequence = [&](const GopKey& other) { return other.sequence == key.sequence; };
@@ -264,8 +264,8 @@ uint64_t Loading::bytesOf(const std::vector<GopKey>& keys) const {
   return total;
 }
 
-// A beginning under way that has become a need stays; others are called off when a need is due soon that is under way,
-// after a seek or for another motion. What fills the far end of the buffer comes beside them.
+// A beginning in flight that has become a need stays; others are cancelled for an urgent need in flight after a seek or
+// for another motion. GOPs at the far end of the buffer load beside them.
 void Loading::settleAhead(std::span<const Need> needs, int next_sequence, const std::vector<GopKey>& keep) {
   const auto needed = [&](const FetchPurpose& p) {
     if (p.ofGop()) return std::find(keep.begin(), keep.end(), GopKey{p.sequence, p.gop}) != keep.end();
@@ -289,7 +289,7 @@ void Loading::settleAhead(std::span<const Need> needs, int next_sequence, const 
   });
 }
 
-// Beginnings stay as long as they fit into the budget beside what is needed.
+// Keeps beginnings while they fit into the budget beside the needs.
 void Loading::keepAhead(std::vector<GopKey>& keep) {
   needed_bytes_ = bytesOf(keep);
   if (needed_bytes_ + bytesOf(ahead_) <= budget_bytes_) keep.insert(keep.end(), ahead_.begin(), ahead_.end());

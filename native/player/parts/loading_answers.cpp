@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Answers to fetches: what arrives is checked and kept, what does not is left out or breaks its sequence.
+// Fetch results: arrivals are checked and stored; failures leave out a rendition or break their sequence.
 #include "base/hash.h"
 #include "base/later.h"
 #include "package/mesh_code.h"
@@ -28,7 +28,7 @@ Arrival Loading::receive(uint32_t id, std::span<const uint8_t> bytes) {
   const FetchPurpose purpose = fetches_.finish(id);
   PartState* state = stateOf(purpose);
   if (!state) return {};
-  *state = PartState::Failed;  // until the bytes turn out to be good
+  *state = PartState::Failed;  // until the bytes pass their check
   if (fnv1a(bytes) != hashOf(purpose)) {
     return lose(purpose, {ErrorId::FilesDiffer, range.uri + ": bytes " + std::to_string(range.offset) + "+" +
                                                     std::to_string(range.bytes) +
@@ -61,7 +61,7 @@ Arrival Loading::refuse(uint32_t id, const std::string& reason) {
                                          std::to_string(range.bytes) + " could not be fetched: " + reason});
 }
 
-// Samples that cannot be had leave out their rendition, while the sequence has another one.
+// Leaves out the rendition of lost samples while the sequence has another one.
 Arrival Loading::lose(const FetchPurpose& purpose, Error error) {
   PartState* state = stateOf(purpose);
   if (purpose.ahead) {
@@ -82,8 +82,8 @@ Arrival Loading::lose(const FetchPurpose& purpose, Error error) {
               : Arrival{Arrival::What::Other, purpose.sequence, {}};
 }
 
-// Returns the hash that the fetched bytes must have; needs a stateOf that is not null. Each hash comes from bytes that
-// were checked before, the first from the manifest.
+// Expected hash of the fetched bytes; requires a non-null stateOf. Each hash comes from bytes checked before, the first
+// from the manifest.
 uint64_t Loading::hashOf(const FetchPurpose& purpose) const {
   switch (purpose.kind) {
     case Kind::Mesh:
@@ -104,13 +104,13 @@ uint64_t Loading::hashOf(const FetchPurpose& purpose) const {
   }
 }
 
-// Rendition of samples under way.
+// Rendition of the samples in flight.
 uint32_t Loading::renditionOf(const FetchPurpose& purpose) const {
   const Gop* gop = cache_.find({purpose.sequence, purpose.gop});
   return !gop ? 0 : purpose.kind == Kind::Video ? gop->rendition : gop->better_rendition;
 }
 
-// Null: nobody needs it any more.
+// State of the fetched part; null: no longer needed.
 PartState* Loading::stateOf(const FetchPurpose& purpose) {
   if (purpose.kind == Kind::Mesh) return &mesh_state_;
   if (purpose.kind == Kind::Graph) return &graph_state_;
@@ -168,7 +168,7 @@ Status Loading::checkHeader(const package::Sequence& q, const package::StreamInd
   return {};
 }
 
-// A graph that cannot be read counts as none: states are then simply selected.
+// Treats an unreadable graph as absent: states are then selected by cuts.
 void Loading::receiveGraph(std::span<const uint8_t> bytes) {
   auto graph = motion::MotionGraph::read(bytes, *character_);
   graph_state_ = graph.ok() ? PartState::Present : PartState::Failed;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decoding of geometry: as far as a frame needs, ahead of time in slices of a tick, or elsewhere.
+// Geometry decoding: on demand, ahead of time in slices of a tick, or elsewhere.
 #include <algorithm>
 
 #include "base/later.h"
@@ -10,14 +10,15 @@ namespace fourdvt {
 
 namespace {
 
-constexpr uint32_t kRowsAhead = 12;  // after the frame that is shown or sought
-constexpr size_t kMostJobs = 4;      // of two tracks, the GOP that plays and the next one
-// While seeking, when nothing moves until the frame is there: half the time between ticks, between so many slices.
+constexpr uint32_t kRowsAhead = 12;  // beyond the shown or sought frame
+constexpr size_t kMostJobs = 4;      // two tracks, present and next GOP each
+// Range, in slices, of a tick's decoding time while seeking, nominally half the tick: nothing moves until the frame is
+// decoded.
 constexpr double kMinSlices = 3, kMaxSlices = 8;
 
 }  // namespace
 
-// Only where decoding begins anew: within a pass all rows before would have to be decoded at once.
+// Switches to fine geometry, only at the start of a pass: later, all earlier rows would have to be decoded at once.
 void Loading::takeFine(Gop& gop) {
   if (gop.fine_state != PartState::Present) return;
   gop.dropDecoded();
@@ -27,7 +28,7 @@ void Loading::takeFine(Gop& gop) {
   gop.coarse = false;
 }
 
-// Opens the decoder if that is yet to be done.
+// Opens the decoder on first use.
 Status Loading::open(GopKey key, Gop& gop) {
   if (gop.decoded()) return {};
   const package::StreamIndex& coded = indexOf(key, gop);
@@ -40,7 +41,7 @@ Status Loading::open(GopKey key, Gop& gop) {
   return {};
 }
 
-// Decodes as far as a row, or one step: kStep. Opening the decoder is one of the steps.
+// Decodes up to a row, or by one step: kStep. Opening the decoder is one of the steps.
 Status Loading::decode(GopKey key, Gop& gop, uint32_t row) {
   const bool timed = slice_ && slice_->now_s, opens = !gop.decoded();
   const double start_s = timed ? slice_->now_s() : 0;
@@ -63,7 +64,7 @@ Status Loading::decode(GopKey key, Gop& gop, uint32_t row) {
   return status;
 }
 
-// A frame of the GOP is wanted: a pass of it begins, or goes on.
+// Begins or continues a pass over the GOP at a requested row.
 void Loading::enter(Gop& gop, uint32_t row) {
   if (row < gop.row || !gop.decoded()) takeFine(gop);
   gop.row = row;
@@ -81,19 +82,19 @@ Status Loading::geometry(int sequence_index, uint32_t frame, bool due, FrameGeom
   const Status status = decode(key, *gop, row);
   if (!status.ok())
     return Error{status.error().id, sequence(sequence_index).stream_uri + ": " + status.error().message};
-  if (row >= gop->decodedRows()) return {};  // it is decoded elsewhere
+  if (row >= gop->decodedRows()) return {};  // decoded elsewhere
   out = {gop->geometry ? &gop->geometry->frames() : nullptr, &indexOf(key, *gop), row, gop->surfaces.get()};
   return {};
 }
 
-// --- ahead of time, here in slices of a tick or elsewhere ---
+// ---- ahead of time, here in slices of a tick or elsewhere ----
 
-// Counts down a tick's share of decoding.
+// Remaining decode budget of a tick.
 struct Loading::SliceLeft {
   const DecodeSlice& slice;
   uint32_t steps = slice.steps;
   double end_s = 0;
-  // The first is granted however short the time: what is sought comes at last.
+  // Grants the first step however short the time, so that a seek always progresses.
   bool takeStep() {
     const bool late = slice.now_s && slice.now_s() >= end_s;
     if (steps == 0 || (late && steps < slice.steps)) return false;
@@ -120,7 +121,7 @@ void Loading::decodeAhead(std::span<const Need> needs, bool seeking) {
       if (const Ahead at = reach(need, ahead); at.gop && !decodeAhead(at, ahead == 0, left)) return;
 }
 
-// Finds GOP and row of the frame `ahead` frames after the needed one. gop: null beyond the end, or without its chunk.
+// GOP and row of the frame `ahead` frames after the needed one. gop: null beyond the end, or without its chunk.
 Loading::Ahead Loading::reach(const Need& need, uint32_t ahead) {
   if (!playable(need.sequence)) return {};
   const package::StreamIndex& streamed = index(need.sequence);
@@ -139,7 +140,7 @@ Loading::Ahead Loading::reach(const Need& need, uint32_t ahead) {
   return {key, gop, row, chunk.frame_count};
 }
 
-// False: the tick's share is used up. A chunk that does not decode is left to `geometry`, which reports it.
+// False: the tick's budget is used up. A chunk that does not decode is left to `geometry`, which reports it.
 bool Loading::decodeAhead(const Ahead& at, bool urgent, SliceLeft& left) {
   while (!at.gop->job && at.gop->decodedRows() <= at.row) {
     if (!urgent && !cache_.hasRoomForDecoded()) return true;
@@ -149,7 +150,8 @@ bool Loading::decodeAhead(const Ahead& at, bool urgent, SliceLeft& left) {
   return true;
 }
 
-// Makes a job of a GOP that was begun here and is not due: its rows stay, and come elsewhere before those that follow.
+// Makes a job of a GOP begun here that is not due: its rows are kept, and decoded again elsewhere before the following
+// ones.
 void Loading::handOver(const Ahead& at) {
   Gop& gop = *at.gop;
   if (!gop.geometry || gop.job || gop.here || gop.damaged || gop.decodedRows() == at.row_count) return;
@@ -158,8 +160,8 @@ void Loading::handOver(const Ahead& at) {
   gop.job = ++last_job_;
 }
 
-// Turns a GOP that is not begun into a job, and lists each job until it is done: whole while memory allows it, else as
-// far as its rows are wanted.
+// Turns a GOP not begun into a job, and lists each job until it is done: whole while memory allows it, else up to the
+// rows needed.
 void Loading::giveAway(const Ahead& at, bool urgent) {
   Gop& gop = *at.gop;
   if (!elsewhere_ && gop.job && gop.decodedRows() < at.row_count) gop.dropDecoded();

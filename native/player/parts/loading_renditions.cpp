@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Choice of renditions: which one of a GOP is fetched, and when it comes again in another one.
+// Rendition choice: which one of a GOP is fetched, and when another replaces it.
 #include <algorithm>
 
 #include "player/parts/loading.h"
@@ -10,8 +10,8 @@ using Kind = FetchPurpose::Kind;
 
 namespace {
 
-constexpr double kStill_s = 2;    // that a standing picture may take to come in its best rendition
-constexpr double kRaise_s = 1.5;  // that a whole sequence may, in place of a rendition between
+constexpr double kStill_s = 2;    // time limit for a standing picture's best rendition
+constexpr double kRaise_s = 1.5;  // time limit for a whole sequence; above it an intermediate rendition is used
 
 }  // namespace
 
@@ -22,7 +22,7 @@ uint32_t Loading::renditionOf(int sequence_index, uint32_t gop) const {
              : ladder_.choose(sequence(sequence_index), stream(sequence_index).rendition);
 }
 
-// The first picture comes in the lowest rendition; that of the start file is shown before its sequence.
+// Lowest rendition for the first picture; the start file's picture precedes its sequence.
 uint32_t Loading::choose(GopKey key, double ahead_s, bool stands) const {
   const package::Sequence& q = sequence(key.sequence);
   if (!ladder_.automatic()) return ladder_.choose(q, 0);
@@ -30,7 +30,7 @@ uint32_t Loading::choose(GopKey key, double ahead_s, bool stands) const {
   return stands ? chooseStill(key) : ladder_.choose(q, stream(key.sequence).rendition, ahead_s);
 }
 
-// The highest whose bytes of the GOP come in time, whatever the rate of the rest.
+// Highest rendition whose bytes of the GOP arrive in time, regardless of the rest's bitrate.
 uint32_t Loading::chooseStill(GopKey key) const {
   const package::Sequence& q = sequence(key.sequence);
   const package::StreamIndex& streamed = index(key.sequence);
@@ -43,8 +43,8 @@ uint32_t Loading::chooseStill(GopKey key) const {
   return ladder_.lowest(q);
 }
 
-// Nothing is on its way: a loop that is held whole, and the GOP of a standing picture, which is the first, comes again
-// in a higher rendition, one GOP after the other, the lowest first.
+// Fetches one GOP in a higher rendition, the lowest one first, while the network is idle. Candidates: the GOP of a
+// standing picture (the first key), and all GOPs of a loop that is held whole.
 void Loading::raise(const std::vector<GopKey>& keys, bool stands) {
   GopKey chosen;
   Gop* lowest = nullptr;
@@ -64,7 +64,7 @@ void Loading::raise(const std::vector<GopKey>& keys, bool stands) {
   requestVideo(chosen, Kind::Better, lowest->better_rendition);
 }
 
-// The highest rendition, or a nearer one where that is known to take long.
+// Highest rendition, or an intermediate one if that is expected to take long.
 uint32_t Loading::raised(int sequence_index, uint32_t from) const {
   const package::Sequence& q = sequence(sequence_index);
   const double most_bytes = ladder_.throughput_bps() / 8 * kRaise_s;
@@ -91,12 +91,11 @@ bool Loading::takeSharper(int sequence_index, uint32_t gop_index, uint32_t rendi
   const uint32_t next = better ? gop->better_rendition : gop->rendition;
   const package::Sequence& q = sequence(sequence_index);
   if (next <= rendition || ladder_.tooSlow(q, next) || ladder_.isOut(q, next)) return false;
-  gop->row = Gop::kNoRow;  // its decoding begins anew, with the fine geometry
+  gop->row = Gop::kNoRow;  // decoding restarts with the fine geometry
   return true;
 }
 
-// A decoder is too slow for what is held: the nearest of it comes again in a lower rendition, and what is held plays
-// until that is there.
+// Too slow a decoder: fetches the nearest held GOPs in a lower rendition; the held samples play until it arrives.
 void Loading::lower(const std::vector<GopKey>& keys) {
   int under_way = 0;
   for (const GopKey& key : keys) {
@@ -116,7 +115,7 @@ void Loading::lower(const std::vector<GopKey>& keys) {
   }
 }
 
-// They would share the network with what is due.
+// Cancels raises, which would compete with due fetches for bandwidth.
 void Loading::cancelRaises() {
   fetches_.cancel([&](const FetchPurpose& purpose) {
     const Gop* gop = cache_.find({purpose.sequence, purpose.gop});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages between a player and its edge (the page, or a native tool): requests that the edge carries out, events
-// that it passes on, the queue of both, and the byte ranges that are on their way. Does NOT carry anything out.
+// Messages between a player and its edge (the page, or a native tool): requests for the edge to execute, events for it
+// to forward, the queue of both, and the byte ranges in flight.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@
 
 namespace fourdvt {
 
-// Keeps the planes of a decoded picture in memory until it is let go.
+// Owner of a decoded picture's planes in memory.
 using PictureBytes = std::shared_ptr<const void>;
 
-// Work for the edge. Spans stay valid until the next call of any non-const method of the player.
+// Requests to the edge. Spans stay valid until the next call of any non-const method of the player.
 struct FetchRange {  // answer: onRangeReceived / onRangeFailed
   uint32_t id = 0;
   std::string uri;  // relative to the manifest
@@ -27,7 +27,7 @@ struct FetchRange {  // answer: onRangeReceived / onRangeFailed
 struct CancelFetch {
   uint32_t id = 0;
 };
-// Decoder requests name one of kDecoders; the second is used only around transitions.
+// Decoder number of a request, below kDecoders; the second is used only around transitions.
 constexpr int kDecoders = 2;
 struct ConfigureDecoder {  // drop everything queued, then configure
   int decoder = 0;
@@ -38,24 +38,24 @@ struct ConfigureDecoder {  // drop everything queued, then configure
 struct DecodeSample {
   int decoder = 0;
   std::span<const uint8_t> bytes;
-  int64_t timestamp_us = 0;  // names the presentation that the picture is for; never repeats; goes back in the answer
+  int64_t timestamp_us = 0;  // unique id of the presentation; returned with the picture
   bool key = false;
-  bool wanted = true;  // a presentation waits for its picture, not only the pictures that refer to it
+  bool wanted = true;  // a presentation waits for this picture; false: reference only
 };
 struct FlushDecoder {
   int decoder = 0;
-};  // the end of a sequence that does not loop: output every picture of the samples so far
+};  // end of a sequence that does not loop: output all pending pictures
 struct ResetDecoder {
   int decoder = 0;
-};  // forget queued samples and pictures (seek, other sequence); answers still in flight are dropped
+};  // drop queued samples and pictures (seek, other sequence); later answers to them are ignored
 struct CloseDecoder {
   int decoder = 0;
-};  // not needed any more: free it
-// Why a decoder gives no pictures any more.
+};  // free the unused decoder
+// Cause of a decoder failure.
 enum class DecoderFault {
-  Samples,      // it did not like what it was fed
-  Unsupported,  // there is none for this codec
-  TakenAway     // the browser or the system wanted it back
+  Samples,      // rejected the samples
+  Unsupported,  // codec unavailable
+  TakenAway     // reclaimed by browser or system
 };
 using Request =
     std::variant<FetchRange, CancelFetch, ConfigureDecoder, DecodeSample, FlushDecoder, ResetDecoder, CloseDecoder>;
@@ -75,21 +75,20 @@ enum class EventKind {
   Warning,
   TransitionStarted,
   TransitionEnded,
-  Sharper  // the picture that stands comes again in a higher rendition
+  Sharper  // a higher rendition replaces the standing picture
 };
-const char* eventName(EventKind kind);  // "loadedmetadata", "canplay", … as the media element names them
+const char* eventName(EventKind kind);  // media element names: "loadedmetadata", "canplay", …
 struct Event {
   EventKind kind;
-  Error error;                                 // Error, and Warning: playing goes on without what it names
-  uint64_t loaded_bytes = 0, total_bytes = 0;  // Progress only: towards the first picture
+  Error error;                                 // Error, and Warning: playback continues without the named part
+  uint64_t loaded_bytes = 0, total_bytes = 0;  // Progress only: up to the first picture
 };
 
-// Queue of requests and events, each kept in the order in which they arose until the edge
-// polls. Samples for decoders are not among them: Feeding makes those when the edge polls, so that they are never
-// stale.
+// Queue of requests and events, each in order of occurrence until the edge polls. Decoder samples are made by Feeding
+// at the poll, so that they are never stale.
 class Outbox {
  public:
-  template <class T>  // an alternative of Request
+  template <class T>  // alternative of Request
   void request(T request) {
     requests_.items.emplace_back() = std::move(request);
   }
@@ -120,13 +119,13 @@ class Outbox {
 
 // Use of a byte range.
 struct FetchPurpose {
-  enum class Kind { Mesh, Graph, Header, Video, Better, Chunk, Fine } kind = Kind::Mesh;  // as of Gop
-  int sequence = -1;                                                                      // -1: of the whole character
-  uint32_t gop = 0;                                                                       // from Video on
-  bool ahead = false;                                                                     // nobody needs it yet
+  enum class Kind { Mesh, Graph, Header, Video, Better, Chunk, Fine } kind = Kind::Mesh;  // as in Gop
+  int sequence = -1;                                                                      // -1: whole character
+  uint32_t gop = 0;                                                                       // Video and later kinds
+  bool ahead = false;  // prefetch without a present need
   bool ofGop() const { return kind >= Kind::Video; }
   bool ofVideo() const { return kind == Kind::Video || kind == Kind::Better; }
-  // Playing goes on without it.
+  // True for parts that playback can do without.
   bool optional() const { return kind == Kind::Graph || kind == Kind::Better || kind == Kind::Fine; }
 };
 
@@ -135,22 +134,22 @@ struct Fetch {
   FetchRange range;
 };
 
-// Byte ranges on their way, and how far loading towards the first picture has come. Each range is asked for once: the
-// edge waits out faults that pass (web/src/net/transport.ts), so that a refusal is final. Does NOT look into the bytes and
-// does NOT decide what to fetch (loading.h).
+// Byte ranges in flight, and progress towards the first picture. Each range is requested once: the edge retries
+// transient network errors (web/src/net/transport.ts), so that a failure is final. loading.h selects the ranges and
+// checks the bytes.
 class Fetches {
  public:
   explicit Fetches(Outbox& outbox) : outbox_(outbox) {}
 
   void request(const FetchPurpose& purpose, const std::string& uri, uint64_t offset, uint64_t bytes);
-  // Null: nobody asked for it, or it is settled. Valid until the next call.
+  // Null: unknown or settled id. Valid until the next call.
   const Fetch* find(uint32_t id) const;
-  // All bytes of a fetch that `find` knows are there: settles it and reports progress.
+  // Settles a complete fetch known to `find`, and reports progress.
   FetchPurpose finish(uint32_t id);
-  // A fetch that `find` knows has failed: settles it.
+  // Settles a failed fetch known to `find`.
   Fetch drop(uint32_t id);
-  bool empty() const { return fetches_.empty(); }  // nothing is on its way
-  // Calls off what nobody needs any more: `unneeded` settles each purpose that it returns true for.
+  bool empty() const { return fetches_.empty(); }  // nothing in flight
+  // Cancels obsolete fetches: `unneeded` settles each purpose that it returns true for.
   template <class Unneeded>
   void cancel(const Unneeded& unneeded) {
     std::erase_if(fetches_, [&](const Fetch& fetch) {
@@ -165,9 +164,9 @@ class Fetches {
   }
   uint64_t bytesFetched() const { return bytes_fetched_; }
 
-  // Progress counts a sequence's bytes from the moment they are asked for; `bytes` more are expected from the start.
+  // Starts progress with `bytes` expected; a sequence's bytes are added on request.
   void startProgress(uint64_t bytes) { progress_total_ = bytes; }
-  void endProgress() { progress_ended_ = true; }  // the first picture is on screen
+  void endProgress() { progress_ended_ = true; }  // first picture on screen
   bool progressEnded() const { return progress_ended_; }
 
  private:

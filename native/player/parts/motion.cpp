@@ -51,9 +51,9 @@ bool ShownParameters::glide(const package::Sequence& sequence, const Parameters&
 
 namespace {
 
-constexpr double kMaxLatency_s = 0.4;     // from the request until the fade begins, if the target is prepared in time
-constexpr double kReturnChoice_s = 0.12;  // room for a good exit before the end of a state that does not loop
-constexpr double kPatience_s = 5;         // with a decoder that gives nothing; then the target is simply selected
+constexpr double kMaxLatency_s = 0.4;  // from the request to the start of the fade, if the target is prepared in time
+constexpr double kReturnChoice_s = 0.12;  // slack for a good exit before the end of a state that does not loop
+constexpr double kPatience_s = 5;         // timeout for a decoder without output; the target is then selected by a cut
 constexpr double kMinLead_s = 0.05, kMaxLead_s = 2;
 
 }  // namespace
@@ -78,7 +78,7 @@ void Transitions::begin(int target, double now_s) {
 
 Transitions::Step Transitions::step(const TransitionView& view) {
   if (view.held) asked_s_ = view.now_s;
-  // While the network owes something the source plays on, however long that takes.
+  // The source plays on while the network is behind, without a limit.
   if (view.held || !(view.target_fetched || view.target_prepared)) run_.patient_since_s = view.now_s;
   if (view.held || (run_.phase != Phase::Wanted && run_.phase != Phase::Preparing)) return Step::Nothing;
   if (view.graph_failed || view.now_s - run_.patient_since_s > kPatience_s) return Step::Select;
@@ -92,18 +92,18 @@ Transitions::Step Transitions::step(const TransitionView& view) {
   if (view.k < run_.begin_k && !at_end) return Step::Nothing;
   if (view.target_prepared) return Step::StartFade;
   if (!at_end && view.k <= run_.begin_k + 1) return Step::Nothing;
-  lead_s_ = std::min(2 * lead_s_, kMaxLead_s);  // the target is late
+  lead_s_ = std::min(2 * lead_s_, kMaxLead_s);  // target too late
   return Step::Plan;
 }
 
 std::optional<Transitions::Entrance> Transitions::plan(const TransitionView& view, const package::Sequence& to,
                                                        bool to_loops) {
   const double rate = view.sequence->fps * view.clock_rate;
-  // The shown frame is as old as this.
+  // Age of the shown frame.
   const double age_s = view.clock_s / view.clock_rate - static_cast<double>(view.k) / rate;
   motion::PlanOptions options;
   options.min_wait_s = lead_s_ + age_s;
-  // A frame is shown at the first tick after it is due.
+  // Accounts for a frame's display at the first tick after it is due.
   options.max_latency_s = kMaxLatency_s - (view.now_s - asked_s_) - view.tick_s + age_s;
   const auto way = view.graph->plan({view.source, view.frame(), view.weights, rate}, run_.target, options);
   if (!way) return std::nullopt;
@@ -148,7 +148,7 @@ bool Transitions::returnDue(const TransitionView& view, const package::Sequence&
   const double rate = view.sequence->fps * view.clock_rate;
   const uint32_t frame = view.frame();
   const motion::Entry* entry = view.graph ? view.graph->entry(view.source, frame, 0, return_to_) : nullptr;
-  double needed = 0;  // frames of the source
+  double needed = 0;  // in source frames
   if (entry) {
     const motion::GraphState& state = view.graph->states()[static_cast<size_t>(return_to_)];
     const double pass_s = motion::durationAt(to, state.weight_rows[entry->weight_row]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Motion of a character: parameters of classes, transitions between states, root motion. Does NOT blend meshes and does
-// NOT choose frames.
+// Motion of a character: parameters of classes, transitions between states, root motion. Meshes are blended and frames
+// chosen elsewhere (figure.h, playback.h).
 #pragma once
 
 #include <array>
@@ -18,112 +18,111 @@
 
 namespace fourdvt {
 
-// --- parameters of classes ("speed_mps") ---
+// ---- parameters of classes ("speed_mps") ----
 
-// The values that are wanted, by name, whatever is played.
+// Requested values by name, for all sequences.
 class Parameters {
  public:
   explicit Parameters(double rate) : rate_(rate) {}
   void set(const std::string& name, double value) { wanted_[name] = value; }
-  // Value of a class's parameter: as set, else as of its first member; within its range.
+  // Requested value of a class's parameter, by default the first member's; clamped to its range.
   double wanted(const package::Sequence& sequence, size_t parameter) const;
-  double rate() const { return rate_; }  // a shown value crosses its whole range at most this often a second
+  double rate() const { return rate_; }  // maximum change of a shown value per second, in units of its range
 
  private:
   std::map<std::string, double> wanted_;
   double rate_;
 };
 
-// The parameter values whose weights are nearest to these; none: the sequence has no parameters.
+// Parameter values whose weights are nearest to these; empty: a sequence without parameters.
 std::vector<double> parametersAt(const package::Sequence& sequence, const std::vector<float>& weights);
 
-// The values that one track shows, which glide to the wanted ones, with the blend weights that follow from them.
+// Shown parameter values of one track, which glide to the requested ones, and their blend weights.
 class ShownParameters {
  public:
-  // The next `enter` begins at these values instead of the wanted ones; none: at the wanted ones.
+  // Start values of the next `enter` instead of the requested ones; empty: the requested ones.
   void setEntry(std::vector<double> values) { entry_ = std::move(values); }
   bool hasEntry() const { return !entry_.empty(); }
-  void enter(const package::Sequence& sequence, const Parameters& parameters);  // another sequence is shown from now on
-  // A step of `dt_s` towards the wanted values. True: the weights changed.
+  void enter(const package::Sequence& sequence, const Parameters& parameters);  // switches to another sequence
+  // Moves towards the requested values by `dt_s`. True: the weights changed.
   bool glide(const package::Sequence& sequence, const Parameters& parameters, double dt_s);
   double value(size_t parameter) const { return values_[parameter]; }
   const motion::BlendWeights& weights() const { return weights_; }
 
  private:
-  std::vector<double> values_;  // of the shown sequence's parameters
+  std::vector<double> values_;  // parameters of the shown sequence
   std::vector<double> entry_;
   motion::BlendWeights weights_;
 };
 
-// --- transitions ---
+// ---- transitions ----
 
-// State of the player that a transition depends on, at a tick.
+// Player state at a tick, as input of a transition.
 struct TransitionView {
-  double now_s = 0, tick_s = 0;  // the tick's time, and how long the one before is ago
-  bool held = false;             // paused, or the source itself is not on screen yet
-  // The source, as it is shown:
+  double now_s = 0, tick_s = 0;  // time of the tick, and since the previous one
+  bool held = false;             // paused, or the source is not on screen yet
+  // Shown source:
   int source = -1;
   const package::Sequence* sequence = nullptr;
   bool loops = false;
   int64_t k = 0;       // presentation
-  double clock_s = 0;  // the clock's position and rate, in seconds at the sequence's own fps
+  double clock_s = 0;  // clock position and rate, in seconds at the sequence's own fps
   double clock_rate = 1;
   std::span<const float> weights;
-  // Parts of the way that are there:
-  const motion::MotionGraph* graph = nullptr;  // null: not there
+  // Loaded parts of the path:
+  const motion::MotionGraph* graph = nullptr;  // null: not loaded
   bool graph_failed = false;
   bool target_has_header = false;
-  bool target_fetched = false;   // what the second track is fed next is there
-  bool target_prepared = false;  // the second track shows the target's first frame
+  bool target_fetched = false;   // data for the second track's next samples is loaded
+  bool target_prepared = false;  // the target's first frame is ready on the second track
 
   uint32_t frame() const { return static_cast<uint32_t>(k % sequence->frame_count); }
 };
 
-// Leads from one state (a sequence or class, a node of the motion graph) to another: waits for graph and header,
-// chooses where to leave the source and where to enter the target (algorithms/motion.md), waits for both,
-// runs the fade; and remembers which state to return to after one that does not loop. A state machine over
-// TransitionViews. Does NOT touch tracks, clocks or meshes: each step returns what the player is to do.
+// Transition from one state (a sequence or class, a node of the motion graph) to another: waits for graph and header,
+// chooses exit and entry frames (algorithms/motion.md), waits for the source's exit frame and the target's pictures,
+// runs the fade; keeps the state to return to after one that does not loop. A state machine over TransitionViews: each
+// step returns the player's next action on tracks, clocks and meshes.
 //
 // Phases: None → begin → Wanted → plan → Preparing → startFade → Fading → finish or cancel → None. A step in Preparing
-// may plan again when the target was late. Every phase may be cancelled.
+// may plan again if the target is late. Every phase may be cancelled.
 class Transitions {
  public:
   enum class Phase { None, Wanted, Preparing, Fading };
-  // Work for the player after a step. Select: cut to the target.
+  // Player's action after a step. Select: cut to the target.
   enum class Step { Nothing, Plan, StartFade, Select };
   // Entry into the target.
   struct Entrance {
     int64_t frame = 0;
-    const std::vector<float>* weights = nullptr;  // one a member of the target
-    bool anew = true;                             // else the target is being prepared there already
+    const std::vector<float>* weights = nullptr;  // one per target member
+    bool anew = true;                             // false: this entry is being prepared already
   };
 
   Phase phase() const { return run_.phase; }
   bool fading() const { return run_.phase == Phase::Fading; }
   int target() const { return run_.target; }  // -1: no transition
   const glm::vec3& shift() const { return run_.shift; }
-  float fade() const { return run_.fade; }     // the target's share, 0..1
-  int goal() const { return goal_; }           // state that was asked for last
-  int returnTo() const { return return_to_; }  // state to lead back to from one that does not loop; -1: none
+  float fade() const { return run_.fade; }     // target's share, 0..1
+  int goal() const { return goal_; }           // last requested state
+  int returnTo() const { return return_to_; }  // state to return to from one that does not loop; -1: none
 
   void setGoal(int goal) { goal_ = goal; }
   void forgetReturn() { return_to_ = -1; }
-  // A state is asked for; the latency bound counts from here. True: taken up when the present fade is over.
+  // Requests a state; starts the latency bound. True: deferred until the present fade is over.
   bool ask(int goal, double now_s);
-  void askReturn(double now_s);  // returnTo() is the goal, as if it were asked for now
+  void askReturn(double now_s);  // requests returnTo() as the goal
   void begin(int target, double now_s);
   Step step(const TransitionView& view);
-  // Null: the graph has no way to the target. `to`: the target's sequence.
+  // Null: the graph has no path to the target. `to`: the target's sequence.
   std::optional<Entrance> plan(const TransitionView& view, const package::Sequence& to, bool to_loops);
   void startFade() { run_.phase = Phase::Fading; }
-  // target_frames: the target's clock, in its frames. True: the fade took a step. It does so when either track shows a
-  // new picture, and at its end.
+  // target_frames: the target's clock, in its frames. True: the fade advanced, which happens with a new picture on
+  // either track, and at the end.
   bool stepFade(double target_frames, bool new_picture);
-  // `entered` is shown instead of `left` from now on: a state that does not loop leads back to the one that does.
+  // Replaces `left` by `entered` as the shown state; one that does not loop returns to one that does.
   void finish(int left, bool left_loops, bool entered_loops);
-  void cancel(int current);  // whatever was on its way is given up; the current state is the goal
-  // True: it is time to lead back, as late as leaves room for the choice and for the fade. Else it is a cut after the
-  // end.
+  void cancel(int current);  // discards the transition; the current state becomes the goal
+  // True: time to return, as late as the choice of an exit and the fade permit. Otherwise a cut follows at the end.
   bool returnDue(const TransitionView& view, const package::Sequence& to) const;
 
  private:
@@ -131,48 +130,48 @@ class Transitions {
     Phase phase = Phase::None;
     int target = -1;
     glm::vec3 shift{0};        // target's character frame seen from the source's
-    int64_t begin_k = 0;       // source presentation at which the fade begins
-    int64_t entry_k = 0;       // the target's then
-    uint32_t fade_frames = 0;  // of the target
+    int64_t begin_k = 0;       // source presentation at the start of the fade
+    int64_t entry_k = 0;       // target presentation at the start of the fade
+    uint32_t fade_frames = 0;  // in target frames
     float fade = 0;
     double patient_since_s = 0, prepared_since_s = 0;
-    bool measured = false;  // lead_s_ knows how long this preparation took
+    bool measured = false;  // lead_s_ includes this preparation
   };
 
   Run run_;
   int goal_ = -1, return_to_ = -1;
-  double asked_s_ = 0;    // when the goal was asked for: the tick before; later, where it could not play since
-  double lead_s_ = 0.12;  // what preparing a target takes
+  double asked_s_ = 0;    // time of the request (the tick before it), or later, when playback resumed
+  double lead_s_ = 0.12;  // estimated preparation time of a target
 };
 
-// --- root motion ---
+// ---- root motion ----
 
-// Place of the character on the ground: set by the page, turned towards a wanted heading, moved by the root
-// motion of the frames shown. During a fade between two states both tracks move it, each by its share, and the
-// placement goes over from the source's place to the target's along the shift between them, so that it does not jump.
+// Placement of the character on the ground: set by the page, turned towards a requested heading, moved by the root
+// motion of the shown frames. During a fade both tracks move it by their shares, and the placement changes continuously
+// from the source's to the target's along the shift between them.
 class RootMotion {
  public:
-  enum class Side { Source, Target };  // the track that a step is of; without a fade there is the source only
+  enum class Side { Source, Target };  // track of a step; without a fade, Source
 
   explicit RootMotion(double turn_rate_rad_s) : turn_rate_rad_s_(turn_rate_rad_s) {}
 
-  void setTravel(bool on) { travel_ = on; }  // off: steps do not move the character
-  // Non-finite values are ignored. Placing ends steering.
+  void setTravel(bool on) { travel_ = on; }  // off: steps leave the placement unchanged
+  // Sets the placement and ends steering; non-finite values are ignored.
   void place(const motion::Placement& placement);
   void steer(double heading_rad);
-  void turn(double dt_s);  // towards the wanted heading
+  void turn(double dt_s);  // towards the requested heading
 
-  // A step in the character's frame: metres along x and z, radians about y.
+  // Applies a step in the character's frame: metres along x and z, radians about y.
   void move(const glm::vec3& step, Side side);
   const motion::Placement& placement() const { return placement_; }
-  // Placement of the source's character frame, in which the mesh is drawn; without a fade as placement().
+  // Placement of the source's character frame, which the mesh is drawn in; without a fade equal to placement().
   motion::Placement sourcePlacement() const;
 
-  // shift: the target's character frame seen from the source's, as of motion::Entry.
+  // shift: target's character frame seen from the source's, as motion::Entry.
   void beginFade(const glm::vec3& shift);
-  void setFade(float fade);               // the target's share, 0..1
-  void finishFade() { fading_ = false; }  // the target is the source from now on
-  void cancelFade();                      // the source stays where it is
+  void setFade(float fade);               // target's share, 0..1
+  void finishFade() { fading_ = false; }  // the target becomes the source
+  void cancelFade();                      // keeps the source's placement
 
  private:
   void setSourcePlacement(const motion::Placement& placement);
@@ -185,17 +184,17 @@ class RootMotion {
   float fade_ = 0;
 };
 
-// A frame that a track is about to show.
+// Frame about to be shown on a track.
 struct RootFrame {
   const package::Sequence& sequence;
-  std::span<const float> weights;  // one a member
+  std::span<const float> weights;  // one per member
   const FrameGeometry& geometry;
 };
 
-// Root values of the frame that a track shows, per member: what the next frame's are compared with.
+// Root values, per member, of a track's last frame, to compare the next frame's with.
 class RootTrail {
  public:
-  // Moves the character from the kept frame to this one, which lies `passes` ends of the loop later.
+  // Moves the character from the stored frame to this one, `passes` loop ends later.
   void lead(RootMotion& motion, RootMotion::Side side, const RootFrame& to, int64_t passes) const;
   void keep(const RootFrame& frame);
 

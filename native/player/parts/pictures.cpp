@@ -59,7 +59,7 @@ const render::PictureTextures& PictureSlots::picture(int slot) const {
 
 namespace {
 
-// The layers of one member of a picture; all of it where it has none.
+// Region of one member's layers in a picture; the whole picture for one without members.
 gpu::Region regionOf(const package::Rendition& rendition, size_t member, size_t members) {
   const size_t layers = rendition.layers.size() / members;
   if (members == 1 || layers == 0) return {.width = rendition.width, .height = rendition.height};
@@ -80,7 +80,7 @@ Status PictureSlots::stage(gpu::Device& device, int number, const package::Rendi
                            uint32_t wanted) {
   Slot& slot = at(number);
   const uint32_t all = (1u << members) - 1;
-  if (!slot.bytes) return {};  // kind Rgba, or all of it is there
+  if (!slot.bytes) return {};  // kind Rgba, or completely uploaded
   if (stages_[stage_].slot != number) {
     stage_ = 1 - stage_;
     stages_[stage_].slot = number;
@@ -125,7 +125,7 @@ void PictureSlots::show(int number) {
     if (slot.use == Slot::Use::Shown || (slot.use == Slot::Use::Ready && slot.k < k(number))) slot.setFree();
   at(number).use = Slot::Use::Shown;
   for (Stage& stage : stages_)
-    if (stage.slot == number) stage.slot = -1;  // of its picture before
+    if (stage.slot == number) stage.slot = -1;  // its previous picture's
 }
 
 int PictureSlots::findReady(int64_t k) const { return newestReady(k, k); }
@@ -158,7 +158,7 @@ void PictureSlots::close() {
 namespace {
 constexpr size_t kMaxReorderAllowance = 32;
 constexpr int kMaxIdlePolls = 60;
-constexpr int64_t kTimestampStep_us = 40000;  // whatever the sequence's frame rate
+constexpr int64_t kTimestampStep_us = 40000;  // independent of the sequence's frame rate
 }  // namespace
 
 void Feeding::stop() {

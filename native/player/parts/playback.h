@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Time: of the whole player (Playback), and of one track (Playhead, on a PlaybackClock).
+// Time of the whole player (Playback) and of one track (Playhead, on a PlaybackClock).
 #pragma once
 
 #include "package/character.h"
@@ -8,37 +8,37 @@
 
 namespace fourdvt {
 
-constexpr double kMaxStep_s = 0.25;  // a longer time between two ticks (a sleeping tab) counts as this
+constexpr double kMaxStep_s = 0.25;  // limit of a tick's duration (suspended tab)
 
-// State of the whole player, whatever its tracks do: playing or paused, rate, loop, the edge's time; and the
-// events of a media element that follow from them. Does NOT choose frames (Playhead).
+// State of the whole player, independent of its tracks: playing or paused, rate, loop, the edge's time; and the media
+// element events that follow from them. Frames are chosen by Playhead.
 class Playback {
  public:
   explicit Playback(Outbox& outbox) : outbox_(outbox) {}
 
   bool playing() const { return playing_; }
-  bool running() const { return playing_ && !held_; }  // time goes on
+  bool running() const { return playing_ && !held_; }  // time advances
   bool canPlay() const { return can_play_; }           // a picture of the streams has been shown
-  bool play();                                         // false: it plays already
-  bool pause();                                        // false: it is paused already. Emits Paused.
+  bool play();                                         // false: already playing
+  bool pause();                                        // false: already paused. Emits Paused.
   void end();                                          // Emits TimeUpdate, Paused, Ended.
   void emitPlaying() { outbox_.emit(EventKind::Playing); }
 
-  void setRate(double rate);             // 0 <= rate <= 4; 0: playing goes on with the shown frame
-  double rate() const { return rate_; }  // above 0: that of before, where it is held
-  void setLoop(int loop);                // -1 as the sequence says, 0 never, 1 always
+  void setRate(double rate);             // 0 <= rate <= 4; 0 freezes the shown frame
+  double rate() const { return rate_; }  // last rate above 0
+  void setLoop(int loop);                // -1: as the sequence, 0: never, 1: always
   bool loops(const package::Sequence& sequence) const;
 
   void tick(double now_s);
   double now_s() const { return now_s_; }
   double tick_s() const { return tick_s_; }  // between the last two ticks, at most kMaxStep_s
-  // The tick is over. Emits TimeUpdate now and then while a motion goes on.
+  // Ends the tick. Emits TimeUpdate at intervals during motion.
   void finishTick(bool seeking);
 
-  void requestSeek() { seek_requested_ = true; }  // Seeked follows
-  // The wanted picture is on screen. Emits CanPlay (once), SequenceChanged, Seeked, Playing, as they apply.
+  void requestSeek() { seek_requested_ = true; }  // Seeked will follow
+  // Completes a seek with its picture on screen. Emits CanPlay (once), SequenceChanged, Seeked, Playing, as applicable.
   void finishSeek(bool sequence_changed);
-  // At every tick that plays: no picture is there although one is due. Emits Waiting after a while, then Playing.
+  // Call at every playing tick; starved: a picture is due and missing. Emits Waiting after a delay, then Playing.
   void noteStarvation(bool starved);
   void forgetStarvation() { starved_since_s_ = -1; }
 
@@ -52,15 +52,15 @@ class Playback {
   double last_time_update_s_ = -1, starved_since_s_ = -1;  // -1: not starved
 };
 
-// Media time against the edge's monotonic clock. Pure logic, without frames or loops: the position is unwrapped.
+// Media time against the edge's monotonic clock. Pure logic without frames or loops: the position is unwrapped.
 class PlaybackClock {
  public:
   void setRunning(bool running) { running_ = running; }
   void setRate(double rate) { rate_ = rate; }
   void jump(double position_s) { position_s_ = position_s; }
-  // Moves to `now_s`; a step longer than `max_step_s` (a sleeping tab) counts as that long. Going back counts as 0.
+  // Moves to `now_s` by at most `max_step_s` (suspended tab). Backward steps count as 0.
   void advance(double now_s, double max_step_s = 0.25);
-  // Keeps the position from passing `limit_s`: playback waits for pictures instead of running away from them.
+  // Limits the position to `limit_s`: playback waits for pictures.
   void holdAt(double limit_s) {
     if (position_s_ > limit_s) position_s_ = limit_s;
   }
@@ -75,42 +75,42 @@ class PlaybackClock {
 
 // Picture on screen.
 struct Presentation {
-  int slot = -1;      // -1: nothing
-  int sequence = -1;  // may differ from the wanted one until that is ready
+  int slot = -1;      // -1: none
+  int sequence = -1;  // differs from the requested one until that is ready
   int64_t k = 0;
 };
 
-// Position of one track: the sequence that it plays, the presentation that is wanted, the one on screen, and the clock
-// that leads from one to the next. A presentation k counts frames since the sequence's start, unwrapped over loops.
-// Does NOT hold pictures: it names slots of PictureSlots. It runs while it is set to.
+// Position of one track: its sequence, the requested presentation, the one on screen, and the clock in between. A
+// presentation k counts frames since the sequence's start, unwrapped over loops. Refers to pictures by their slots
+// (PictureSlots). Runs while it is set to.
 class Playhead {
  public:
   bool used() const { return sequence_ >= 0; }
-  int sequence() const { return sequence_; }  // wanted; -1: not in use
-  bool seeking() const { return seeking_; }   // the wanted presentation is not on screen yet
+  int sequence() const { return sequence_; }  // requested sequence; -1: not in use
+  bool seeking() const { return seeking_; }   // the requested presentation is not on screen yet
   bool ended() const { return ended_; }
   int64_t wantedK() const { return wanted_k_; }
   const Presentation& shown() const { return shown_; }
   bool hasPicture() const { return shown_.slot >= 0; }
-  int64_t position() const { return seeking_ ? wanted_k_ : shown_.k; }  // what must be at hand next
+  int64_t position() const { return seeking_ ? wanted_k_ : shown_.k; }  // next presentation needed
 
   void select(int sequence) { sequence_ = sequence; }
-  void seek(int64_t k, double fps);  // of the wanted sequence; the clock stands until it is on screen
-  void seekShown();                  // wants again what is on screen, to be fed anew from there
-  // The ready picture to show next; -1: none. While seeking the wanted one, else the newest that is due by the clock.
+  void seek(int64_t k, double fps);  // requests k of the requested sequence; the clock stops until it is on screen
+  void seekShown();                  // requests the shown presentation again, to feed from there
+  // Next ready picture to show; -1: none. While seeking the requested one, else the newest one due.
   int choose(const PictureSlots& slots, double fps) const;
-  bool isLate(double fps) const { return dueK(fps) > shown_.k; }  // a newer presentation than the shown one is due
+  bool isLate(double fps) const { return dueK(fps) > shown_.k; }  // a presentation after the shown one is due
   void show(int slot, int64_t k) { shown_ = {slot, sequence_, k}; }
-  void finishSeek(double fps);  // the wanted presentation is shown
-  // Playback waits for pictures instead of running away from them.
+  void finishSeek(double fps);  // requested presentation shown
+  // Limits the clock to the newest ready picture.
   void holdAtNewest(const PictureSlots& slots, double fps);
-  bool pastShown(double fps) const;  // the shown presentation's time is over
+  bool pastShown(double fps) const;  // the shown presentation's duration has passed
   void end();
   void close();
 
   void advance(double now_s, double rate, double max_step_s);
   void setRunning(bool running) { clock_.setRunning(running); }
-  double clockFrames(double fps) const { return clock_.position() * fps; }  // presentation by the clock, with fraction
+  double clockFrames(double fps) const { return clock_.position() * fps; }  // presentation by the clock, fractional
   const PlaybackClock& clock() const { return clock_; }
 
  private:
@@ -118,9 +118,9 @@ class Playhead {
 
   int sequence_ = -1;
   bool seeking_ = true, ended_ = false;
-  int64_t wanted_k_ = 0;  // while seeking or paused
+  int64_t wanted_k_ = 0;  // valid while seeking or paused
   Presentation shown_;
-  PlaybackClock clock_;  // seconds at the sequence's own fps, whatever the weights
+  PlaybackClock clock_;  // seconds at the sequence's own fps, independent of the weights
 };
 
 }  // namespace fourdvt
