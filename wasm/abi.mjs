@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes code from the list of the C ABI (abi.txt, which explains its own format):
+// Generates code from the list of the C ABI (format: abi.txt):
 //   node abi.mjs header FILE            C++: enumerations, structs, checks of their layout, declarations
-//   node abi.mjs exports MODULES FILE   what Emscripten exports, one symbol per line; MODULES: NAME,NAME
+//   node abi.mjs exports MODULES FILE   Emscripten's exports, one symbol per line; MODULES: NAME,NAME
 //   node abi.mjs typescript FILE        declarations of functions, names of enumerations, access to records
-// Its exports also make the stamp that script and wasm files of one build share.
-// What is made is never committed.
+// Its exports also compute the stamp shared by script and wasm files of one build.
+// Generated files are never committed.
 import { createHash } from 'node:crypto';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { dirname } from 'node:path';
@@ -14,7 +14,7 @@ const LIST = fileURLToPath(new URL('abi.txt', import.meta.url));
 const NOTE = `// SPDX-License-Identifier: Apache-2.0
 // Made by wasm/abi.mjs from wasm/abi.txt during the build. Edit the list instead.`;
 
-// `c`: type in C++, `ts`: type in TypeScript; `size` in wasm32, in bytes, is the alignment too unless `align` is given.
+// `c`: C++ type, `ts`: TypeScript type; `size` in wasm32, bytes, also the alignment unless `align` is given.
 const FIELDS = {
   i32: { c: 'int32_t', size: 4, ts: 'number' },
   u32: { c: 'uint32_t', size: 4, ts: 'number' },
@@ -23,7 +23,7 @@ const FIELDS = {
   text: { c: 'Text', size: 8, align: 4, ts: 'string' },
   bytes: { c: 'Bytes', size: 8, align: 4, ts: 'Uint8Array' },
 };
-// Types of parameters and results, in C++. A pair is two parameters, address and length.
+// C++ types of parameters and results. A pair is two parameters, address and length.
 const PAIRS = { text: 'const char*', bytes: 'const uint8_t*' };
 const POINTERS = {
   handle: 'fourdvt::Instance*', handles: 'fourdvt::Instance* const*', block: 'void*', pixels: 'const uint8_t*',
@@ -34,9 +34,9 @@ const upperCamel = (name) => name.split(/[_-]/).map((word) => word[0].toUpperCas
 const lowerCamel = (name) => name.replace(/_(.)/g, (_, letter) => letter.toUpperCase());
 const roundUp = (value, step) => Math.ceil(value / step) * step;
 
-// --- the list ---
+// ---- list ----
 
-/** The list as { enums, records, functions }, maps by name. Throws an Error that names the line. */
+/** The list as { enums, records, functions }, maps by name. Throws an Error with the line. */
 export function parseAbi(text) {
   const abi = { enums: new Map(), records: new Map(), functions: new Map(), module: '', record: null };
   text.split('\n').forEach((line, index) => {
@@ -87,7 +87,7 @@ function addField({ record, ...abi }, typeName, name) {
   record.size = roundUp(record.end, record.align);
 }
 
-// `access`: which method of Reader and Writer (web/src/wasm/records.ts) reads and writes it.
+// `access`: name of the field's methods in Reader and Writer (web/src/wasm/records.ts).
 function fieldType({ enums, records }, name) {
   const camel = upperCamel(name);
   if (records.has(name)) return { ...records.get(name), c: camel, ts: `${camel}Record`, record: camel };
@@ -111,7 +111,7 @@ function isType({ enums, records }, type) {
   return [FIELDS, POINTERS, { ok: 1, void: 1 }].some((types) => type in types) || enums.has(type) || records.has(type);
 }
 
-// --- C++ ---
+// ---- C++ ----
 
 export function cppHeader(abi) {
   const enums = [...abi.enums].map(([name, values]) =>
@@ -169,7 +169,7 @@ export function exportList(abi, module) {
   return names.join('');
 }
 
-// --- TypeScript ---
+// ---- TypeScript ----
 
 const listName = (enumeration) => `${enumeration.toUpperCase()}S`.replace(/YS$/, 'IES');
 
@@ -211,7 +211,7 @@ function tsRead({ offset, access, count, ts, record, enumeration }) {
   return count ? `r.${access}(${offset}, ${count}) as ${ts}` : `r.${access}(${offset})`;
 }
 
-// The record as bytes, to be put into wasm memory.
+// Serialises a record into bytes for wasm memory.
 function tsWriter(name, { fields, size }) {
   const writes = [...fields].map(([field, type]) => `  ${tsWrite(type, `record.${lowerCamel(field)}`)};\n`);
   return `export function bytesOf${name}(record: ${name}Record): Uint8Array {
@@ -233,29 +233,29 @@ function tsDeclaration([name, { result, parameters }]) {
   return `  _${name}(${list}): ${result === 'void' ? 'void' : 'number'};\n`;
 }
 
-// --- stamps ---
+// ---- stamps ----
 
-/** A hash, 8 digits, of texts or bytes. */
+/** Hash of texts or bytes, 8 digits. */
 export function stampOf(...parts) {
   const hash = createHash('sha256');
   for (const part of parts) hash.update(part);
   return hash.digest('hex').slice(0, 8);
 }
 
-/** The wasm file with the stamp in a section of its own, by which a script recognizes what was built with it. */
+/** Adds the stamp to the wasm file as a custom section, for a script to verify that both are of one build. */
 export function stampWasm(wasm, stamp) {
   const name = Buffer.from('fourdvt'), size = 1 + name.length + stamp.length; // below 128: one byte
   return Buffer.concat([wasm, Buffer.from([0, size, name.length]), name, Buffer.from(stamp)]);
 }
 
-// --- files ---
+// ---- files ----
 
 function write(file, make) {
   mkdirSync(dirname(file), { recursive: true });
   writeFileSync(file, make(parseAbi(readFileSync(LIST, 'utf8'))));
 }
 
-/** Writes the page's half of abi.txt, as web/build.mjs and the tests need it. */
+/** Writes the page's half of abi.txt for web/build.mjs and the tests. */
 export function writeTypeScript(file) {
   write(file, typeScript);
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C ABI's functions for how characters look: methods, looks, montage, flow, scene and room. Ownership of records:
-// exports.cpp.
+// C ABI, appearance of characters: methods, looks, montage, flow, scene and room. Ownership of records: exports.cpp.
 #include <emscripten.h>
 
 #include <cmath>
@@ -15,7 +14,7 @@
 namespace fourdvt {
 namespace {
 
-// Lets the page compute the flow (web/src/more/opencv-flow.ts), as fdvt_flow_farneback of abi.txt. 0 if the page cannot.
+// Computes flow in the page (web/src/more/opencv-flow.ts), as fdvt_flow_farneback of abi.txt. 0: unavailable.
 EM_JS(int, fdvt_page_flow, (const uint8_t* a, const uint8_t* b, int width, int height, float* out),
       { return Module['fourdvtFlow'] ? Module['fourdvtFlow'](a, b, width, height, out) : 0; });
 
@@ -24,7 +23,7 @@ Status solveOnPage(const uint8_t* a, const uint8_t* b, int width, int height, fl
   return Error{ErrorId::Unsupported, "the page has no optical flow: load the OpenCV module first"};
 }
 
-// mode: one of the flows. Errors: Unsupported where the device has no such flow; GpuFailure.
+// mode: one of the flows. Errors: Unsupported: no such flow on the device; GpuFailure.
 Result<std::unique_ptr<render::FlowSource>> makeFlow(gpu::Device& device, abi::AlignMode mode) {
   if (mode == abi::AlignMode::FlowOpencv) return render::createReadBackFlow(device, solveOnPage);
   render::FlowOptions options;
@@ -32,9 +31,8 @@ Result<std::unique_ptr<render::FlowSource>> makeFlow(gpu::Device& device, abi::A
   return render::createGpuFlow(device, options);
 }
 
-// How characters from cameras are drawn from now on; an empty name: as the character's manifest says. Where the device
-// or this player cannot, another method serves in its place and the page gets an event. Errors: InvalidArgument: no
-// such method.
+// Sets the method of drawing characters from cameras; an empty name: the manifest's. A method unsupported by device or
+// player is replaced by a fallback, with an event. Errors: InvalidArgument: no such method.
 Status useMethod(Instance& h, std::string_view name, const package::Character& character) {
   Canvas& canvas = *h.canvas;
   const std::string wanted(name.empty() ? character.method.name : name);

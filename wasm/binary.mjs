@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads and writes WebAssembly's binary format, as far as the programs of this folder need it.
+// Reads and writes the part of WebAssembly's binary format that the programs of this folder need.
 export const SECTION = { custom: 0, imports: 2, table: 4, exports: 7, elements: 9, code: 10, data: 11, dataCount: 12 };
 const FUNCTION_NAMES = 1;
 
-/** Options of Binaryen's programs: what the player's modules use. */
+/** Options of Binaryen's programs: WebAssembly features of the player's modules. */
 export const FEATURES = ['simd', 'bulk-memory', 'sign-ext', 'mutable-globals', 'nontrapping-float-to-int'].map((f) => `--enable-${f}`);
 
 export class Cursor {
@@ -46,7 +46,7 @@ export function i32(value) {
   return Buffer.from(out);
 }
 
-/** Sections of a module in their order: { id, bytes }. */
+/** Sections of a module in order: { id, bytes }. */
 export function sectionsOf(wasm) {
   const cursor = new Cursor(wasm, 8), sections = [];
   while (cursor.at < wasm.length) {
@@ -55,7 +55,7 @@ export function sectionsOf(wasm) {
   }
   return sections;
 }
-/** The module of these sections. */
+/** Assembles a module from its sections. */
 export const moduleOf = (sections) => Buffer.concat([Buffer.from('\0asm\x01\0\0\0', 'latin1'),
   ...sections.flatMap(({ id, bytes }) => [Buffer.from([id]), u32(bytes.length), bytes])]);
 
@@ -72,10 +72,10 @@ export function functionNames(sections) {
   throw new Error('the module has no names of functions: link it with --profiling-funcs');
 }
 
-/** The module without names, which only these programs read. */
+/** Strips the name section, which only these programs read. */
 export const withoutNames = (wasm) => moduleOf(sectionsOf(wasm).filter(({ id, bytes }) => id !== SECTION.custom || new Cursor(bytes).text() !== 'name'));
 
-/** Functions that the module defines: { name, code }. */
+/** Functions defined in the module: { name, code }. */
 export function functionsOf(wasm) {
   const sections = sectionsOf(wasm), names = functionNames(sections);
   const cursor = new Cursor(sections.find(({ id }) => id === SECTION.code).bytes);
@@ -83,7 +83,7 @@ export function functionsOf(wasm) {
   return codes.map((code, i) => ({ name: names[names.length - codes.length + i], code }));
 }
 
-/** Segments that are copied to a fixed address: { address, bytes }. */
+/** Data segments with a fixed address: { address, bytes }. */
 export function readSegments(bytes) {
   const cursor = new Cursor(bytes);
   return Array.from({ length: cursor.u32() }, () => {
@@ -99,7 +99,7 @@ export const writeSegments = (segments) => Buffer.concat([u32(segments.length), 
 const nameOf = (text) => Buffer.concat([u32(Buffer.byteLength(text)), Buffer.from(text)]);
 export const KIND = { function: 0, table: 1, memory: 2, global: 3 };
 
-/** Imports of a module: { module, name, kind, type }; type: their bytes behind the kind. */
+/** Imports of a module: { module, name, kind, type }; type: bytes after the kind. */
 export function readImports(bytes) {
   const cursor = new Cursor(bytes);
   return Array.from({ length: cursor.u32() }, () => {
@@ -124,14 +124,14 @@ export function readExports(bytes) {
 export const writeExports = (exports) => Buffer.concat([u32(exports.length), ...exports.flatMap(({ name, kind, index }) =>
   [nameOf(name), Buffer.from([kind]), u32(index)])]);
 
-/** Limits of a table or a memory, from `at` to `end`: max is null if there is none. */
+/** Limits of a table or a memory, from `at` to `end`: max: null without a maximum. */
 export function readLimits(bytes, at) {
   const cursor = new Cursor(bytes, at + 1), min = cursor.u32();
   return { min, max: bytes[at] & 1 ? cursor.u32() : null, end: cursor.at };
 }
 export const writeLimits = ({ min, max }) => Buffer.concat([Buffer.from([max === null ? 0 : 1]), u32(min), ...(max === null ? [] : [u32(max)])]);
 
-/** Active segments of functions of the first table: { offset, functions }. */
+/** Active function segments of the first table: { offset, functions }. */
 export function readElements(bytes) {
   const cursor = new Cursor(bytes);
   return Array.from({ length: cursor.u32() }, () => {

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds Draco's decoders as a static library for wasm and prints the folder to pass as DRACO_WASM_DIR (nothing else on stdout).
+# Builds Draco's decoders as a static library for wasm and prints the folder to pass as DRACO_WASM_DIR (nothing else on
+# stdout).
 #
 # Source: Debian's source package (debian_source.sh); or
 #   DRACO_SOURCE_DIR=folder   an unpacked Draco (it has CMakeLists.txt)
@@ -10,12 +11,12 @@ set -euo pipefail
 
 cache=${FOURDVT_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/fourdvt}
 flags="${DRACO_WASM_FLAGS:--Oz -flto -msimd128} -fno-exceptions -fno-rtti -DNDEBUG"
-# One unit per part: most of the time goes to headers. LTO makes the player 0.2 % smaller from it, not larger.
+# One translation unit per part, since most of the time goes to headers. With LTO the player becomes 0.2 % smaller.
 options=(-DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=0 -DDRACO_JS_GLUE=OFF -DDRACO_TESTS=OFF
   -DDRACO_BACKWARDS_COMPATIBILITY=OFF -DDRACO_POINT_CLOUD_COMPRESSION=OFF -DDRACO_PREDICTIVE_EDGEBREAKER=OFF)
-# A decoder that no option of Draco leaves out. A character has positions and texture coordinates only.
+# Unused decoder without a Draco option to exclude it: a character has positions and texture coordinates only.
 no_features=NORMAL_ENCODING_SUPPORTED
-# The parts of Draco that decode a mesh; the encoders are most of the rest.
+# Draco's mesh decoding; most of the rest are encoders.
 parts=(draco_core draco_attributes draco_mesh draco_point_cloud draco_metadata draco_metadata_dec
   draco_compression_entropy draco_compression_bit_coders draco_compression_attributes_dec draco_compression_mesh_dec
   draco_compression_point_cloud_dec draco_compression_decode)

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds OpenCV's Farnebäck flow, and what it needs of core, imgproc and video, as a static library for wasm and prints the
-# folder to pass as OPENCV_WASM_DIR (nothing else on stdout). One thread, 128-bit SIMD, no file formats, no zlib.
+# Builds OpenCV's Farnebäck flow, and required parts of core, imgproc and video, as a static library for wasm and prints
+# the folder to pass as OPENCV_WASM_DIR (nothing else on stdout). One thread, 128-bit SIMD, no file formats, no zlib.
 #
 # Source: Debian's source package (debian_source.sh); or
 #   OPENCV_SOURCE_DIR=folder   an unpacked OpenCV 4 (it has CMakeLists.txt); read only
-# Result: ${FOURDVT_CACHE:-~/.cache/fourdvt}/opencv-<version>-<hash of flags, parts and compiler>/{lib/libopencv_flow.a,include}
+# Result: ${FOURDVT_CACHE:-~/.cache/fourdvt}/opencv-<version>-<hash>/{lib/libopencv_flow.a,include}; hash: of flags, parts
+# and compiler
 # With --only-if-built: prints the folder of an earlier run, or nothing.
 # Needs no root. Every run after the first returns at once.
 set -euo pipefail
@@ -46,7 +47,7 @@ number() { sed -nE "s/^#define CV_VERSION_$1 +([0-9]+).*/\1/p" "$source_dir/modu
 version=$(number MAJOR).$(number MINOR).$(number REVISION)
 [[ $version =~ ^4\.[0-9]+\.[0-9]+$ ]] || fail "$source_dir is no OpenCV 4 (version '$version')"
 
-# Optical flow reads no compressed files, and Debian's package has no zlib.
+# Optical flow needs no compressed files, and Debian's package lacks zlib.
 sed -i 's/^#define USE_ZLIB 1$/#define USE_ZLIB 0/' "$source_dir/modules/core/src/persistence.hpp"
 
 echo "build_opencv: building the optical flow of OpenCV $version for wasm (about 1 minute)" >&2

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-# Fetches Debian source packages; sourced by the build_*.sh scripts of this folder. Uses an apt configuration of its own,
-# changes nothing of the system's, and needs no root. The caller defines fail MESSAGE, which ends the script.
+# Fetches Debian source packages; sourced by the build_*.sh scripts of this folder. Uses a private apt configuration,
+# leaves the system's unchanged, and needs no root. The caller defines fail MESSAGE, which ends the script.
 
 need() { command -v "$1" >/dev/null || fail "'$1' is missing: install the package $2"; }
 
-# Ends the script if a tool is missing, or if the variable is set and names no source folder.
+# Ends the script for a missing tool, or for a variable set to anything but a source folder.
 need_tools() {  # $1: variable, $2: the library's name
   need emcmake emscripten
   need cmake cmake
@@ -12,8 +12,8 @@ need_tools() {  # $1: variable, $2: the library's name
   [ -z "${!1:-}" ] || [ -f "${!1}/CMakeLists.txt" ] || fail "$1=${!1} has no CMakeLists.txt: name an unpacked $2"
 }
 
-# Writes the system's apt sources again, for source packages instead of binary ones.
-write_private_sources() {  # $1: folder for them
+# Copies the system's apt sources, changed from binary to source packages.
+write_private_sources() {  # $1: output folder
   local file
   for file in /etc/apt/sources.list.d/*.sources; do
     [ -f "$file" ] && sed -E 's/^Types:.*/Types: deb-src/' "$file" >"$1/$(basename "$file")"
@@ -43,8 +43,8 @@ fetch_source() {  # $1: source package, $2: scratch folder; leaves the unpacked 
   dpkg-source --no-check -x "$2"/download/"$1"_*.dsc "$2/source" >&2
 }
 
-# Corrects Draco 1.5.5: a mesh of 181 bytes may announce 2^31 orientations of texture coordinates, which takes 256 MB and many
-# seconds; there are no more than corners. Changes the source folder.
+# Patches the source folder of Draco 1.5.5: limits the number of texture-coordinate orientations to that of the corners.
+# A mesh of 181 bytes may otherwise declare 2^31 of them, which takes 256 MB and many seconds.
 bound_draco() {  # $1: source folder
   local header=$1/src/draco/compression/attributes/prediction_schemes/mesh_prediction_scheme_tex_coords_portable_decoder.h
   local corners='static_cast<int64_t>(this->mesh_data().corner_table()->num_corners())'

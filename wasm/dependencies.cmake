@@ -1,15 +1,15 @@
-# GLM and Draco for the native and the wasm build. For wasm only the needed headers are linked into an include folder of
-# their own, because -I/usr/include would mix in the host's headers.
+# GLM and Draco for the native and the wasm build. For wasm only the required headers are linked into a separate include
+# folder, because -I/usr/include would mix in the host's headers.
 add_library(fourdvt_glm INTERFACE)
 add_library(fourdvt_draco INTERFACE)
 if(EMSCRIPTEN)
-  # Small rather than fast code: the download has a budget, and the GPU does the work per pixel.
+  # Optimised for size: the download has a budget, and the GPU does the per-pixel work.
   set(FOURDVT_WASM_FLAGS -Oz -flto)
-  if(FOURDVT_DEVELOP)  # no page of others gets it: what links soonest
+  if(FOURDVT_DEVELOP)  # local builds only: shortest link time
     set(FOURDVT_WASM_FLAGS -O1)
   endif()
   list(APPEND FOURDVT_WASM_FLAGS -msimd128 -fno-exceptions -fno-rtti)
-  set(FOURDVT_MORE_MARK fourdvt-more)  # first line of the shaders that go into the second part (wasm/split.mjs)
+  set(FOURDVT_MORE_MARK fourdvt-more)  # first line of the second part's shaders (wasm/split.mjs)
   add_compile_options(${FOURDVT_WASM_FLAGS})
   set(private_include ${CMAKE_BINARY_DIR}/include)
   file(MAKE_DIRECTORY ${private_include})

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The player as a page sees it: plain C functions on an opaque handle, results as plain records in wasm memory. The
-// list abi.txt says what each function takes and gives; abi.h declares them. Motion: motion_exports.cpp; geometry in a
-// worker: geometry_exports.cpp; methods, looks and scenes: appearance_exports.cpp; live streams: live_exports.cpp.
+// The player's C ABI: plain C functions on an opaque handle, results as plain records in wasm memory. abi.txt lists
+// parameters and results; abi.h declares them. Motion: motion_exports.cpp; geometry in a worker: geometry_exports.cpp;
+// methods, looks and scenes: appearance_exports.cpp; live streams: live_exports.cpp.
 //
-// A returned record is owned by the handle and valid until the next fdvt_* call on it.
-// Several handles may share a canvas (fdvt_create_beside). Every function that may touch GL makes the handle's own
-// context current first, so handles of several canvases may coexist.
+// A returned record is owned by the handle and valid until the next fdvt_* call on it. Several handles may share a
+// canvas (fdvt_create_beside). Every function that may use GL first makes the handle's own context current, so that
+// handles of several canvases may coexist.
 #include <malloc.h>
 
 #include <cstdlib>
@@ -51,7 +51,7 @@ struct FillRequest {
   static abi::Bytes bytes(std::span<const uint8_t> s) { return {s.data(), static_cast<uint32_t>(s.size())}; }
 };
 
-// All canvases of a context share its device, and with it the programs.
+// Device of a context, shared by all its canvases together with the programs.
 Result<std::shared_ptr<gpu::Device>> deviceOf(int32_t context) {
   static int32_t known = 0;
   static std::weak_ptr<gpu::Device> shared;
@@ -101,7 +101,7 @@ Status drawTogether(Instance* const* handles, uint32_t count, const PinholeCamer
                              gpu::kDefaultTarget);
 }
 
-// The page's numbers of the debug views are the renderer's.
+// Debug views have the renderer's numbers.
 static_assert(static_cast<int>(abi::DebugView::Labels) == static_cast<int>(render::DebugView::Labels) &&
               static_cast<int>(abi::DebugView::Layer) == static_cast<int>(render::DebugView::Layer) &&
               static_cast<int>(abi::DebugView::Weights) == static_cast<int>(render::DebugView::Weights) &&
@@ -111,11 +111,11 @@ static_assert(static_cast<int>(abi::Visibility::Plain) == static_cast<int>(rende
               static_cast<int>(abi::Visibility::Offset) == static_cast<int>(render::Visibility::Offset) &&
               static_cast<int>(abi::Visibility::Fattened) == static_cast<int>(render::Visibility::Fattened));
 
-// Likewise why a decoder failed.
+// Decoder faults have the player's numbers.
 static_assert(static_cast<int>(abi::DecoderFault::Unsupported) == static_cast<int>(DecoderFault::Unsupported) &&
               static_cast<int>(abi::DecoderFault::TakenAway) == static_cast<int>(DecoderFault::TakenAway));
 
-// Keeps blocks that were given back, up to as many as one decoder uses at a time.
+// Pool of returned blocks, at most as many as one decoder uses at a time.
 class PlaneBlocks {
  public:
   void* take(uint32_t size) {
@@ -127,7 +127,7 @@ class PlaneBlocks {
       free_.erase(free_.begin() + static_cast<ptrdiff_t>(best));
       return found;
     }
-    // One that is too small makes room.
+    // Frees one that is too small to make room.
     if (!free_.empty()) release(0);
     auto* block = static_cast<uint8_t*>(std::malloc(kHead + size));
     *reinterpret_cast<uint32_t*>(block) = size;

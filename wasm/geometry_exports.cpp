@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C ABI's functions for decoding of geometry: in slices, or in a worker. Ownership of records: exports.cpp.
+// C ABI, geometry decoding: in slices, or in a worker. Ownership of records: exports.cpp.
 #include <emscripten.h>
 
 #include "instance.h"

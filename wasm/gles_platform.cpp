@@ -8,7 +8,8 @@
 namespace fourdvt::gpu {
 namespace {
 
-// 1: targets of half floats, 2: of floats, too. Emscripten's own way has the context's strings copied into the heap.
+// Bit 0: half-float targets; bit 1: float targets. Emscripten's own query would copy the context's strings into the
+// heap.
 EM_JS(int, fdvt_enable_float_targets, (), {
   return (GLctx.getExtension("EXT_color_buffer_half_float") ? 1 : 0) |
          (GLctx.getExtension("EXT_color_buffer_float") ? 3 : 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// State shared by the files of the C ABI: the handle that a page holds and the records that it reads. The ABI itself,
-// its functions and records, is listed in abi.txt, from which abi.h is made.
+// State shared by the files of the C ABI: a page's handle and its records. abi.txt lists the ABI's functions and
+// records; abi.h is generated from it.
 #pragma once
 
 #include <emscripten/html5.h>
@@ -18,16 +18,16 @@ namespace fourdvt {
 
 class LivePlayer;
 
-// State shared by the characters of one picture. Several canvases may share a context, and its device.
+// State shared by the characters of one picture. Several canvases may share a context and its device.
 struct Canvas {
   EMSCRIPTEN_WEBGL_CONTEXT_HANDLE context = 0;
   std::shared_ptr<gpu::Device> device;
   std::shared_ptr<render::Recipe> recipe;
   render::Scene scene;
-  std::string method;  // by which the recipe draws characters from cameras; empty: none
+  std::string method;  // the recipe's method for characters from cameras; empty: none
 };
 
-// The records that the page was given last; each function overwrites its own.
+// Records last returned to the page; each function overwrites its own.
 struct Records {
   abi::Error error;
   abi::Request request;
@@ -43,19 +43,19 @@ struct Records {
   abi::SurfacePoint point;
 };
 
-// A method that was asked for, and the one that serves in its place.
+// Requested method and its fallback.
 struct Fallback {
   std::string wanted, drawn, message;
-  bool is_new = false;  // the page has not had the event
+  bool is_new = false;  // event still to be sent
 };
 
 struct Instance {
   std::shared_ptr<Canvas> canvas;
   std::unique_ptr<Player> player;  // destroyed before the canvas
-  LivePlayer* live = nullptr;      // the player, if it plays a live stream
-  FlatJson manifest;               // filled value by value until fdvt_load
+  LivePlayer* live = nullptr;      // alias of `player` for a live stream; else null
+  FlatJson manifest;               // collected value by value until fdvt_load
   render::RecipeOptions options;
-  // Owners of what the texts and bytes of the records point to.
+  // Owners of the memory behind the records' texts and bytes.
   Request request;
   Event event;
   Error error;
@@ -68,7 +68,7 @@ inline abi::Text text(const std::string& s) { return {s.data(), static_cast<uint
 inline abi::Text text(const char* s) { return {s, static_cast<uint32_t>(std::char_traits<char>::length(s))}; }
 inline abi::Error recordOf(const Error& error) { return {text(errorName(error.id)), text(error.message)}; }
 
-// The ABI's `ok`: 1, or 0 with the handle's error set.
+// Converts to the ABI's `ok`: 1, or 0 after storing the handle's error.
 inline int32_t keep(Instance* h, const Status& status) {
   if (!status.ok()) h->error = status.error();
   return status.ok() ? 1 : 0;
@@ -87,7 +87,7 @@ inline PinholeCamera cameraOf(const abi::View& view) {
 
 // As fdvt_set_align, for one of the flows (appearance_exports.cpp).
 int32_t useFlow(Instance* h, abi::AlignMode mode);
-// As fdvt_set_method without a name, unless the canvas has a method (appearance_exports.cpp).
+// As fdvt_set_method with an empty name, unless the canvas has a method (appearance_exports.cpp).
 int32_t useMethodOfCharacter(Instance* h);
 
 inline void makeCurrent(Instance* h) { emscripten_webgl_make_context_current(h->canvas->context); }

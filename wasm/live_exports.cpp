@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C ABI's functions for live streams. exports.cpp says who owns what.
+// C ABI, live streams. Ownership of records: exports.cpp.
 #include "instance.h"
 #include "player/live_player.h"
 

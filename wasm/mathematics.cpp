@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Takes the place of the C library's functions of angles and powers: every browser has its own, and the library's have
-// tables that hardly compress. Compiled without link-time optimisation, which would take these for the library's.
+// Trigonometric functions and powers from the browser, in place of the C library's, whose tables hardly compress.
+// Compiled without link-time optimisation, which would take these for the library's.
 #include <emscripten.h>
 #include <math.h>
 

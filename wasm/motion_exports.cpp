@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C ABI's functions for motion: parameters, transitions, placement, alignment. exports.cpp says who owns
-// what.
+// C ABI, motion: parameters, transitions, placement, alignment. Ownership of records: exports.cpp.
 #include "base/later.h"
 #include "instance.h"
 #include "motion/blend.h"

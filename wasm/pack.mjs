@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Packs the player's two parts (split.mjs) for the download, after all optimisation:
-// - What the second part calls of the first has a place in the table instead of an exported name: the second part imports it
-//   by its number there (web/src/player/wasm-module.ts).
-// - Functions of the first part stand in order of their lengths and types, so that like ones are near each other: 2 % less to
-//   download. (The second part gains nothing.)
-// - Data segments with few zeros between them become one.
+// - Functions of the first part that the second calls get a table entry instead of an exported name: the second part
+//   imports them by table index (web/src/player/wasm-module.ts).
+// - Functions of the first part are sorted by length and type, so that similar ones are adjacent: 2 % less to download.
+//   (The second part gains nothing.)
+// - Data segments with few zeros between them are merged.
 //   node pack.mjs --first FILE.wasm --second FILE.wasm --wasm-dis wasm-dis --wasm-opt wasm-opt
-// Both are replaced; names of functions stay.
+// Replaces both files; keeps function names.
 import { execFileSync } from 'node:child_process';
 import { readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { pathToFileURL } from 'node:url';
@@ -16,15 +16,15 @@ import {
   FEATURES, functionsOf, KIND, moduleOf, readElements, readExports, readImports, readLimits, readSegments, SECTION, sectionsOf, u32, writeElements, writeExports, writeImports, writeLimits, writeSegments,
 } from './binary.mjs';
 
-const FIRST = 'first', MARK = '%'; // as split.mjs names them
-const MOST_ZEROS = 256; // between two segments; a segment's beginning does not compress
+const FIRST = 'first', MARK = '%'; // names set by split.mjs
+const MOST_ZEROS = 256; // maximum between two merged segments; a segment's header does not compress
 
 const find = (sections, id) => sections.find((section) => section.id === id);
 
-/** A module's text form with its functions in order of their lengths, by their names, and of their types. */
+/** Sorts the functions of a module's text form by length (`lengths`, by name), then by type. */
 export function orderFunctions(text, lengths) {
   const rest = [], functions = [];
-  let lines = null, place = 0; // of the function that is read; where all will be
+  let lines = null, place = 0; // lines of the current function; insertion point for all
   for (const line of text.split('\n')) {
     const [, name, type] = /^ \(func \$(\S+)(.*)/.exec(line) ?? [];
     if (name) {
@@ -38,7 +38,7 @@ export function orderFunctions(text, lengths) {
   return [...rest.slice(0, place), ...functions.flatMap(({ lines: own }) => own), ...rest.slice(place)].join('\n');
 }
 
-// The file's functions in order. The last two passes are those that a text form loses.
+// Reorders the file's functions. A text form loses the results of the last two passes, which are repeated.
 function order(file, dis, opt) {
   const lengths = new Map(functionsOf(readFileSync(file)).map(({ name, code }) => [name, code.length]));
   const quiet = { maxBuffer: 1 << 28, stdio: ['pipe', 'pipe', 'ignore'] };
@@ -48,7 +48,7 @@ function order(file, dis, opt) {
   rmSync(`${file}.wat`);
 }
 
-/** Segments with at most so many zeros between them as one. */
+/** Merges segments with at most this many zeros between them. */
 export function joinSegments(segments, zeros = MOST_ZEROS) {
   const joined = [];
   for (const { address, bytes } of [...segments].sort((a, b) => a.address - b.address)) {
@@ -59,7 +59,7 @@ export function joinSegments(segments, zeros = MOST_ZEROS) {
   return joined;
 }
 
-/** Puts functions behind the table's end: { places: their numbers in the table by function, elements, size }. */
+/** Appends functions to the table: { places: table index by function, elements, size }. */
 export function placeFunctions(elements, size, functions) {
   const places = new Map();
   for (const { offset, functions: list } of elements) list.forEach((index, i) => places.has(index) || places.set(index, offset + i));
@@ -68,13 +68,13 @@ export function placeFunctions(elements, size, functions) {
   return { places, elements: added.length ? [...elements, { offset: size, functions: added }] : elements, size: size + added.length };
 }
 
-/** [first, second], packed. */
+/** Packs both parts: [first, second]. */
 export function pack(first, second) {
   const [one, two] = [sectionsOf(first), sectionsOf(second)];
   const exported = readExports(find(one, SECTION.exports).bytes);
   const isCalled = ({ name, kind }) => kind === KIND.function && name.startsWith(MARK);
   const table = find(one, SECTION.table), elements = find(one, SECTION.elements), data = find(one, SECTION.data);
-  const limits = readLimits(table.bytes, 2); // behind the number of tables and the type
+  const limits = readLimits(table.bytes, 2); // after table count and type
   const called = exported.filter(isCalled);
   const { places, elements: all, size } = placeFunctions(readElements(elements.bytes), limits.min, called.map(({ index }) => index));
   const grown = { min: size, max: limits.max === null ? null : Math.max(limits.max, size) };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints what the player's first part consists of, once CMake and web/build.mjs have built it: functions by source folder, data,
-// the other sections, the page's modules; with --functions N also the N longest functions.
+// Prints the composition of the player's first part, built by CMake and web/build.mjs: functions by source folder,
+// data, other sections, the page's modules; with --functions N also the N longest functions.
 //   node sizes.mjs [--wasm FOLDER: the build of wasm/, default ../build/wasm/wasm] [--functions N]
-// gzip: each row is compressed by itself and takes its share of what its file has as a whole.
+// gzip: each row is compressed separately, then scaled so that the rows add up to the whole file's gzip size.
 import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { basename, dirname, join } from 'node:path';
@@ -33,7 +33,7 @@ function folderOf(name) {
 
 const gzip = (bytes) => gzipSync(bytes, { level: 9 }).length;
 
-// Rows of a file: [what, bytes, gzip], the longest first, and their sum. parts: [what, Buffer].
+// Rows of a file: [name, bytes, gzip], the longest first, and their sum. parts: [name, Buffer].
 function rowsOf(file, parts, whole) {
   const groups = new Map();
   for (const [what, bytes] of parts) groups.set(what, [...(groups.get(what) ?? []), bytes]);
@@ -65,7 +65,8 @@ const { values } = parseArgs({ options: { wasm: { type: 'string', default: join(
 try {
   const wasm = readFileSync(join(values.wasm, 'fourdvt.wasm')), { modules, script } = JSON.parse(readFileSync(join(values.wasm, 'modules.json'), 'utf8'));
   const { parts, functions } = partsOfModule(wasm), page = readFileSync(script);
-  // The bundler gives lengths, no places: each module has its share of the script by them.
+  // The bundler returns lengths without positions: a module's share of the gzipped script is proportional to its
+  // length.
   const pageGzip = gzip(page), total = Object.values(modules).reduce((sum, bytes) => sum + bytes, 0);
   const pageRows = Object.entries(modules).map(([name, bytes]) => [`script: ${name}`, bytes, Math.round((bytes / total) * pageGzip)]).sort((a, b) => b[1] - a[1]);
   for (const [what, bytes, zipped] of [...rowsOf('fourdvt-viewer.wasm', parts, withoutNames(wasm)), ...pageRows, [basename(script), page.length, pageGzip]]) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Splits the linked module in two: a first part with what every first picture needs, and a second part with the rest.
+// Splits the linked module in two: a first part with the code for every first picture, and a second part with the rest.
 // The second part is instantiated with the exports of the first, the same memory and the same table, and puts its
-// functions into that table; until then a call of one of them ends in a function that the page gives ("placeholder").
+// functions into that table; until then calls of them reach a function supplied by the page ("placeholder").
 //   node split.mjs --module FILE.wasm --objects FOLDER --list more.txt --mark TEXT --nm emnm --wasm-split wasm-split --wasm-dis wasm-dis
 //                  --archive FILE.a --more FILE.wasm
 // --module is replaced by the first part. It must have its name section with mangled names (--profiling-funcs,
-// --no-demangle). Functions: by their names, or by the objects that define them, see more.txt; those of the archive go. Data:
+// --no-demangle). Moved functions: by name or by defining object (more.txt), and those of the archive. Moved data:
 // texts whose first line is //MARK.
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -19,7 +19,7 @@ import { Cursor, FEATURES, functionsOf, moduleOf, readImports, readSegments, SEC
 const kRoot = fileURLToPath(new URL('..', import.meta.url));
 const PLACEHOLDER = 'placeholder';
 
-/** Cuts the texts that begin with the mark, up to their closing 0, out of the segments: { kept, moved }. */
+/** Cuts texts that begin with the mark, including the final 0, out of the segments: { kept, moved }. */
 export function cutTexts(segments, mark) {
   const kept = [], moved = [];
   const piece = ({ address, bytes }, from, to) => ({ address: address + from, bytes: bytes.subarray(from, to) });
@@ -39,10 +39,10 @@ export function cutTexts(segments, mark) {
   return { kept, moved };
 }
 
-const kText = 24; // bytes; anything shorter may be numbers that look like a text, unless it stands among texts
-const kTexts = { count: 16, bytes: 8 }; // in a row: at least so many, of so many bytes each on average
+const kText = 24; // bytes; shorter candidates may be numbers, unless they stand among texts
+const kTexts = { count: 16, bytes: 8 }; // minimum run: number of texts, and mean bytes per text
 
-// Whole texts in the segments, from one 0 to the next: { segment, from, to }, with the closing 0.
+// Null-terminated texts in the segments: { segment, from, to }, including the final 0.
 function* textsIn(segments) {
   for (const segment of segments) {
     let row = [];
@@ -63,9 +63,9 @@ function* textsIn(segments) {
 }
 
 /**
- * Cuts further texts out of the segments, and leaves zeros: those that only functions of the second part refer to. numbers:
- * what stands in each function's code, by its name; chosen: the second part's functions. A number that only looks like an
- * address keeps a text.
+ * Cuts texts referenced by second-part functions only out of the segments, leaving zeros. numbers: constants in each
+ * function's code, by name; chosen: the second part's functions. Conservative: any constant equal to an address counts
+ * as a reference.
  */
 export function cutTextsOf(segments, numbers, chosen) {
   const taken = [], used = [];
@@ -88,7 +88,7 @@ export function cutTextsOf(segments, numbers, chosen) {
   return { kept, moved: moved.map(({ segment, from, to }) => ({ address: segment.address + from, bytes: segment.bytes.subarray(from, to) })) };
 }
 
-// --- which functions go ---
+// ---- choice of functions ----
 
 function readList(path) {
   const lines = readFileSync(path, 'utf8').split('\n').map((line) => line.replace(/#.*/, '').trim()).filter(Boolean);
@@ -97,18 +97,18 @@ function readList(path) {
   return { keep: new Set(after('keep')), move: after('move'), functions: after('function'), sources };
 }
 
-// Paths of the sources, without their endings, that an object of CMake was made from: "a/b" of
-// "a/CMakeFiles/TARGET.dir/b.cpp.o"; several of "a/CMakeFiles/TARGET.dir/Unity/unity_more_cxx.cxx.o", whose source includes them.
+// Source paths, without endings, of a CMake object: "a/b" of "a/CMakeFiles/TARGET.dir/b.cpp.o"; several of
+// "a/CMakeFiles/TARGET.dir/Unity/unity_more_cxx.cxx.o", whose source includes them.
 function sourcesOf(folder, object) {
   if (!object.endsWith('.cxx.o')) return [object.replace(/CMakeFiles\/[^/]+\.dir\//, '').replace(/\.cpp\.o$/, '')];
   const unity = readFileSync(join(folder, object.replace(/\.o$/, '')), 'utf8');
   return [...unity.matchAll(/#include "(.*)\.cpp"/g)].map(([, path]) => relative(kRoot, path));
 }
 
-const kMergedBytes = 100; // functions shorter than this may have been merged with others of the same code
+const kMergedBytes = 100; // shorter functions may have been merged with identical ones
 
-// Symbols by kind, each with its readable name: "plain" functions, and "shared", those of libraries' templates that every source
-// may have.
+// Symbols by kind, each with its readable name: "plain" functions, and "shared" instances of library templates that any
+// source may contain.
 function symbolsOf(nm, files) {
   const list = (...more) => execFileSync(nm, ['--defined-only', '--format=posix', ...more, ...files],
     { encoding: 'utf8', maxBuffer: 1 << 28, stdio: ['ignore', 'pipe', 'ignore'] }).split('\n');
@@ -122,9 +122,9 @@ function symbolsOf(nm, files) {
 }
 
 /**
- * Moves the functions of the list's names from the first part's symbols to the second's: with a qualified name ("a::b"), or all of
- * a class ("a::B::") or template ("a::C<"). Those of a template only pass a call on, so that an equal one does, too: they go
- * however short they are. Returns the names that none has.
+ * Moves listed functions from the first part's symbols to the second's: by qualified name ("a::b"), or all of a class
+ * ("a::B::") or template ("a::C<"). Template functions only forward a call, as do identical ones: they move however
+ * short they are. Returns the names without a match.
  */
 export function moveNamed(names, first, more) {
   more.forwards = new Set();
@@ -139,7 +139,7 @@ export function moveNamed(names, first, more) {
   });
 }
 
-/** Functions of a module in WebAssembly's text form: callers by name, and those that something else than a call reaches. */
+/** Functions of a module in WebAssembly's text form: callers by name, and functions referenced other than by a call. */
 export function callGraph(text) {
   const callers = new Map(), pinned = new Set();
   let current = null;
@@ -160,7 +160,7 @@ export function callGraph(text) {
   return { callers, pinned };
 }
 
-/** Constants and offsets in each function of a module in WebAssembly's text form, by its name. */
+/** Constants and offsets in each function of a module in WebAssembly's text form, by function name. */
 export function numbersOf(text) {
   const numbers = new Map();
   let current = null;
@@ -174,12 +174,13 @@ export function numbersOf(text) {
 }
 
 /**
- * Names of the functions for the second part: those that the list names or only its sources define, and what only these call. A short one or
- * one of a library's templates may stand for an equal one of the first part: it goes only if it is called by such functions
- * alone. bytes: length by name. first, more: symbolsOf their objects. keep: names that stay; move: beginnings of names that go.
+ * Names of the functions for the second part: those in the list or defined by its sources only, and those called by
+ * these only. A short function or a library template may have been merged with an identical one of the first part: it
+ * moves only if all its callers do. bytes: length by name. first, more: symbolsOf their objects. keep: names that stay;
+ * move: prefixes of names that move.
  */
 export function chooseFunctions({ bytes, callers, pinned }, first, more, keep, move = []) {
-  // Link-time optimisation appends ".1" to local names that several objects have.
+  // Link-time optimisation appends ".1" to local names that occur in several objects.
   const symbol = (name) => name.replace(/(\.\d+)+$/, '');
   const isFirst = (name) => first.plain.has(name) || first.shared.has(name) || keep.has(name);
   const goes = (name) => (bytes.get(name) >= kMergedBytes || more.forwards?.has(symbol(name))) && (move.some((part) => name.startsWith(part)) || (more.plain.has(symbol(name)) && !isFirst(symbol(name))));
@@ -210,7 +211,7 @@ function chosen(wasm, text, options) {
   return chooseFunctions({ bytes: new Map(functionsOf(wasm).map(({ name, code }) => [name, code.length])), ...callGraph(text) }, first, more, keep, move);
 }
 
-// --- the two parts ---
+// ---- the two parts ----
 
 function moveData(first, second, mark, numbers, functions) {
   const sections = sectionsOf(first), data = sections.find(({ id }) => id === SECTION.data);
@@ -227,7 +228,7 @@ function moveData(first, second, mark, numbers, functions) {
   return [moduleOf(sections), moduleOf(more)];
 }
 
-// One placeholder for all functions of a type: the optimizer leaves one of each name.
+// Gives the placeholders of one function type one name: the optimiser merges them.
 function shareNames(first) {
   const sections = sectionsOf(first), imports = sections.find(({ id }) => id === SECTION.imports);
   imports.bytes = writeImports(readImports(imports.bytes).map((entry) => (entry.module === PLACEHOLDER ? { ...entry, name: String(new Cursor(entry.type).u32()) } : entry)));

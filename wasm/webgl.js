@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A library for Emscripten's linker, in place of those of its functions for WebGL that serve more than native/gpu/gles_device.cpp calls:
-// no attributes, no blocks of uniforms, no offsets into buffers, no errors of its own. Half as long.
+// Replacement for Emscripten's WebGL functions, restricted to the calls of native/gpu/gles_device.cpp: no attributes,
+// no uniform blocks, no buffer offsets, no errors of its own. Half as long.
 const library = {
-  // Objects by number, 0: none. The page registers contexts and takes textures (web/src/wasm/wasm-abi.ts).
+  // Objects by number, 0: none. The page registers contexts and textures (web/src/wasm/wasm-abi.ts).
   $GL: {
     contexts: [null],
     buffers: [null], programs: [null], framebuffers: [null], renderbuffers: [null], textures: [null], shaders: [null], vaos: [null], syncs: [null],
@@ -40,7 +40,7 @@ const library = {
   },
 
   glCreateShader: function(type) { return GL.add(GL.shaders, GLctx.createShader(type)); },
-  glShaderSource: function(shader, count, texts) { GLctx.shaderSource(GL.shaders[shader], UTF8ToString(HEAP32[texts >> 2])); }, // one text
+  glShaderSource: function(shader, count, texts) { GLctx.shaderSource(GL.shaders[shader], UTF8ToString(HEAP32[texts >> 2])); }, // single text
   glGetShaderiv: function(shader, name, at) { HEAP32[at >> 2] = GLctx.getShaderParameter(GL.shaders[shader], name); },
   glGetShaderInfoLog: function(shader, size, length, at) { stringToUTF8(GLctx.getShaderInfoLog(GL.shaders[shader]) || '', at, size); },
   glDeleteShader: function(shader) {
@@ -65,7 +65,7 @@ const library = {
   glGetUniformLocation: function(program, name) {
     program = GL.programs[program];
     const place = GLctx.getUniformLocation(program, UTF8ToString(name));
-    return place ? (program.places = program.places || []).push(place) - 1 : -1; // none: of a block, or built in
+    return place ? (program.places = program.places || []).push(place) - 1 : -1; // none: in a block, or built in
   },
   $uniformPlace__deps: ['$GL'],
   $uniformPlace: function(place) { return GL.program.places[place]; },
@@ -80,13 +80,13 @@ const library = {
   glDrawBuffers: function(count, at) { GLctx.drawBuffers(HEAPU32.subarray(at >> 2, (at >> 2) + count)); },
   glInvalidateFramebuffer: function(target, count, at) { GLctx.invalidateFramebuffer(target, HEAPU32.subarray(at >> 2, (at >> 2) + count)); },
 
-  // Memory as pixels of a type: the view of the heap, and their place in it.
+  // Memory as pixels of a type: heap view and offset.
   $pixelsAt: function(type, at) {
     const heap = { 5121: HEAPU8, 5125: HEAPU32, 5126: HEAPF32, 5131: HEAPU16 }[type];
     return [heap, at / heap.BYTES_PER_ELEMENT];
   },
   glTexImage2D: function(target, level, internal, width, height, border, format, type) {
-    GLctx.texImage2D(target, level, internal, width, height, border, format, type, null); // without pixels
+    GLctx.texImage2D(target, level, internal, width, height, border, format, type, null); // no pixels
   },
   glTexSubImage2D: function(target, level, x, y, width, height, format, type, at) {
     GLctx.texSubImage2D(target, level, x, y, width, height, format, type, ...pixelsAt(type, at));
@@ -94,7 +94,7 @@ const library = {
   glTexSubImage3D: function(target, level, x, y, z, width, height, depth, format, type, at) {
     GLctx.texSubImage3D(target, level, x, y, z, width, height, depth, format, type, ...pixelsAt(type, at));
   },
-  glReadPixels: function(x, y, width, height, format, type, at) { // at: 0, into the buffer that is bound
+  glReadPixels: function(x, y, width, height, format, type, at) { // at: 0, offset into the bound pixel buffer
     GLctx.readPixels(x, y, width, height, format, type, ...(at ? pixelsAt(type, at) : [0]));
   },
 };
@@ -105,7 +105,7 @@ Object.assign(library, {
   glUniform1i: function(place, value) { GLctx.uniform1i(uniformPlace(place), value); },
   glUniformMatrix4fv: function(place, count, transpose, at) { GLctx.uniformMatrix4fv(uniformPlace(place), transpose, HEAPF32, at >> 2, count * 16); },
 });
-// Dependencies of each function, in place of those of Emscripten's.
+// Dependencies of each function, in place of Emscripten's.
 for (const [name, value] of Object.entries(library)) {
   if (name.endsWith('__deps') || name.endsWith('__postset')) continue;
   const needs = ['GL', 'create', 'remove', 'uniformPlace', 'pixelsAt'].filter((other) => `$${other}` !== name && new RegExp(`\\b${other}\\b`).test(String(value)));

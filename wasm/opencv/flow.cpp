@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// fourdvt-opencv.js/.wasm: OpenCV's optical flow in the browser, with the options of the other flows. A module of its
-// own that a page loads when it needs it; abi.txt says what its functions take. An OpenCV error aborts the module.
+// fourdvt-opencv.js/.wasm: OpenCV's optical flow in the browser, with the options of the other flows. A separate
+// module, loaded by a page on demand; parameters: abi.txt. An OpenCV error aborts the module.
 #include "render/flow/flow.h"
 
 #include <cstdlib>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kMinSide = 16;  // pixels
 
-// OpenCV has no view of memory that it only reads.
+// Casts const away: cv::Mat has no read-only view.
 cv::Mat picture(const uint8_t* luma, int width, int height) {
   return {height, width, CV_8UC1, const_cast<uint8_t*>(luma)};
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes geometry of GOPs in a worker of the page: plain C functions on numbers, listed in abi.txt.
+// Geometry decoder of GOPs for a worker of the page: plain C functions on numbers, listed in abi.txt.
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -12,7 +12,7 @@ using namespace fourdvt;
 
 namespace {
 
-// Numbers from 1; one that is free is used again.
+// Table of objects by number, from 1; free numbers are reused.
 template <class Value>
 class Numbered {
  public:
