@@ -85,9 +85,9 @@ inline PinholeCamera cameraOf(const abi::View& view) {
   return cameraFromOrbit(orbit, view.width, view.height);
 }
 
-// As fdvt_set_align, for one of the flows (appearance_exports.cpp).
+// Equivalent of fdvt_set_align for one of the flows (appearance_exports.cpp).
 int32_t useFlow(Instance* h, abi::AlignMode mode);
-// As fdvt_set_method with an empty name, unless the canvas has a method (appearance_exports.cpp).
+// Equivalent of fdvt_set_method with an empty name, unless the canvas has a method (appearance_exports.cpp).
 int32_t useMethodOfCharacter(Instance* h);
 
 inline void makeCurrent(Instance* h) { emscripten_webgl_make_context_current(h->canvas->context); }

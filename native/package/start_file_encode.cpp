@@ -50,7 +50,7 @@ std::vector<uint8_t> finish(StreamIndex index, std::span<const uint8_t> mesh, co
   index.coarse_chunks.clear();
   index.chunks = {{0, 1, 0, static_cast<uint32_t>(chunk.size()), fnv1a(chunk)}};
   index.renditions = {firstSample(index.renditions[0], key)};
-  index.chunks[0].offset = writeStreamHeader(index).size();  // as in a .bin, where the chunk follows the header
+  index.chunks[0].offset = writeStreamHeader(index).size();  // same layout as a .bin: header, then chunk
   return join(mesh, writeStreamHeader(index), chunk, key, header);
 }
 

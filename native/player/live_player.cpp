@@ -14,7 +14,7 @@ constexpr size_t kMostBehind = 3;       // queued frames before a key that are s
 constexpr int64_t kMostInDecoder = 12;  // samples in flight
 constexpr int64_t kSerialStep_us = 40000;
 constexpr int kMostLosses = 3, kMostBadPictures = 8;   // consecutive
-constexpr int kNoLiveSlotNow = -1, kNobodyWaits = -2;  // as Player::acquireSlot
+constexpr int kNoLiveSlotNow = -1, kNobodyWaits = -2;  // results of Player::acquireSlot
 
 bool isFed(const auto& frame) { return frame.fed; }
 

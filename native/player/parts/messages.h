@@ -119,10 +119,18 @@ class Outbox {
 
 // Use of a byte range.
 struct FetchPurpose {
-  enum class Kind { Mesh, Graph, Header, Video, Better, Chunk, Fine } kind = Kind::Mesh;  // as in Gop
-  int sequence = -1;                                                                      // -1: whole character
-  uint32_t gop = 0;                                                                       // Video and later kinds
-  bool ahead = false;  // prefetch without a present need
+  enum class Kind {
+    Mesh,
+    Graph,
+    Header,
+    Video,
+    Better,
+    Chunk,
+    Fine
+  } kind = Kind::Mesh;  // parts of a Gop from Video on
+  int sequence = -1;    // -1: whole character
+  uint32_t gop = 0;     // Video and later kinds
+  bool ahead = false;   // prefetch without a present need
   bool ofGop() const { return kind >= Kind::Video; }
   bool ofVideo() const { return kind == Kind::Video || kind == Kind::Better; }
   // True for parts that playback can do without.
