@@ -28,7 +28,7 @@ Arrival Loading::receive(uint32_t id, std::span<const uint8_t> bytes) {
   const FetchPurpose purpose = fetches_.finish(id);
   PartState* state = stateOf(purpose);
   if (!state) return {};
-  *state = PartState::Failed;  // until the bytes pass their check
+  *state = PartState::Failed;  // provisional: the bytes are unchecked
   if (fnv1a(bytes) != hashOf(purpose)) {
     return lose(purpose, {ErrorId::FilesDiffer, range.uri + ": bytes " + std::to_string(range.offset) + "+" +
                                                     std::to_string(range.bytes) +
