@@ -18,7 +18,7 @@ glm::dvec3 PinholeCamera::forwardInWorld() const {
 }
 
 glm::dvec3 PinholeCamera::middleRayInWorld() const {
-  if (cx == width / 2.0 && cy == height / 2.0) return forwardInWorld();  // to the last bit
+  if (cx == width / 2.0 && cy == height / 2.0) return forwardInWorld();  // exact to the last bit
   const glm::dvec3 in_cam((width / 2.0 - cx) / fx, (height / 2.0 - cy) / fy, 1);
   return glm::normalize(glm::transpose(glm::dmat3(cam_from_world)) * in_cam);
 }
@@ -73,7 +73,7 @@ PinholeCamera cameraFromOrbit(const OrbitView& view, int width, int height) {
   const double elevation = view.elevation_deg * kRadiansPerDegree;
   const glm::dvec3 outward(std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
                            std::cos(elevation) * std::cos(azimuth));
-  // From the angles, not from a cross product with world up: stays defined at the poles.
+  // Derives the axis from the angles rather than a cross product with world up, which is undefined at the poles.
   const glm::dvec3 right(std::cos(azimuth), 0, -std::sin(azimuth));
   const glm::dvec3 forward = -outward;
   const glm::dvec3 down = glm::cross(forward, right);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth test of a mesh in a camera's picture, on the CPU. Does not shade; native only.
+// CPU depth test of a mesh in a camera's picture, without shading; native only.
 #pragma once
 
 #include <cstdint>
@@ -14,24 +14,25 @@ namespace fourdvt {
 struct FaceBuffer {
   static constexpr uint32_t kNoFace = 0xffffffff;
   int width = 0, height = 0;   // samples
-  std::vector<float> depth_m;  // along the optical axis; infinity where nothing is
-  std::vector<uint32_t> face;  // kNoFace where nothing is
+  std::vector<float> depth_m;  // along the optical axis; infinity for background
+  std::vector<uint32_t> face;  // kNoFace for background
 };
 
-// Draws faces of either orientation at each sample centre, `scale` samples per pixel along each axis. A face with a
-// corner behind the camera is left out.
+// Rasterises faces of either orientation at each sample centre, `scale` samples per pixel along each axis. Skips faces
+// with a corner behind the camera.
 FaceBuffer rasterise(const PinholeCamera& camera, const std::vector<glm::uvec3>& face_vertices,
                      const Positions& positions, int scale);
 
-// A face in the picture plane.
+// Face projected to the picture plane.
 struct ProjectedFace {
   glm::dvec2 at[3];         // corners, samples
   double inverse_depth[3];  // 1/m
-  // Weights of the corners, linear in the picture plane. False outside of the face, or if it has no area.
+  // Barycentric weights of a sample, linear in the picture plane. Returns false outside the face or for a face without
+  // area.
   bool barycentric(const glm::dvec2& sample, double weights[3]) const;
 };
 
-// False if a corner lies behind the camera.
+// Returns false if a corner lies behind the camera.
 bool projectFace(const PinholeCamera& camera, const glm::uvec3& face, const Positions& positions, int scale,
                  ProjectedFace& out);
 

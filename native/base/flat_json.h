@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON as a flat table from JSON pointer ("/extensions/X/sequences/0/frames") to number, string or boolean.
-// The page flattens with JSON.parse, native tools with nlohmann/json; the portable manifest reader sees only this, so
-// that one validation serves both and the player carries no JSON parser. Empty arrays and objects are not in the table.
+// JSON as a flat table from JSON pointer ("/extensions/X/sequences/0/frames") to number, string or boolean. Pages
+// flatten with JSON.parse, native tools with nlohmann/json; the portable manifest reader takes only this table, so that
+// both share one validation and the player needs no JSON parser. Empty arrays and objects are not in the table.
 #pragma once
 
 #include <map>
@@ -31,7 +31,7 @@ class FlatJson {
     if (it == values_.end() || !std::holds_alternative<bool>(it->second)) return std::nullopt;
     return *std::get_if<bool>(&it->second);
   }
-  // True if anything lies at or below the pointer.
+  // Returns true if an entry lies at or below the pointer.
   bool has(const std::string& pointer) const {
     auto it = values_.lower_bound(pointer);
     return it != values_.end() &&

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// FNV-1a, 64 bit: keys and checksums of files that this program writes, and the content hashes of a character
-// (package/FORMAT.md). Does NOT detect forgery.
+// FNV-1a, 64 bit: keys and checksums of files written by this program, and content hashes of a character
+// (package/FORMAT.md). Not cryptographic: forgery goes undetected.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace fourdvt {
 
 constexpr uint64_t kFnv1aStart = 14695981039346656037ull;
 
-// `hash`: kFnv1aStart, or the hash of what precedes these bytes.
+// `hash`: kFnv1aStart, or the hash of the preceding bytes.
 inline uint64_t fnv1a(std::span<const uint8_t> bytes, uint64_t hash = kFnv1aStart) {
   for (const uint8_t byte : bytes) hash = (hash ^ byte) * 1099511628211ull;
   return hash;

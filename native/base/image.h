@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plain pictures in memory. Row 0 is the top row everywhere in fourdvt. Does NOT read or write files.
+// Plain pictures in memory; row 0 is the top row everywhere in fourdvt.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ struct Image {
   const uint8_t* at(int x, int y) const { return pixels.data() + (static_cast<size_t>(y) * width + x) * channels; }
 };
 
-// RGBA with premultiplied alpha → straight alpha, in the encoded values. Pixels with alpha 0 stay.
+// Converts RGBA from premultiplied to straight alpha, in the encoded values. Pixels with alpha 0 are unchanged.
 inline void unpremultiply(Image& rgba) {
   for (size_t i = 0; i + 3 < rgba.pixels.size(); i += 4) {
     uint8_t* p = &rgba.pixels[i];
@@ -37,13 +37,13 @@ struct I420View {
   int width = 0, height = 0;
   const uint8_t* y = nullptr;
   const uint8_t* u = nullptr;
-  const uint8_t* v = nullptr;                    // null: u has both, interleaved (NV12)
+  const uint8_t* v = nullptr;                    // null: interleaved with u (NV12)
   int stride_y = 0, stride_u = 0, stride_v = 0;  // bytes
 };
 
-// Decodes the transfer function of sRGB (IEC 61966-2-1).
+// Inverse transfer function of sRGB (IEC 61966-2-1).
 
-// Linear light of an encoded value; both lie in 0…1.
+// Linear light of an encoded value; both in 0…1.
 template <class T>
 T linearFromSrgb(T v) {
   return v <= T(0.04045) ? v / T(12.92) : std::pow((v + T(0.055)) / T(1.055), T(2.4));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls of functions that a page loads after its first picture (wasm/split.mjs): by a pointer that the compiler reads
-// anew, so that no caller is given a copy of their code. Natively they are plain calls by a pointer.
+// Calls of functions that a page loads after its first picture (wasm/split.mjs): through a pointer opaque to the
+// compiler, so that their code is never inlined into a caller. Natively they are plain calls through a pointer.
 #pragma once
 
 #include <functional>
@@ -8,7 +8,7 @@
 
 namespace fourdvt {
 
-// Names a function, and methods with their object as the first argument. All of Later is in the module's second part.
+// Wraps a function, or a method with its object as the first argument. All of Later is in the module's second part.
 template <auto Function, class Result, class... Arguments>
 struct Later {
   static Result call(Arguments... arguments) { return std::invoke(Function, std::forward<Arguments>(arguments)...); }

@@ -9,7 +9,7 @@
 namespace fourdvt {
 namespace {
 
-constexpr double kPerson_m = 2;  // the middle of the sizes that a person's surface has, arms raised or crouching
+constexpr double kPerson_m = 2;  // mid-range size of a person's surface, arms raised to crouching
 
 }  // namespace
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The size of a surface against a person's, for lengths that suit a person.
+// Scale of a surface relative to a person, for lengths tuned to persons.
 #pragma once
 
 #include <vector>
@@ -8,12 +8,11 @@
 
 namespace fourdvt {
 
-// The longest side of the points' box, metres. At least one point.
+// Longest side of the points' bounding box, metres. Requires at least one point.
 double longestSide(const Positions& positions);
 
-// Metres of the world per metre of a scene in which the surface has a person's size: a power of two, so that lengths
-// are multiplied exactly and change rarely; 1 where the median of the frames' longest sides is 1.42 to 2.82 m, or where
-// there is none above 0.
+// World metres per metre of a scene scaled to the size of a person: a power of two, so that scaling lengths is exact
+// and changes rarely; 1 if the median of the frames' longest sides is 1.42 to 2.82 m, or if no side is above 0.
 double lengthScale(std::vector<double> longest_sides_m);
 
 }  // namespace fourdvt

@@ -19,7 +19,7 @@ struct MeshTopology {
 
 using Positions = std::vector<glm::vec3>;  // vertex_count points in world, metres
 
-// A surface of one frame, of any topology: indices < positions.size(), counter-clockwise seen from outside.
+// Surface of one frame, of any topology: indices < positions.size(), counter-clockwise seen from outside.
 struct TriangleMesh {
   Positions positions;  // world, metres
   std::vector<glm::uvec3> faces;
@@ -29,23 +29,23 @@ struct BoundingBox {
   glm::vec3 min{0}, max{0};
 };
 
-// Area-weighted unit vertex normals, vertex_count of them; a vertex without area gets (0,1,0).
+// Area-weighted unit vertex normals, vertex_count of them; (0,1,0) for a vertex without area.
 void computeVertexNormals(const std::vector<glm::uvec3>& face_vertices, const glm::vec3* positions, size_t vertex_count,
                           std::vector<glm::vec3>& normals);
 
-// Two tangents per vertex of the base mesh, and how a displacement along them moves texture coordinates. Bake and
-// player compute the same frames, so that a displacement of two numbers per vertex needs no pose.
+// Tangent frame per vertex of the base mesh, and the texture displacement per metre along each tangent. Bake and player
+// compute identical frames, so that a tangential displacement is stored as two numbers per vertex, without a pose.
 
 struct SurfaceFrames {
-  // [vertex] two orthonormal vectors of the base pose, perpendicular to its normal; right-handed with it.
+  // [vertex] two orthonormal tangents of the base pose, perpendicular to its normal; right-handed with it.
   std::vector<glm::mat2x3> tangents;
-  // [3 * face + corner] texture coordinates per metre along the vertex's tangents. Averaged over the chart's faces
-  // round the vertex, so that the texture stays continuous inside a chart. Zero where a face has no area.
+  // [3 * face + corner] texture coordinates per metre along the vertex's tangents, averaged over the chart's faces
+  // round the vertex for continuity inside a chart. Zero for faces without area.
   std::vector<glm::mat2> uv_from_tangents;
 };
 
-// `base`: vertex_count positions of the base mesh. A texture vertex must belong to one vertex, as in decoded base
-// meshes.
+// `base`: vertex_count positions of the base mesh. Requires each texture vertex to belong to one vertex, as in decoded
+// base meshes.
 SurfaceFrames computeSurfaceFrames(const MeshTopology& topology, std::span<const glm::vec3> base);
 
 }  // namespace fourdvt

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Marks that a file has beside its pixels: how a stored picture is to be shown.
+// Display marks stored in a file beside its pixels.
 #pragma once
 
 #include <string>
 
 namespace fourdvt {
 
-// A picture is shown stretched, then mirrored, then turned.
+// Marks in the order of application: stretching, mirroring, rotation.
 struct PictureMarks {
   bool mirrored = false;    // left to right
   int quarter_turns = 0;    // clockwise, 0 to 3
@@ -16,7 +16,7 @@ struct PictureMarks {
   bool stretches() const { return pixel_aspect != 1; }
 };
 
-// "mirrored and turned by 90°", "with pixels of 1.333 to 1"; empty without marks.
+// "mirrored and turned by 90°", "with pixels of 1.333 to 1"; empty if there are no marks.
 std::string describe(const PictureMarks& marks);
 
 }  // namespace fourdvt

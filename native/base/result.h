@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Result<T>: a value or an Error. The only way a fallible boundary reports failure; there are no exceptions in
-// portable code. Does NOT carry stack traces or nested causes: the message is complete in one line.
+// Result<T>: a value or an Error. The only report of failure; portable code has no exceptions, and an error has no
+// stack trace or nested cause: its message is complete in one line.
 #pragma once
 
 #include <cassert>
@@ -10,8 +10,8 @@
 
 namespace fourdvt {
 
-// Stable identifiers. Tests and page scripts compare these, never the wording. Append only. Beside each: "meaning;
-// remedy", from which site/docs/errors.mjs makes the documents' table.
+// Stable identifiers. Tests and page scripts compare these, never the wording. Append only. Comment per entry:
+// "meaning; remedy", the source of the documents' table (site/docs/errors.mjs).
 enum class ErrorId : int {
   None = 0,
   InvalidArgument,  // an option or argument is unknown or out of range; read the command's --help
@@ -51,7 +51,7 @@ enum class ErrorId : int {
   FilesDiffer,  // the files of a character come from different bakes; upload all files of one bake, and clear caches
 };
 
-// Short stable name, e.g. "capture-json"; what the element's error event carries.
+// Short stable name, e.g. "capture-json"; carried by the element's error event.
 const char* errorName(ErrorId id);
 
 struct Error {
@@ -117,7 +117,7 @@ using Status = Result<void>;
   } while (0)
 
 // FOURDVT_ASSIGN(target, expression): assigns a Result's value, or returns its error from the enclosing function. The
-// target is a declaration ("auto picture", "const Image still") or something that exists already.
+// target is a declaration ("auto picture", "const Image still") or an existing object.
 #define FOURDVT_ASSIGN(target, ...) \
   FOURDVT_ASSIGN_FROM(FOURDVT_NAME_WITH(fourdvt_result_, __COUNTER__), target, __VA_ARGS__)
 #define FOURDVT_ASSIGN_FROM(result, target, ...) \

@@ -9,7 +9,7 @@
 
 namespace fourdvt {
 
-// The greater one of the two in the middle of an even number.
+// Median; the upper of the two middle values of an even number.
 template <class T>
 T median(std::vector<T> values, T of_none = 0) {
   if (values.empty()) return of_none;
@@ -18,7 +18,7 @@ T median(std::vector<T> values, T of_none = 0) {
   return *middle;
 }
 
-// The value below which this share of the values lies, interpolated; 0 of none.
+// Quantile at `share`, interpolated; 0 for no values.
 inline double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
   const double at = share * double(values.size() - 1);
@@ -29,9 +29,9 @@ inline double quantile(std::vector<double> values, double share) {
   return *lower + (at - std::floor(at)) * (*next - *lower);
 }
 
-constexpr double kDegrees = 180 / 3.14159265358979323846;  // of a radian
+constexpr double kDegrees = 180 / 3.14159265358979323846;  // per radian
 
-// Standard deviation of a normal distribution whose median absolute value is that of the values.
+// Standard deviation of the normal distribution with the same median absolute value.
 inline double robustScale(const std::vector<double>& values) {
   std::vector<double> sizes;
   sizes.reserve(values.size());

@@ -48,7 +48,7 @@ struct Line {
   std::vector<std::string> whole;  // subjects in full
 };
 
-// Without a subject, the rest is all.
+// Splits a warning into subject and rest; without a subject, the rest is the whole text.
 Line split(const std::string& warning) {
   const size_t end = warning.find(": ");
   if (end == std::string::npos) return {"", warning, {}};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text for people, files and pages.
+// Text for messages, files and pages.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,13 @@ namespace fourdvt {
 // Formats as std::printf does.
 [[gnu::format(printf, 1, 2)]] std::string printed(const char* format, ...);
 
-std::string hexDigits(uint64_t value);  // 16 of them: names and texts of hashes
+std::string hexDigits(uint64_t value);  // 16 digits: names and texts of hashes
 std::string frameName(uint32_t frame);  // six digits or more: "000012"
 
 // Escapes text for HTML and SVG, also inside quoted attributes.
 std::string htmlEscaped(const std::string& text);
 
-// Joins the items, or what `text` (a function or a member) makes of each.
+// Joins the items, mapped by `text` (a function or a member).
 template <class Items, class Text = std::identity>
 std::string joined(const Items& items, const char* between = ", ", Text text = {}) {
   std::string out;
@@ -30,10 +30,10 @@ std::string joined(const Items& items, const char* between = ", ", Text text = {
   return out;
 }
 
-// Warnings and notes for people, one line each: "SUBJECT: what is wrong; what to do".
+// Warnings and notes, one line each: "SUBJECT: what is wrong; what to do".
 
-// Makes one line of those that differ in their subject alone, at the place of the first: "SUBJECT, SUBJECT: …", each
-// once. What a subject has in common with the one before, up to its last "/" or blank, is not repeated:
+// Merges warnings that differ only in their subject into one line at the place of the first: "SUBJECT, SUBJECT: …",
+// each subject once. A subject's common prefix with the one before, up to its last "/" or blank, is omitted:
 // "walk/cam00.mp4, cam01.mp4".
 std::vector<std::string> joinedWarnings(const std::vector<std::string>& warnings);
 

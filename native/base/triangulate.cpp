@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ear clipping. A hole is first joined to its polygon by a bridge, an edge that is walked in both directions.
+// Ear clipping. A hole is first joined to its polygon by a bridge, an edge traversed in both directions.
 #include "base/triangulate.h"
 
 #include <algorithm>
@@ -34,7 +34,7 @@ size_t rightmost(const FlatLoop& loop) {
                 loop.begin());
 }
 
-// True if the way from loop vertex i to p begins inside of the polygon.
+// Returns true if the segment from loop vertex i to p starts inside the polygon.
 bool opensTo(const FlatLoop& loop, size_t i, const glm::dvec2& p) {
   const size_t n = loop.size();
   const glm::dvec2 &before = loop[(i + n - 1) % n].place, &at = loop[i].place, &after = loop[(i + 1) % n].place;
@@ -42,12 +42,12 @@ bool opensTo(const FlatLoop& loop, size_t i, const glm::dvec2& p) {
   return area(before, at, after) > 0 ? left_of_in && left_of_out : left_of_in || left_of_out;
 }
 
-// The vertex of the polygon to which a bridge leads from p, the rightmost vertex of a hole.
+// Polygon vertex at the end of the bridge from p, the rightmost vertex of a hole.
 size_t bridgeEnd(const FlatLoop& outer, const glm::dvec2& p) {
   const size_t n = outer.size();
   double nearest_x = std::numeric_limits<double>::infinity();
   size_t end = 0;
-  for (size_t i = 0; i < n; ++i) {  // the edge that p sees to its right
+  for (size_t i = 0; i < n; ++i) {  // nearest edge to the right of p
     const glm::dvec2 &a = outer[i].place, &b = outer[(i + 1) % n].place;
     if (!(a.y <= p.y && b.y > p.y)) continue;
     const double x = a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x);
@@ -56,7 +56,7 @@ size_t bridgeEnd(const FlatLoop& outer, const glm::dvec2& p) {
     end = a.x > b.x ? i : (i + 1) % n;
   }
   if (!std::isfinite(nearest_x)) return 0;
-  // Vertices between p, that edge and its end hide the end; the one at the flattest angle is seen.
+  // Vertices between p, that edge and its end may occlude the end; the one at the flattest angle is visible.
   const glm::dvec2 hit(nearest_x, p.y), corner = outer[end].place;
   const double turn = area(p, hit, corner) > 0 ? 1 : -1;
   double flattest = std::numeric_limits<double>::infinity();
@@ -105,7 +105,7 @@ class EarClipper {
  private:
   struct Link {
     uint32_t previous = 0, next = 0;
-    double quality = 0;  // of the ear: area over squared length; <= 0: rather not an ear
+    double quality = 0;  // ear quality: area over squared length; <= 0: no ear
   };
 
   double quality(uint32_t i) const {
@@ -113,7 +113,7 @@ class EarClipper {
     const double twice = area(a.place, b.place, c.place);
     const glm::dvec2 ab = b.place - a.place, bc = c.place - b.place, ca = a.place - c.place;
     const double longest2 = std::max({glm::dot(ab, ab), glm::dot(bc, bc), glm::dot(ca, ca), 1e-300});
-    if (a.id == c.id) return -2;  // a bridge's end: nothing lies between
+    if (a.id == c.id) return -2;  // bridge end: degenerate
     if (twice <= 0) return twice / longest2 - 1;
     for (uint32_t k = links_[links_[i].next].next; k != links_[i].previous; k = links_[k].next) {
       const FlatVertex& p = loop_[k];
@@ -144,7 +144,7 @@ class EarClipper {
 void triangulate(std::vector<FlatLoop> loops, std::vector<glm::uvec3>& triangles) {
   if (loops.size() == 1) return EarClipper(loops[0], triangles).run();
   std::vector<FlatLoop> outers, holes;
-  std::vector<double> areas;  // of the outer loops
+  std::vector<double> areas;  // areas, outer loops only
   for (FlatLoop& loop : loops) (area(loop) > 0 ? outers : holes).push_back(std::move(loop));
   for (const FlatLoop& outer : outers) areas.push_back(area(outer));
   const std::vector<FlatLoop> given = outers;
@@ -157,7 +157,7 @@ void triangulate(std::vector<FlatLoop> loops, std::vector<glm::uvec3>& triangles
     if (home < outers.size())
       bridge(outers[home], hole);
     else
-      EarClipper(hole, triangles).run();  // a sliver that rounding turned over
+      EarClipper(hole, triangles).run();  // sliver inverted by rounding
   }
   for (const FlatLoop& outer : outers) EarClipper(outer, triangles).run();
 }

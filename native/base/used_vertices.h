@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Native only: what simplification leaves unused.
+// Removal of unused vertices after simplification; native only.
 #pragma once
 
 #include "base/mesh.h"
 
 namespace fourdvt {
 
-// Drops the vertices that no face has; the others are numbered in the order of their first use.
+// Drops the vertices without a face and renumbers the others in the order of their first use.
 void dropUnusedVertices(TriangleMesh& mesh);
 
 }  // namespace fourdvt

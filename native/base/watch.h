@@ -5,12 +5,12 @@
 
 namespace fourdvt {
 
-// Measures time by the monotonic clock, from its construction or its last lap on.
+// Stopwatch on the monotonic clock, started at construction.
 class Watch {
  public:
   double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
   double ms() const { return 1e3 * seconds(); }
-  // Milliseconds so far; starts again.
+  // Returns the milliseconds since the start or the last lap, and restarts.
   double lap_ms() {
     const double passed_ms = ms();
     start_ = Clock::now();

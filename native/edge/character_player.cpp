@@ -15,11 +15,11 @@ namespace {
 using platform::readFileRange, platform::readJsonFlat, platform::SampleDecoder;
 
 constexpr double kTick_s = 0.01;
-constexpr int kMaxTicksPerFrame = 4000;  // far above what a seek needs; a character that never answers is an error
+constexpr int kMaxTicksPerFrame = 4000;  // far above a seek's need; reaching it is an error
 
 }  // namespace
 
-// Copied out of the decoder.
+// Decoded picture, copied out of the decoder.
 struct CharacterPlayer::HeldPicture {
   int64_t timestamp_us = 0;
   int width = 0, height = 0;
@@ -147,11 +147,11 @@ void CharacterPlayer::offerHeldPictures() {
   }
 }
 
-// Remembers errors and returns the first one.
+// Records errors and returns the first one.
 Status CharacterPlayer::takeEvents() {
   Status first;
   for (Event event; player_->nextEvent(event);) {
-    // A rendition was chosen: another one must not take its place.
+    // Forbids fallback to another rendition where one was chosen explicitly.
     if (event.kind != EventKind::Error && event.kind != EventKind::Warning) continue;
     if (const package::Sequence* current = player_->sequence()) errors_.emplace(current->name, event.error);
     if (first.ok()) first = event.error;
@@ -195,7 +195,7 @@ Status CharacterPlayer::showFrame(const std::string& sequence, uint32_t frame) {
 }
 
 Status CharacterPlayer::advance(double seconds) {
-  FOURDVT_TRY(pump());  // fills every slot, so that the step meets decoded pictures
+  FOURDVT_TRY(pump());  // fills all slots, so that the step finds decoded pictures
   player_->tick(now_s_ += seconds);
   FOURDVT_TRY(pump());
   for (int tick = 0; player_->seeking() && tick < kMaxTicksPerFrame; ++tick) {

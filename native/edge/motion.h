@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How text asks for motion: parameters, cues, alignment; the same on the command line and in scene files.
+// Textual motion parameters, cues and alignment, shared by the command line and scene files.
 #pragma once
 
 #include <optional>
@@ -11,16 +11,16 @@
 
 namespace fourdvt::edge {
 
-// How the members of a class, and the two states of a transition, are aligned; see render::Align.
+// Alignment of a class's members and of a transition's two states; see render::Align.
 enum class AlignMethod { None, Baked, FlowGpu, FlowDis, FlowOpencv, FlowOpencvDis };
-// Sets up the flow that the method needs in the recipe. Errors: Unsupported (no float render targets).
+// Sets up the optical flow for the method in the recipe. Errors: Unsupported (no float render targets).
 Result<render::Align> prepareAlign(AlignMethod method, gpu::Device& device, render::Recipe& recipe);
 
 using Parameters = std::vector<std::pair<std::string, double>>;
-// Errors: InvalidArgument (no class of the character has such a parameter). `character` is for the message.
+// Errors: InvalidArgument (no class of the character has such a parameter). `character` is used in the message.
 Status setParameters(Player& player, const Parameters& parameters, const std::string& character);
 
-struct Cue {  // at this time, go to that state
+struct Cue {  // transition to a state at a time
   std::string state;
   double at_s = 0;
 };
@@ -32,7 +32,7 @@ std::optional<std::pair<std::string, double>> parseParameter(const std::string& 
 std::optional<Cue> parseCue(const std::string& text);                                   // STATE@SECONDS, or STATE: at 0
 std::optional<Sweep> parseSweep(const std::string& text);                               // NAME=FROM:TO
 
-// The sequence or class of this name. Errors: InvalidArgument, whose message lists the names there are.
+// Finds the sequence or class of this name. Errors: InvalidArgument, whose message lists the names.
 Result<const package::Sequence*> findState(const package::Character& character, const std::string& name,
                                            const std::string& folder);
 

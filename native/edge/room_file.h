@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The room of a character folder, as a picture and as a scene.
+// Room of a character folder, as a picture and as a scene.
 #pragma once
 
 #include <string>
@@ -11,9 +11,9 @@
 
 namespace fourdvt::edge {
 
-// RGBA. `folder` holds the character, which has a room. Errors: FileMissing, FileUnreadable, FilesDiffer.
+// RGBA. `folder`: that of a character with a room. Errors: FileMissing, FileUnreadable, FilesDiffer.
 Result<Image> readRoomPicture(const std::string& folder, const package::Room& room);
-// The scene that the character's room is. `manifest`: its character.gltf. Errors: those of readRoomPicture, GpuFailure,
+// Scene of the character's room. `manifest`: its character.gltf. Errors: those of readRoomPicture, GpuFailure,
 // InvalidArgument if the character has no room.
 Result<render::Scene> openRoom(gpu::Device& device, const std::string& manifest, const package::Character& character);
 

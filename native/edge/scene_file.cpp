@@ -18,7 +18,7 @@ using Json = nlohmann::json;
 constexpr int kMaxSide = 8192, kMaxCharacters = 64;
 constexpr double kMaxMetres = 1e5, kDegree_rad = 0.017453292519943295;
 
-// Reads the members of JSON objects, refuses unknown ones, and keeps the first complaint.
+// Reads the members of JSON objects, rejects unknown ones, and keeps the first error.
 class SceneReader {
  public:
   explicit SceneReader(const std::string& path) : path_(path), folder_(std::filesystem::path(path).parent_path()) {}
@@ -135,7 +135,7 @@ class SceneReader {
       actor.parameters.emplace_back(name, checked(value, name, -1e6, 1e6));
   }
 
-  // Sorted by name, so that the track follows the numbered pictures that it was made from.
+  // Cameras sorted by name, so that the track follows its numbered pictures.
   Status readCameras(const Json& root, const std::string& folder, SceneFile& out) {
     FOURDVT_ASSIGN(std::vector<capture::CaptureCamera> cameras, capture::readColmapCameras(folder));
     capture::scaleToMetres(cameras, number(root, "metres_per_unit", 1, 1e-6, 1e6));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// scene.json: characters composited with a background and its camera track (4DVT step 6). Reads and checks; does NOT
-// draw. Paths in it are relative to the file. World: metres, y up, ground at ground_y.
+// scene.json: characters composited with a background and its camera track (Casas et al. 2014, step 6). Reads and
+// checks only. Paths in it are relative to the file. World: metres, y up, ground at ground_y.
 //
 // clang-format off
 //   {"background": "street.jpg",     picture or video (.mp4) that the camera took, undistorted; optional
@@ -26,19 +26,19 @@
 namespace fourdvt::edge {
 
 struct ActorOptions {
-  std::string folder;  // of the baked character
-  std::string state;   // the state to begin with; empty: the character's first
+  std::string folder;  // character folder
+  std::string state;   // initial state; empty: the character's first
   Parameters parameters;
   motion::Placement placement;
   bool travel = false;
   std::vector<Cue> cues;
-  std::optional<int> rendition;  // as of fourdvt render --rendition
+  std::optional<int> rendition;  // see fourdvt render --rendition
 };
 
 struct SceneFile {
   std::string path;
   std::string background;              // empty: none
-  std::vector<PinholeCamera> cameras;  // one: for every frame; empty: an orbit
+  std::vector<PinholeCamera> cameras;  // one: for all frames; empty: an orbit
   std::vector<std::string> occluders, meshes;
   double ground_y_m = 0, fps = 25, seconds = 0;  // 0: the camera track's length, one frame or more
   std::optional<std::pair<int, int>> size;
@@ -47,7 +47,7 @@ struct SceneFile {
 
 // Errors: FileMissing, InvalidArgument (file, key and remedy named), those of readColmapCameras.
 Result<SceneFile> readSceneFile(const std::string& path);
-// Triangles of an OBJ file: "v x y z [r g b]" and "f"; everything else is skipped. Errors: FileMissing, MeshIndex.
+// Reads the triangles of an OBJ file: "v x y z [r g b]" and "f"; skips all other lines. Errors: FileMissing, MeshIndex.
 Result<std::vector<render::SceneCorner>> readSceneMesh(const std::string& path);
 
 }  // namespace fourdvt::edge

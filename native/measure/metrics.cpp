@@ -20,7 +20,7 @@ std::array<double, kSsimWindow> gaussianTaps() {
   return taps;
 }
 
-// Separable window mean; only values at distance >= kRadius from the border are meaningful.
+// Separable window mean; valid at distances >= kRadius from the border.
 Plane windowMean(const Plane& in, int width, int height) {
   static const auto taps = gaussianTaps();
   Plane rows(in.size(), 0), out(in.size(), 0);

@@ -32,7 +32,7 @@ Image cropped(const Image& image, const Box& box) {
   return out;
 }
 
-// Everything that is not black in either picture, with the reach of SSIM's window to each side.
+// Bounding box of the non-black pixels of both pictures, extended by the radius of SSIM's window.
 Box contentBox(const Image& a, const Image& b) {
   Mask mask(static_cast<size_t>(a.width) * a.height);
   for (size_t i = 0; i < mask.size(); ++i)

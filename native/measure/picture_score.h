@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The papers' measures of one picture against a reference, their means, and their computation beside other work.
+// Scores of a picture against a reference by the papers' metrics, their means, and their computation on other threads.
 #pragma once
 
 #include <deque>
@@ -12,9 +12,9 @@
 
 namespace fourdvt::measure {
 
-// Foreground: union of both silhouettes; common: what both cover. Box: the foreground's bounding box. Full: the whole
-// picture. All over black; PSNR on RGB, SSIM on luma.
-// A further measure needs: its formula in metrics.cpp, a field here, its place in kMeasures and scorePicture
+// Foreground: union of both silhouettes; common: their intersection. Box: the foreground's bounding box. Full: the
+// whole picture. All over black; PSNR on RGB, SSIM on luma.
+// A further measure requires its formula in metrics.cpp, a field here, its place in kMeasures and scorePicture
 // (picture_score.cpp), a row in writeScores (lab/study/run/row_writer.cpp) and rows.h, a column in the tables that show
 // it (lab/study/tables/), and a figure or an exception in site/measured/catalogue.mjs. lab/measure/held_out.h and
 // lab/study/steps/rate_point.h have scores of their own.
@@ -29,7 +29,7 @@ class MeanScores {
  public:
   void add(const PictureScore& score);
   size_t count() const { return count_; }
-  PictureScore mean() const;           // NaN if nothing was added
+  PictureScore mean() const;           // NaN without scores
   PictureScore standardError() const;  // of the mean; NaN below two scores
 
  private:
@@ -37,12 +37,12 @@ class MeanScores {
   size_t count_ = 0;
 };
 
-// Scores on other threads while the caller draws on; at most a few pictures wait.
+// Scores pictures on other threads while the caller draws; bounds the queue to a few pictures.
 class ScoreLane {
  public:
-  // `tag`: whatever the caller tells scores apart by, e.g. a camera's name; may be empty.
+  // `tag`: the caller's label of a score, e.g. a camera's name; may be empty.
   void add(Image reference, Image picture, const std::string& tag = {});
-  // Waits for all. Scores in order of add.
+  // Waits for all scores; returns them in the order of add.
   std::vector<std::pair<std::string, PictureScore>> finish();
   MeanScores finishMean();
 

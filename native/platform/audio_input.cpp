@@ -15,9 +15,9 @@ extern "C" {
 namespace fourdvt::platform {
 namespace {
 
-constexpr size_t kFewestSamples = 4096;  // that are resampled at a time
-constexpr int kLostPackets = 50;         // damaged in a row: the file is
-constexpr double kMostStart_s = 1e5;     // of the sound, from the first picture
+constexpr size_t kFewestSamples = 4096;  // samples resampled at a time
+constexpr int kLostPackets = 50;         // limit of damaged packets in a row before the file is rejected
+constexpr double kMostStart_s = 1e5;     // limit of the sound's start, from the first picture
 
 class FfmpegAudio final : public AudioReader {
  public:
@@ -98,14 +98,14 @@ class FfmpegAudio final : public AudioReader {
     resampled_format_ = frame_->format;
     return code < 0 ? Status(failed(code)) : Status();
   }
-  // Joined files may change their format on the way.
+  // Concatenated files may change their format midway.
   bool fitsFrame() const {
     return resampler_ && resampled_rate_ == frame_->sample_rate && resampled_format_ == frame_->format &&
            av_channel_layout_compare(&resampled_layout_, &frame_->ch_layout) == 0;
   }
 
-  // Finds how much silence to put before the samples, or how many of them to drop, for reading to begin with the first
-  // picture.
+  // Computes the silence to insert before the samples, or the number of samples to drop, so that reading begins at the
+  // first picture.
   Status align() {
     const double start_s = startAfterPicture_s();
     if (!(std::abs(start_s) <= kMostStart_s))
@@ -125,7 +125,7 @@ class FfmpegAudio final : public AudioReader {
     }
     return convert(const_cast<const uint8_t**>(frame_->extended_data), frame_->nb_samples);
   }
-  // Reads the rest out of the resampler.
+  // Drains the resampler.
   Status flushResampler() { return resampler_ ? convert(nullptr, 0) : Status(); }
 
   Status convert(const uint8_t** in, int count) {
@@ -151,7 +151,7 @@ class FfmpegAudio final : public AudioReader {
       FOURDVT_TRY(resampleFrame());
     }
   }
-  // Players skip a damaged packet, too.
+  // Skips a damaged packet, as players do.
   Status lost(int code) { return ++lost_ > kLostPackets ? Status(failed(code)) : Status(); }
 
   Status decodeMore() {
@@ -181,9 +181,9 @@ class FfmpegAudio final : public AudioReader {
   AvFrame frame_;
   Resampler resampler_;
   std::vector<float> samples_;  // resampled, interleaved
-  size_t next_ = 0;             // value of samples_ that is read next
-  size_t drop_ = 0;             // samples that come before the first picture
-  size_t silence_ = 0;          // samples of silence before the first of samples_
+  size_t next_ = 0;             // index of the next value in samples_
+  size_t drop_ = 0;             // samples before the first picture
+  size_t silence_ = 0;          // samples of silence before samples_[0]
   AVChannelLayout resampled_layout_{};
   int resampled_rate_ = 0, resampled_format_ = -1;
   bool ended_ = false;

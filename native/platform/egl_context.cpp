@@ -40,7 +40,7 @@ class Context final : public EglContext {
     if (surface_ != EGL_NO_SURFACE) eglDestroySurface(display_, surface_);
   }
 
-  // True if a GLES 3 context on this display is now current.
+  // Returns true if a GLES 3 context on this display is now current.
   bool makeOn(EGLDisplay display, bool with_pbuffer) {
     display_ = display;
     if (display == EGL_NO_DISPLAY || !eglBindAPI(EGL_OPENGL_ES_API)) return false;

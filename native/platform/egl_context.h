@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A GLES 3.0 context without a screen (EGL_MESA_platform_surfaceless, else the default display with a pbuffer).
+// Headless GLES 3.0 context (EGL_MESA_platform_surfaceless, else the default display with a pbuffer).
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@ namespace fourdvt::platform {
 
 class EglContext {
  public:
-  // Made current on this thread. Errors: GpuFailure, with the packages to install.
+  // Makes the new context current on this thread. Errors: GpuFailure, with the packages to install.
   static Result<std::unique_ptr<EglContext>> create();
   virtual ~EglContext() = default;
 };

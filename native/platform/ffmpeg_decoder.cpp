@@ -16,7 +16,7 @@ AVCodecID codecId(const std::string& codec) {
   return AV_CODEC_ID_NONE;
 }
 
-// libavcodec's own AV1 decoder only drives hardware: a software one is asked for by name.
+// libavcodec's native AV1 decoder is hardware-only: selects a software decoder by name.
 const AVCodec* findDecoder(const std::string& codec) {
   const AVCodecID id = codecId(codec);
   if (id != AV_CODEC_ID_AV1) return avcodec_find_decoder(id);
@@ -38,7 +38,7 @@ class Decoder final : public SampleDecoder {
     on_picture_ = std::move(on_picture);
     codec_.reset(avcodec_alloc_context3(&codec));
     codec_->thread_count = 2;
-    codec_->thread_type = FF_THREAD_SLICE;  // frame threads would hold pictures back
+    codec_->thread_type = FF_THREAD_SLICE;                                      // frame threads delay output
     if (codec.id == AV_CODEC_ID_AV1) codec_->flags |= AV_CODEC_FLAG_LOW_DELAY;  // keeps dav1d from frame threads
     codec_->max_pixels = kMaxSamplePixels;
     codec_->pkt_timebase = {1, 1000000};

@@ -35,7 +35,7 @@ using AvPacket = std::unique_ptr<AVPacket, AvDeleter>;
 using Resampler = std::unique_ptr<SwrContext, AvDeleter>;
 using SwsScaler = std::unique_ptr<SwsContext, AvDeleter>;
 
-// FFmpeg prints nothing short of a crash: our own errors name the file.
+// Silences FFmpeg's log: our own errors name the file.
 inline void quietFfmpeg() { av_log_set_level(AV_LOG_PANIC); }
 
 }  // namespace fourdvt::platform

@@ -75,7 +75,7 @@ class FileSource final : public VideoSource {
     codec_.reset(avcodec_alloc_context3(codec));
     avcodec_parameters_to_context(codec_.get(), &picture);
     codec_->max_pixels = kMaxVideoPixels;
-    codec_->thread_count = 1;  // the caller decodes several files side by side
+    codec_->thread_count = 1;  // callers decode several files in parallel
     if (avcodec_open2(codec_.get(), codec, nullptr) < 0) return unreadable(path, "the decoder does not start");
     const auto marks = marksOf(*raw, *raw->streams[stream_]);
     if (!marks) return unreadable(path, "its display matrix turns pictures by an angle that is no quarter turn");
@@ -112,7 +112,7 @@ class FileSource final : public VideoSource {
 
   Status skip(uint32_t pictures) override {
     const uint32_t wanted = number_ + pictures;
-    // Alpha in blocks of its own has key pictures of its own, which seeking does not look for.
+    // Block alpha has keyframes of its own, which seeking ignores.
     const bool seeks = channels_ == 3 || alpha_ != AlphaKind::InBlocks;
     if (pictures > kSeekBeyond && seeks) FOURDVT_TRY(seekBefore(wanted));
     while (number_ < wanted) {
@@ -123,7 +123,7 @@ class FileSource final : public VideoSource {
   }
 
  private:
-  // Makes frame_ the next picture. False: the video has ended.
+  // Makes frame_ the next picture. Returns false at the end of the video.
   Result<bool> advance() {
     while (true) {
       if (deinterlacer_.isOpen()) {
@@ -147,7 +147,7 @@ class FileSource final : public VideoSource {
     }
   }
 
-  // Finds the conversions that the first picture calls for.
+  // Selects the conversions by the first picture.
   Status judge() {
     judged_ = true;
     conversions_.clear();
@@ -163,7 +163,7 @@ class FileSource final : public VideoSource {
     return {};
   }
 
-  // Decodes what comes next into frame_. False: the video has ended.
+  // Decodes the next picture into frame_. Returns false at the end of the video.
   Result<bool> decode() {
     while (true) {
       const int received = avcodec_receive_frame(codec_.get(), frame_.get());
@@ -177,7 +177,7 @@ class FileSource final : public VideoSource {
     }
   }
 
-  // Lists the presentation times that number the pictures, if there are such times; may move the file's position.
+  // Lists the presentation times that number the pictures, if present; may move the file's position.
   void listTimes() {
     VideoStamps stamps = listStamps(*file_.format, stream_, stampsPath(path_, index_folder_));
     if (!stamps.presentation || stamps.times.empty()) return;
@@ -186,14 +186,14 @@ class FileSource final : public VideoSource {
     if (stamps.times.front() == first_stamp_) stamps_ = std::move(stamps.times);
   }
 
-  // Goes to a picture that is not after `wanted` where stamps number the pictures and one is nearer than this; else
-  // position and number stay, or begin anew.
+  // Seeks to a picture at or before `wanted` where stamps number the pictures and a keyframe is nearer than the
+  // position; else position and number stay, or restart from 0.
   Status seekBefore(uint32_t wanted) {
     if (number_ == 0) {
       FOURDVT_ASSIGN(const bool more, advance());  // sets first_stamp_
       if (!more) return {};
     }
-    if (deinterlacer_.isOpen()) return {};  // a picture depends on its neighbours
+    if (deinterlacer_.isOpen()) return {};  // pictures depend on their neighbours
     bool moved = false;
     if (!listed_ && first_stamp_ != AV_NOPTS_VALUE) {
       listed_ = moved = true;
@@ -216,7 +216,7 @@ class FileSource final : public VideoSource {
     return moved ? rewind() : Status();
   }
 
-  // Opens the file anew.
+  // Reopens the file.
   Status rewind() {
     number_ = 0;
     return open(std::string(path_), channels_, std::string(index_folder_));
@@ -238,7 +238,7 @@ class FileSource final : public VideoSource {
   Status feed() {
     while (true) {
       const int read = av_read_frame(file_.format.get(), packet_.get());
-      if (read == AVERROR_EOF || (read < 0 && avio_feof(file_.format->pb))) {  // the latter of a file that is cut off
+      if (read == AVERROR_EOF || (read < 0 && avio_feof(file_.format->pb))) {  // EOF of a truncated file
         avcodec_send_packet(codec_.get(), nullptr);
         return {};
       }
@@ -270,13 +270,13 @@ class FileSource final : public VideoSource {
     return std::optional<Image>(channels_ == 1 ? grayFromRgb(rgb) : std::move(rgb));
   }
 
-  static constexpr uint32_t kSeekBeyond = 60;  // pictures ahead, up to which all are decoded
+  static constexpr uint32_t kSeekBeyond = 60;  // seek distance, pictures; below it all are decoded
   static constexpr uint32_t kReordered = 17;   // pictures between a decoding and a presentation time, and one
 
   std::string path_, index_folder_;
   int channels_ = 3, stream_ = -1;
-  uint32_t number_ = 0;                   // of the next picture
-  int64_t first_stamp_ = AV_NOPTS_VALUE;  // of picture 0
+  uint32_t number_ = 0;                   // next picture's
+  int64_t first_stamp_ = AV_NOPTS_VALUE;  // picture 0's
   std::vector<int64_t> stamps_;           // [picture], once a seek needs them
   bool listed_ = false;
   AlphaKind alpha_ = AlphaKind::None;
@@ -286,7 +286,7 @@ class FileSource final : public VideoSource {
   AvPacket packet_{av_packet_alloc()};
   RgbConverter converter_;
   PictureMarks marks_;
-  bool judged_ = false;  // the first picture has been decoded, and the filters are those that it calls for
+  bool judged_ = false;  // the first picture is decoded and its filters are set up
   std::vector<std::string> conversions_;
   FrameFilter deinterlacer_, to_bt709_;
 };

@@ -16,7 +16,7 @@ namespace {
 
 int refuseOtherFiles(AVFormatContext*, AVIOContext**, const char*, int, AVDictionary**) { return AVERROR(EPERM); }
 
-// "file:" keeps a colon in its name from being a protocol's.
+// Prefixes "file:", so that a colon in the name is not parsed as a protocol.
 AvIo openBytes(const std::string& path) {
   AVDictionary* options = nullptr;
   av_dict_set(&options, "protocol_whitelist", "file", 0);
@@ -55,7 +55,7 @@ FileOnly openFileOnly(const std::string& path) {
   raw->pb = out.io.get();
   raw->io_open = refuseOtherFiles;
   AVDictionary* options = nullptr;
-  // Forbids every protocol to what the file names: the concat demuxer does not use our io_open.
+  // Forbids all protocols for referenced files: the concat demuxer bypasses our io_open.
   av_dict_set(&options, "protocol_whitelist", "none", 0);
   const bool opened = avformat_open_input(&raw, path.c_str(), nullptr, &options) >= 0;  // frees raw if it fails
   av_dict_free(&options);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Opens a media file of unknown origin without opening any other file that it names, as playlists do. Private to the
+// Opens a media file of unknown origin without following references to other files, such as playlists. Private to the
 // files that link FFmpeg.
 #pragma once
 
@@ -10,16 +10,16 @@
 namespace fourdvt::platform {
 
 struct FileOnly {
-  AvIo io;          // null: it cannot be opened
-  AvFormat format;  // null: its format is not known, or names other files
+  AvIo io;          // null: cannot be opened
+  AvFormat format;  // null: unknown format, or it references other files
 };
 
-// True for an MP4 or MOV that ends before its index ("moov"), as a recording does that was cut off.
+// Returns true for an MP4 or MOV that ends before its index ("moov"), as an interrupted recording does.
 bool lacksIndex(const std::string& path);
 
-// Streams are not looked for yet.
+// Opens the file without probing its streams.
 FileOnly openFileOnly(const std::string& path);
-// Probes the streams. Probing decodes pictures, with decoders of its own: none larger than a video may have.
+// Probes the streams, which decodes pictures; limits their size to kMaxVideoPixels.
 bool findStreams(AVFormatContext& format);
 
 }  // namespace fourdvt::platform

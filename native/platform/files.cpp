@@ -97,7 +97,7 @@ std::string escaped(const std::string& key) {
 
 constexpr int kMaxDepth = 64;
 
-// Adds the tree below `node` to `out`. False if it is deeper than any manifest.
+// Adds the tree below `node` to `out`. Returns false if it exceeds the depth limit.
 bool flatten(const nlohmann::json& node, const std::string& pointer, FlatJson& out, int depth = 0) {
   if (depth > kMaxDepth) return false;
   if (node.is_object()) {
@@ -193,14 +193,14 @@ Result<std::vector<uint8_t>> encodeImage(const Image& image, const std::string& 
   std::vector<uint8_t> encoded;
   try {
     const cv::Mat rgb(image.height, image.width, CV_8UC(image.channels), const_cast<uint8_t*>(image.pixels.data()));
-    cv::Mat bgr;  // must not share the caller's pixels
+    cv::Mat bgr;  // a copy: the caller's pixels are const
     if (image.channels == 1)
       bgr = rgb;
     else
       cv::cvtColor(rgb, bgr, image.channels == 4 ? cv::COLOR_RGBA2BGRA : cv::COLOR_RGB2BGR);
-    const int flag = extension == ".webp" ? cv::IMWRITE_WEBP_QUALITY : cv::IMWRITE_JPEG_QUALITY;
-    if (cv::imencode(extension, bgr, encoded, {flag, quality})) return encoded;
-  } catch (const cv::Exception&) {  // of an extension that it does not have
+    const std::vector<int> parameters{cv::IMWRITE_JPEG_QUALITY, quality, cv::IMWRITE_WEBP_QUALITY, quality};
+    if (cv::imencode(extension, bgr, encoded, parameters)) return encoded;
+  } catch (const cv::Exception&) {  // unsupported extension
   }
   return Error{ErrorId::Internal, "OpenCV cannot encode " + extension + " pictures; install a build with it"};
 }

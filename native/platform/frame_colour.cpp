@@ -4,7 +4,7 @@
 namespace fourdvt::platform {
 namespace {
 
-// yuvj formats are the plain ones with full range.
+// Maps deprecated yuvj formats to their plain ones with full range.
 AVPixelFormat plainFormat(AVPixelFormat format) {
   switch (format) {
     case AV_PIX_FMT_YUVJ420P:
@@ -38,7 +38,7 @@ int swsMatrix(const AVFrame& frame) {
     case AVCOL_SPC_BT2020_NCL:
     case AVCOL_SPC_BT2020_CL:
       return SWS_CS_BT2020;
-    case AVCOL_SPC_UNSPECIFIED:  // standard definition is BT.601 by custom
+    case AVCOL_SPC_UNSPECIFIED:  // by convention BT.601 for standard definition
       return frame.height <= kStandardDefinitionLines ? SWS_CS_ITU601 : SWS_CS_ITU709;
     default:
       return SWS_CS_ITU709;

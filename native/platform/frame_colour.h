@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// FFmpeg's decoded frames → RGB by their own matrix and range. Private to the files that link FFmpeg.
+// Conversion of FFmpeg's decoded frames to RGB by their own matrix and range. Private to the files that link FFmpeg.
 #pragma once
 
 #include "base/image.h"
@@ -7,18 +7,19 @@
 
 namespace fourdvt::platform {
 
-// Unspecified range: full for gray (mattes are coverage, not luma) and RGB, limited for YUV.
+// Returns true for full range. Unspecified range: full for gray (mattes are coverage, not luma) and RGB, limited for
+// YUV.
 bool isFullRange(const AVFrame& frame, const AVPixFmtDescriptor& format);
 
-// The matrix of standard definition: by its mark, or unspecified and of at most 576 lines.
+// Returns true for the matrix of standard definition: marked so, or unspecified and of at most 576 lines.
 bool isBt601(const AVFrame& frame);
 
 class RgbConverter {
  public:
-  // fast: each chroma sample's colour is repeated, and sums are rounded less exactly.
+  // fast: nearest-neighbour chroma upsampling and less exact rounding.
   explicit RgbConverter(bool fast = false) : fast_(fast) {}
-  // Gives `out` 3 channels and the frame's size, its sides divided by `reduce` and rounded down: a pixel is the mean of
-  // reduce² pixels. Its memory is used again. False for formats that FFmpeg does not convert.
+  // Converts to 3 channels at the frame's size, its sides divided by `reduce` and rounded down: a pixel is the mean of
+  // reduce² pixels. Reuses the memory of `out`. Returns false for formats that FFmpeg cannot convert.
   bool convert(const AVFrame& frame, Image& out, int reduce = 1);
 
  private:

@@ -14,7 +14,7 @@ bool FrameFilter::open(const std::string& chain, const AVFrame& like) {
   const std::string arguments =
       printed("video_size=%dx%d:pix_fmt=%d:time_base=1/1000000:pixel_aspect=1/1", like.width, like.height, like.format);
   graph_.reset(avfilter_graph_alloc());
-  graph_->nb_threads = 1;  // the caller decodes several files side by side
+  graph_->nb_threads = 1;  // callers decode several files in parallel
   AVFilterInOut *in = nullptr, *out = nullptr;
   bool ok = avfilter_graph_create_filter(&source_, avfilter_get_by_name("buffer"), "in", arguments.c_str(), nullptr,
                                          graph_.get()) >= 0 &&

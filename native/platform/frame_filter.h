@@ -10,14 +10,14 @@ namespace fourdvt::platform {
 
 class FrameFilter {
  public:
-  // `chain` is in FFmpeg's notation, for pictures of the size and format of `like`. False: this FFmpeg lacks one of the
-  // filters, or it does not take such pictures.
+  // `chain`: FFmpeg's filter notation, for pictures of the size and format of `like`. Returns false if this FFmpeg
+  // lacks a filter or rejects such pictures.
   bool open(const std::string& chain, const AVFrame& like);
   bool isOpen() const { return graph_ != nullptr; }
   void close() { graph_.reset(); }
-  // Takes the picture's reference; null: there are no more. False: the chain refuses it.
+  // Takes the picture's reference; null marks the end. Returns false if the chain rejects it.
   bool push(AVFrame* frame);
-  // The next picture that is done, in `out`. AVERROR(EAGAIN): more must be pushed; AVERROR_EOF: there are no more.
+  // Moves the next filtered picture to `out`. AVERROR(EAGAIN): push more first; AVERROR_EOF: end of stream.
   int pull(AVFrame& out);
 
  private:

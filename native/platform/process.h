@@ -8,14 +8,14 @@
 namespace fourdvt::platform {
 
 std::string hostName();
-// End of a file's name that no other process has, on this machine or on one that shares its files: "HOST.PID".
+// File name suffix unique to this process among all machines that share its files: "HOST.PID".
 std::string ownSuffix();
 
 struct ProcessUsage {
-  double cpu_s = 0;                            // of all threads, in user and in kernel mode
+  double cpu_s = 0;                            // all threads, user and kernel mode
   uint64_t peak_bytes = 0;                     // resident memory
-  uint64_t read_bytes = 0, written_bytes = 0;  // by system calls; what a page cache answers counts too
+  uint64_t read_bytes = 0, written_bytes = 0;  // by system calls, page cache included
 };
-ProcessUsage processUsage();  // so far
+ProcessUsage processUsage();  // since the process started
 
 }  // namespace fourdvt::platform

@@ -11,7 +11,8 @@
 namespace fourdvt::platform {
 namespace {
 
-// GLSL names no files: line 12 of the third file is line 300012. web/develop/glsl.mjs counts likewise.
+// Lines per file in combined line numbers, as GLSL has no file names: line 12 of the third file is line 300012.
+// web/develop/glsl.mjs counts likewise.
 constexpr size_t kLinesPerFile = 100'000;
 
 bool isShader(const std::filesystem::path& path) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shaders of a folder such as shaders/gles, as they are when it is opened, with `#include`s expanded. A compiler's
-// messages name their lines by file.
+// Shaders of a folder such as shaders/gles, read at opening, with `#include`s expanded. Maps lines in compiler messages
+// back to files.
 #pragma once
 
 #include <map>
@@ -14,12 +14,12 @@ namespace fourdvt::platform {
 
 class ShaderFolder {
  public:
-  // Errors: FileMissing where the folder has no shader.
+  // Errors: FileMissing (no shader in the folder).
   static Result<ShaderFolder> open(const std::string& folder);
-  // Returns the shader of that name, valid as long as this object; where the folder has no such file, an #error that
-  // names it.
+  // Returns the shader of that name, valid for the lifetime of this object; for a missing file, an #error that names
+  // it.
   std::string_view text(std::string_view name);
-  // A compiler's log with "FILE:LINE" in place of the line numbers of these texts.
+  // Replaces line numbers of these texts in a compiler's log by "FILE:LINE".
   std::string nameLines(const std::string& log) const;
 
  private:

@@ -21,7 +21,7 @@ uint32_t bigEndian16(ByteReader& in) {
   return high << 8 | in.u8();
 }
 
-// A type or size of an SEI message: bytes of 255 and a last one, added up.
+// Reads a type or size of an SEI message: bytes of 255 and a last one, summed.
 uint32_t seiNumber(ByteReader& in) {
   uint32_t sum = 0;
   uint8_t byte = 255;

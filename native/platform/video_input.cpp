@@ -19,9 +19,9 @@ namespace fourdvt::platform {
 namespace {
 
 constexpr int64_t kMaxInputPixels = int64_t{8192} * 8192;
-constexpr uint32_t kSeekBeyond = 60;  // pictures ahead, up to which decoding goes on in place of seeking
-constexpr uint32_t kReordered = 16;   // pictures between a decoding and a presentation time, at most
-constexpr int64_t kEarliestWallClock = 1000000000000;  // µs: stamps below it count from some other start
+constexpr uint32_t kSeekBeyond = 60;                   // seek distance, pictures; below it decoding continues
+constexpr uint32_t kReordered = 16;                    // maximum pictures between a decoding and a presentation time
+constexpr int64_t kEarliestWallClock = 1000000000000;  // µs: smaller stamps have another epoch
 
 Error unreadableInput(const std::string& url, const std::string& what) {
   return {ErrorId::FileUnreadable, url + ": " + what};
@@ -72,7 +72,7 @@ class FfmpegInput final : public VideoInput {
       const int64_t stamp = frame_->best_effort_timestamp;
       at_ = uint32_t(std::lower_bound(stamps_.begin(), stamps_.end(), stamp) - stamps_.begin());
     } while (at_ < number);
-    return {};  // a picture that does not decode is replaced by the next one
+    return {};  // an undecodable picture is replaced by the next one
   }
 
   Status decodeNext() override {
@@ -120,7 +120,7 @@ class FfmpegInput final : public VideoInput {
       av_dict_free(&only_file);
       io_.reset(io);
       raw->pb = io;
-      av_dict_set(&options, "protocol_whitelist", "none", 0);  // of what else the file names
+      av_dict_set(&options, "protocol_whitelist", "none", 0);  // forbids protocols of referenced files
       if (!io) {
         avformat_free_context(raw);
         av_dict_free(&options);
@@ -147,14 +147,14 @@ class FfmpegInput final : public VideoInput {
     codec_.reset(avcodec_alloc_context3(codec));
     avcodec_parameters_to_context(codec_.get(), format_->streams[stream_]->codecpar);
     codec_->max_pixels = kMaxInputPixels;
-    codec_->thread_count = 1;  // a machine decodes several cameras side by side
+    codec_->thread_count = 1;  // several cameras are decoded in parallel
     if (!file_) codec_->flags |= AV_CODEC_FLAG_LOW_DELAY;
     if (avcodec_open2(codec_.get(), codec, nullptr) < 0)
       return unreadableInput(place_.url, "the decoder does not start");
     return {};
   }
 
-  // Time stamps of all pictures in presentation order, which number them.
+  // Lists the time stamps of all pictures in presentation order, which number them.
   Status listPictures() {
     int read;
     while ((read = av_read_frame(format_.get(), packet_.get())) >= 0) {
@@ -193,7 +193,7 @@ class FfmpegInput final : public VideoInput {
       const bool ours = packet_->stream_index == stream_;
       const int sent = ours ? avcodec_send_packet(codec_.get(), packet_.get()) : 0;
       av_packet_unref(packet_.get());
-      // A camera's damaged picture is left out.
+      // Skips a camera's damaged picture.
       if (sent < 0 && (file_ || sent != AVERROR_INVALIDDATA))
         return unreadableInput(place_.url, "a picture does not decode");
       if (ours) return {};
@@ -204,8 +204,8 @@ class FfmpegInput final : public VideoInput {
   const std::atomic<bool>* stop_ = nullptr;
   bool file_ = false;
   int stream_ = -1;
-  std::vector<int64_t> stamps_;  // of a file's pictures
-  uint32_t at_ = kNone;          // number of the decoded picture
+  std::vector<int64_t> stamps_;  // file only
+  uint32_t at_ = kNone;          // decoded picture's number
   AvIo io_;                      // outlives format_
   AvFormat format_;
   AvCodec codec_;

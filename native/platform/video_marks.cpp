@@ -12,7 +12,7 @@ extern "C" {
 namespace fourdvt::platform {
 namespace {
 
-// A matrix maps a stored (x, y) to the shown (a x + c y, b x + d y), in 16.16; y points down.
+// Decomposes a display matrix, which maps a stored (x, y) to the shown (a x + c y, b x + d y), in 16.16; y points down.
 std::optional<PictureMarks> turnsOf(const int32_t* matrix) {
   const double scale = std::hypot(matrix[0], matrix[1]);
   if (scale == 0) return std::nullopt;
@@ -21,7 +21,7 @@ std::optional<PictureMarks> turnsOf(const int32_t* matrix) {
   const int c = unit(3), d = unit(4);
   PictureMarks marks;
   marks.mirrored = a * d - b * c < 0;
-  if (marks.mirrored) a = -a, b = -b;  // what is left turns (1, 0) to (a, b)
+  if (marks.mirrored) a = -a, b = -b;  // the remaining rotation maps (1, 0) to (a, b)
   if (std::abs(a) + std::abs(b) != 1 || a != d || b != -c) return std::nullopt;
   marks.quarter_turns = a == 1 ? 0 : b == 1 ? 1 : a == -1 ? 2 : 3;
   return marks;

@@ -10,19 +10,19 @@
 
 namespace fourdvt::platform {
 
-// Display matrix and sample aspect ratio of a stream. Nothing: the matrix turns by no quarter.
+// Display matrix and sample aspect ratio of a stream. nullopt: the rotation is no multiple of 90°.
 std::optional<PictureMarks> marksOf(AVFormatContext& format, AVStream& stream);
 
-// A conversion of pictures by FFmpeg's filters, and its name in reports. No chain: none is needed.
+// Picture conversion by FFmpeg's filters, and its name in reports. An empty chain means none is needed.
 struct Conversion {
   std::string chain, name;
 };
 
-// Two fields an instant apart → one picture, of the first one's instant.
+// Deinterlacing: two fields an instant apart → one picture, of the first one's instant.
 Conversion deinterlacing(const AVStream& stream, const AVFrame& first);
 
-// HLG, PQ, BT.2020, P3 → BT.709 as sRGB displays show it: RGB, a diffuse white of 203 cd/m² (BT.2408) is white, what is
-// brighter is compressed.
+// Tone mapping: HLG, PQ, BT.2020, P3 → BT.709 as sRGB displays show it: RGB, with diffuse white at 203 cd/m² (BT.2408)
+// and brighter values compressed.
 Conversion toBt709(const AVFrame& frame);
 
 }  // namespace fourdvt::platform

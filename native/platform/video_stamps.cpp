@@ -20,9 +20,9 @@ extern "C" {
 namespace fourdvt::platform {
 namespace {
 
-constexpr uint64_t kPresentation = 1, kCutOff = 2;  // flags in a kept file
+constexpr uint64_t kPresentation = 1, kCutOff = 2;  // flags in a cached file
 
-// The index of MP4 and AVI, where it has all pictures of the file at equal intervals.
+// Stamps by the index of MP4 and AVI, if it lists all pictures of the file at equal intervals.
 std::optional<VideoStamps> stampsOfIndex(const AVFormatContext& format, AVStream& stream) {
   const int entries = avformat_index_get_entries_count(&stream);
   if (entries < 2 || stream.nb_frames != entries) return std::nullopt;
@@ -43,7 +43,7 @@ std::optional<VideoStamps> stampsOfIndex(const AVFormatContext& format, AVStream
   return out;
 }
 
-// Packets of VP8 may hold pictures that others only refer to.
+// Returns false for VP8 packets with reference-only pictures.
 bool isShown(const AVPacket& packet, AVCodecID codec) {
   if (packet.flags & AV_PKT_FLAG_DISCARD || packet.size == 0) return false;
   return codec != AV_CODEC_ID_VP8 || (packet.data[0] & 0x10) != 0;
@@ -51,7 +51,7 @@ bool isShown(const AVPacket& packet, AVCodecID codec) {
 
 VideoStamps stampsOfPackets(AVFormatContext& format, int stream) {
   VideoStamps out;
-  av_seek_frame(&format, stream, 0, AVSEEK_FLAG_BACKWARD);  // where that fails, the file is at its beginning
+  av_seek_frame(&format, stream, 0, AVSEEK_FLAG_BACKWARD);  // on failure, the file is at its beginning
   AvPacket packet(av_packet_alloc());
   bool timed = true;
   out.presentation = true;
@@ -88,7 +88,7 @@ bool loadStamps(const std::string& path, VideoStamps& out) {
   return true;
 }
 
-// Failures are ignored: the next one reads the video again.
+// Caches the stamps. Ignores failures: the next call reads the video again.
 void keepStamps(const std::string& path, const VideoStamps& stamps) {
   ByteWriter out;
   out.u64((stamps.presentation ? kPresentation : 0) | (stamps.cut_off ? kCutOff : 0));
@@ -105,7 +105,7 @@ std::string tag(const AVFormatContext& format, const AVStream& stream, const cha
 
 bool isRate(AVRational rate) { return rate.num > 0 && rate.den > 0 && av_q2d(rate) <= 1000; }
 
-// Seconds since midnight; the track of time codes has a rate of its own.
+// Seconds since midnight; the time code track has a rate of its own.
 std::optional<double> timecodeSeconds(const AVFormatContext& format, const AVStream& stream, const std::string& text) {
   AVRational rate = isRate(stream.r_frame_rate) ? stream.r_frame_rate : stream.avg_frame_rate;
   for (unsigned i = 0; i < format.nb_streams; ++i) {
@@ -137,11 +137,12 @@ std::string describeTrack(const AVStream& stream) {
          (pixels ? pixels : "") + (title ? ", \"" : "") + (title ? title->value : "") + (title ? "\"" : "") + ")";
 }
 
-// The only track ends before the duration that the header gives. Matroska that is cut off shows it by nothing else.
+// Returns true if the only track ends before the header's duration, the only evidence of a truncated Matroska file.
 bool endsEarly(const AVFormatContext& format, const VideoListing& listing) {
   if (format.nb_streams != 1 || format.duration <= 0 || listing.times_s.size() < 2) return false;
   const double seconds = static_cast<double>(format.duration) / AV_TIME_BASE, last = listing.times_s.back();
-  const double begin = std::max<double>(0, double(format.start_time)) / AV_TIME_BASE;  // Matroska's duration has it
+  const double begin =
+      std::max<double>(0, double(format.start_time)) / AV_TIME_BASE;  // included in Matroska's duration
   return seconds > begin + last + 3 * last / double(listing.times_s.size() - 1);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Time stamps of a video's pictures, from the container's index or from its packets: nothing is decoded. Private to the
+// Time stamps of a video's pictures, from the container's index or its packets, without decoding. Private to the
 // files that link FFmpeg.
 #pragma once
 
@@ -14,30 +14,29 @@
 namespace fourdvt::platform {
 
 struct VideoStamps {
-  // In the stream's time base and in the order of presentation, of the pictures that are shown: not those that an edit
-  // list hides, nor those that the end of the file cuts off.
+  // Stream time base, presentation order, shown pictures only: without those hidden by an edit list or truncated by the
+  // end of the file.
   std::vector<int64_t> times;
-  bool presentation = false;  // unique presentation times, which number the pictures; else the order of storing
-  bool from_index = false;    // equal intervals from the index; the first one may be another than the first picture's
-  bool cut_off = false;       // the file ends before or inside of a picture
+  bool presentation = false;  // unique presentation times, which number the pictures; else storage order
+  bool from_index = false;    // equal intervals from the index; the first may differ from the first picture's
+  bool cut_off = false;       // the file ends before or inside a picture
 };
 
-// Lists them from the index where that has all pictures at equal intervals, else reads all packets, which moves the
-// file's position. What was read is kept in the file `kept` (stampsPath; empty: nowhere) for whoever lists it again; a
-// damaged one is made again.
+// Lists stamps from the index if it has all pictures at equal intervals, else reads all packets, which moves the file's
+// position. Caches the packets' stamps in the file `kept` (stampsPath; empty: no cache) and replaces a damaged one.
 VideoStamps listStamps(AVFormatContext& format, int stream, const std::string& kept);
 
-// True for a packet that the end of the file cuts off.
+// Returns true for a packet truncated by the end of the file.
 bool isCutOff(const AVFormatContext& format, const AVPacket& packet);
 
-// Path of a video's kept list, from its name, size and time; empty where `folder` is no folder.
+// Path of a video's cached list, from its name, size and time; empty if `folder` is no folder.
 std::string stampsPath(const std::string& video, const std::string& folder);
 
-// The video track that is read: by its flags, then of colour before grey, then the first one; -1: none that this build
-// decodes. Cover pictures are no video.
+// Selects the video track to read: by its flags, then colour before grey, then the first one; -1: this build decodes
+// none. Cover pictures do not count.
 int pictureTrack(const AVFormatContext& format);
 
-// Everything that the container gives, with the stamps.
+// Lists the container's metadata and the stamps.
 VideoListing listVideo(const AVFormatContext& format, int stream, const VideoStamps& stamps);
 
 }  // namespace fourdvt::platform

@@ -107,7 +107,7 @@ class FfmpegWriter final : public VideoWriter {
     encoder_->color_range = AVCOL_RANGE_MPEG;
     av_opt_set_double(encoder_->priv_data, "crf", format_.crf, 0);
     av_opt_set(encoder_->priv_data, "preset", format_.preset, 0);
-    // Macroblock trees come out differently with the addresses of x264's buffers (measured at 96 pixels of width).
+    // Disables macroblock trees, which vary with the addresses of x264's buffers (measured at 96 pixels of width).
     if (format_.reproducible) av_opt_set(encoder_->priv_data, "x264-params", "mbtree=0", 0);
   }
 
@@ -142,7 +142,7 @@ class FfmpegWriter final : public VideoWriter {
     int code = avcodec_send_frame(encoder_.get(), frame);
     if (code < 0) return failed(code);
     while ((code = avcodec_receive_packet(encoder_.get(), packet_.get())) >= 0) {
-      packet_->duration = 1;  // else the last picture takes no time and is not shown
+      packet_->duration = 1;  // otherwise the last picture has no duration and is not shown
       av_packet_rescale_ts(packet_.get(), encoder_->time_base, stream_->time_base);
       packet_->stream_index = stream_->index;
       if (const int wrote = av_interleaved_write_frame(file_, packet_.get()); wrote < 0) return failed(wrote);
@@ -162,7 +162,7 @@ class FfmpegWriter final : public VideoWriter {
   AVFormatContext* file_ = nullptr;
   AVStream* stream_ = nullptr;  // owned by file_
   int64_t next_pts_ = 0;
-  bool unfinished_ = false;  // the partial file is there
+  bool unfinished_ = false;  // the partial file exists
 };
 
 }  // namespace

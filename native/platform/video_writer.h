@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures → a video file: H.264 (libx264, BT.709 limited range, 4:2:0) of RGB, as .mp4 (faststart) or .mkv, or
-// lossless FFV1 .mkv of one channel. The file appears under its name only when finish() succeeded; until then it is
-// NAME.part, which of an .mkv can be played should the program die. Does NOT scale.
+// Video files from pictures: H.264 (libx264, BT.709 limited range, 4:2:0) of RGB, as .mp4 (faststart) or .mkv, or
+// lossless FFV1 .mkv of one channel. finish() renames NAME.part to the final name; a partial .mkv is playable if the
+// program dies. Pictures are not scaled.
 #pragma once
 
 #include <memory>
@@ -26,10 +26,10 @@ class VideoWriter {
   // Errors: WriteFailed, Unsupported (this FFmpeg has no such encoder).
   static Result<std::unique_ptr<VideoWriter>> create(const std::string& path, const VideoFormat& format);
   virtual ~VideoWriter() = default;
-  // Takes pictures of `channels` channels, or of 4 instead of 3, which are composited over black. Errors: WriteFailed,
+  // Appends a picture of `channels` channels, or of 4 instead of 3, composited over black. Errors: WriteFailed,
   // Internal (another size).
   virtual Status write(const Image& picture) = 0;
-  virtual Status finish() = 0;  // last
+  virtual Status finish() = 0;  // the last call
 };
 
 }  // namespace fourdvt::platform

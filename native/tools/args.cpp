@@ -16,7 +16,7 @@
 namespace fourdvt::tools {
 namespace {
 
-// The part of a form before its value, and the value; empty: the option is a flag.
+// Splits a form into its name and value; an empty value marks a flag.
 std::string nameOf(const Option& option) { return option.form.substr(0, option.form.find(' ')); }
 std::string valueOf(const Option& option) {
   return option.form.substr(std::min(nameOf(option).size() + 1, option.form.size()));
@@ -35,14 +35,14 @@ constexpr const char* kLogMeaning = "print only warnings, errors and results | o
 
 constexpr size_t kHelpColumns = 120, kMeaningColumn = 26;
 
-// Appends the text, broken at spaces into lines of at most kHelpColumns bytes; lines after the first are indented.
-// Newlines of the text stay.
+// Appends the text, wrapped at spaces into lines of at most kHelpColumns bytes; lines after the first are indented.
+// Keeps newlines of the text.
 void appendWrapped(std::string& out, std::string_view text, size_t indent) {
   size_t column = indent;
   for (size_t at = 0; at < text.size();) {
     const size_t end = std::min(text.find_first_of(" \n", at), text.size());
     if (column > indent && column + end - at > kHelpColumns) {
-      out.back() = '\n';  // in place of the space
+      out.back() = '\n';  // replaces the space
       out.append(indent, ' ');
       column = indent;
     }
@@ -144,7 +144,7 @@ void Args::parse(const Syntax& syntax, int argc, char** argv) {
     if (needed.empty() && is_joined) complain(name + " takes no value");
     if (!needed.empty() && !is_joined) {
       const char* next = i + 1 < argc ? argv[i + 1] : nullptr;
-      // If an option follows, the value was forgotten. Negative numbers and axes (-Y) are values.
+      // A following option means that the value is missing. Negative numbers and axes (-Y) are values.
       if (!next || (next[0] == '-' && (next[1] == '-' || find(syntax.options, next)))) {
         complain(name + " needs a value: " + needed);
         continue;
@@ -225,7 +225,7 @@ std::optional<double> Args::number(const std::string& name, double low, double h
   return std::nullopt;
 }
 
-// The command line with the options that were read, defaults too.
+// Command line of the options that were read, defaults included.
 std::string Args::resolved() const {
   std::map<std::string, std::vector<std::string>> all = values_;
   for (const auto& [name, value] : resolved_)
@@ -234,7 +234,7 @@ std::string Args::resolved() const {
   for (const std::string& positional : positionals_) out += (out.empty() ? "" : " ") + positional;
   for (const auto& [name, values] : all)
     for (const std::string& value : values)
-      out += " " + name + (name == "--token" ? " …" : value.empty() ? "" : " " + value);  // a secret
+      out += " " + name + (name == "--token" ? " …" : value.empty() ? "" : " " + value);  // hides the secret
   return out;
 }
 

@@ -17,7 +17,7 @@
 
 namespace fourdvt::tools {
 
-// The program that messages name; "fourdvt" until it is set.
+// Program name in messages; "fourdvt" by default.
 const char* programName();
 void setProgramName(const char* name);
 
@@ -27,14 +27,14 @@ int fail(const Error& error);
 
 class Args;
 // Sets a field from the option `name`. Called once per command line, in the order of the rows; a field keeps its
-// default where the option is left out.
+// default if the option is absent.
 using Reader = std::function<void(Args&, const std::string& name)>;
 
 struct Option {
-  std::string form;      // "--layers N", "-o FOLDER"; without a value, it is a flag: "--resume"
-  Reader read;           // of the functions below, or a function of its own
+  std::string form;      // "--layers N", "-o FOLDER"; without a value, a flag: "--resume"
+  Reader read;           // one of the functions below, or a custom one
   std::string meaning;   // with default and unit; the help breaks it into lines
-  bool repeats = false;  // may be given several times
+  bool repeats = false;  // may occur several times
 };
 using Options = std::vector<Option>;
 
@@ -43,9 +43,9 @@ Options join(std::initializer_list<Options> parts);
 struct Syntax {
   std::string usage;                      // "bake CAPTURE -o CHARACTER [options]"
   std::string summary;                    // one or two sentences; the help breaks them into lines
-  std::vector<std::string*> positionals;  // what they set; all are required
+  std::vector<std::string*> positionals;  // fields to set; all are required
   Options options;
-  std::string instead = {};  // an option that takes the positional argument's place
+  std::string instead = {};  // option that replaces the positional argument
 };
 
 class Args {
@@ -55,16 +55,16 @@ class Args {
   // Prints the help or the problem and returns kOk or kUsage; nullopt if the command may run.
   std::optional<int> helpOrProblem() const;
 
-  void complain(const std::string& problem);  // keeps the first one that is not empty
+  void complain(const std::string& problem);  // keeps the first non-empty one
   // Complains: NAME must be `form`, not "VALUE".
   void refuse(const std::string& name, const std::string& form);
 
-  // Options as they are given; for readers, and for rules between options.
+  // Raw options, for readers and for rules between options.
   bool has(const std::string& name) const { return values_.count(name) > 0; }
   std::string text(const std::string& name, const std::string& otherwise = {}) const;
-  std::vector<std::string> texts(const std::string& name) const;  // of an option that repeats
+  std::vector<std::string> texts(const std::string& name) const;  // repeating option
   std::vector<std::string> list(const std::string& name);         // comma-separated, no empty entries
-  // None: not given, or refused. `otherwise` is the default that --verbose prints, if it is in the range.
+  // nullopt: absent or rejected. `otherwise` is the default that --verbose prints, if it is in the range.
   std::optional<double> number(const std::string& name, double low, double high, bool is_whole,
                                std::optional<double> otherwise);
 
@@ -73,14 +73,14 @@ class Args {
   bool readsLogLevel(const std::string& argument);
   std::string resolved() const;
 
-  std::map<std::string, std::vector<std::string>> values_;  // that were given
-  mutable std::map<std::string, std::string> resolved_;     // that were read, defaults too
+  std::map<std::string, std::vector<std::string>> values_;  // options given
+  mutable std::map<std::string, std::string> resolved_;     // options read, defaults included
   std::vector<std::string> positionals_;
   std::string problem_;
-  std::string help_;  // if asked for
+  std::string help_;  // empty: not requested
 };
 
-// Readers. Fields may be optional: without the option, they stay empty.
+// Readers. Optional fields stay empty if the option is absent.
 
 template <class T>
 struct Held {
@@ -96,12 +96,12 @@ Reader required(std::string& field);
 Reader list(std::vector<std::string>& field);
 Reader flag(bool& field, bool value = true);
 
-// The option's unit in the field's: number(o.step_m, 0.001, 100, 1e-3) reads millimetres into metres.
+// Converts the option's unit to the field's: number(o.step_m, 0.001, 100, 1e-3) reads millimetres into metres.
 template <class T>
 Reader number(T& field, double low, double high, double unit = 1) {
   using Number = typename Held<T>::Type;
   return [=, &field](Args& args, const std::string& name) {
-    const double per_unit = std::round(1 / unit);  // dividing by it gives the double that the decimal number names
+    const double per_unit = std::round(1 / unit);  // division yields the double nearest to the decimal number
     std::optional<double> otherwise;
     if constexpr (std::is_same_v<T, Number>) otherwise = unit < 1 ? field * per_unit : field / unit;
     if (const auto value = args.number(name, low, high, std::is_integral_v<Number>, otherwise))
@@ -109,7 +109,7 @@ Reader number(T& field, double low, double high, double unit = 1) {
   };
 }
 
-// One of several words. The message lists them as "one of a, b, c", or with `wording` Or as "a, b or c".
+// Selects one of several words. The message lists them as "one of a, b, c", or with `wording` Or as "a, b or c".
 enum class Wording { OneOf, Or };
 template <class T>
 Reader choice(T& field, std::vector<std::pair<const char*, typename Held<T>::Type>> known,
@@ -128,7 +128,7 @@ Reader choice(T& field, std::vector<std::pair<const char*, typename Held<T>::Typ
   };
 }
 
-// Texts that `parse` takes apart: it returns an optional, empty where the text is not of the `form`.
+// Parses a text with `parse`, which returns nullopt if the text is not of the `form`.
 template <class T, class Parse>
 Reader parsed(T& field, Parse parse, std::string form) {
   return [=, &field](Args& args, const std::string& name) {
@@ -140,7 +140,7 @@ Reader parsed(T& field, Parse parse, std::string form) {
   };
 }
 
-// The same of every entry between commas.
+// Parses each comma-separated entry with `parse`.
 template <class T, class Parse>
 Reader parsedList(std::vector<T>& field, Parse parse, std::string form) {
   return [=, &field](Args& args, const std::string& name) {
@@ -152,7 +152,7 @@ Reader parsedList(std::vector<T>& field, Parse parse, std::string form) {
   };
 }
 
-// Such as "720x960", each side from 1 to `high`.
+// Parses a size such as "720x960", each side from 1 to `high`.
 Reader size(std::optional<std::pair<int, int>>& field, int high);
 Reader size(int& width, int& height, int high);
 

@@ -44,7 +44,7 @@ void readQuality(Args& args, const std::string& name) {
   if (!qualityOf(args)) args.refuse(name, "one of draft, web, high");
 }
 
-// Applies quality and codec, so that the options after these, which are given explicitly, win.
+// Applies quality and codec, so that later explicit options override them.
 void readCodec(Args& args, const std::string& name, bake::BakeOptions& o) {
   encode::Codec codec = o.codec;
   if (args.has(name) && !encode::parseCodec(args.text(name), codec))
@@ -59,7 +59,7 @@ void readPreset(Args& args, const std::string& name, bake::BakeOptions& o) {
                   ", not \"" + o.preset + "\"");
 }
 
-// The other codecs' presets are the quality's.
+// Codecs other than the quality's have presets of their own.
 void readRenditions(Args& args, const std::string& name, bake::BakeOptions& o) {
   o.standard_renditions = !args.has(name);
   if (o.standard_renditions || args.text(name) == "highest") return;
@@ -79,7 +79,7 @@ void readMethod(Args& args, const std::string& name, bake::BakeOptions& o) {
     args.complain(name + ": " + methodMeaning() + "; not \"" + method + "\"");
 }
 
-// Passes the options, as those before it have set them, on to a reader.
+// Passes the options, as set so far, on to a reader.
 Reader with(bake::BakeOptions& o, void (*read)(Args&, const std::string&, bake::BakeOptions&)) {
   return [&o, read](Args& args, const std::string& name) { read(args, name, o); };
 }

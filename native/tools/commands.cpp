@@ -19,7 +19,7 @@ void printUsage(std::FILE* out, std::span<const Command> commands) {
   std::fputs("\nEvery command has --quiet and --verbose.\n", out);
 }
 
-// What a first page needs is built before the rest.
+// Reports a command of a later build stage: a first page's commands are built first.
 int printNotBuiltYet(const Command& command) {
   std::fprintf(stderr,
                "%s: \"%s\" is not built yet. site/demo.sh builds it once the page is served, in some minutes "
@@ -28,7 +28,7 @@ int printNotBuiltYet(const Command& command) {
   return kFailed;
 }
 
-// Libraries throw where memory runs out, or on input that nothing before them refused.
+// Catches exceptions of libraries, thrown if memory runs out or on input that passed all checks.
 int runGuarded(const Command& command, int argc, char** argv) {
   try {
     const Watch watch;

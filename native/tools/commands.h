@@ -21,10 +21,10 @@ struct Command {
   Result<int> (*run)(int argc, char** argv);
 };
 
-// Runs the command that argv[1] names. Exceptions of libraries end in a message and kFailed.
+// Runs the command named by argv[1]. Exceptions of libraries end in a message and kFailed.
 int runProgram(const char* program, std::span<const Command> commands, int argc, char** argv);
 
-// Options that another program adds to `bake`.
+// Additional `bake` options of another program.
 using BakeExtension = Options (*)(bake::BakeOptions&);
 
 Result<int> importCommand(int argc, char** argv);

@@ -23,7 +23,7 @@ std::string meshesOf(const std::string& folder) {
                                                                  : "meshes of constant topology";
 }
 
-// False: its pictures cannot be used; the reason is printed.
+// Prints one camera. Returns false if its pictures cannot be used, after printing the reason.
 bool printCamera(const capture::Capture& capture, const capture::CaptureSequence& sequence,
                  const capture::CaptureCamera& camera) {
   const auto report = capture::reportOnPictures(sequence, camera, videoOpener());

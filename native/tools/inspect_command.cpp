@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints what a character folder holds and decodes all of it: base mesh, every chunk, every video sample, barcodes.
+// Prints the contents of a character folder and decodes all of it: base mesh, chunks, video samples, barcodes.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -34,19 +34,20 @@ Error inFile(const std::string& path, const Error& error) {
 }
 
 struct SequenceSizes {
-  uint64_t video = 0;             // of the highest rendition
-  uint64_t lower_renditions = 0;  // of the others
+  uint64_t video = 0;             // highest rendition
+  uint64_t lower_renditions = 0;  // all other renditions
   uint64_t positions = 0, labels = 0, offsets = 0, alignment = 0;
   uint64_t index = 0;  // header, tables of lengths, root motion
   size_t chunks = 0;
   bool aligned = false;
-  // From cameras: surfaces are counted as positions.
+  // Camera-based characters: surfaces count as positions.
   uint32_t runs = 0, most_vertices = 0, most_faces = 0;
   std::vector<double> kept_pixels;  // [camera], mean over the GOPs
   uint64_t withoutVideo() const { return positions + labels + offsets + alignment + index; }
 };
 
-// A chunk begins with the lengths of its parts: positions and labels of every member, corrections, alignment.
+// Adds a chunk's sizes. Layout: lengths of its parts first (positions and labels of all members, corrections,
+// alignment).
 void addChunk(std::span<const uint8_t> bytes, const package::StreamIndex& index, SequenceSizes& sizes) {
   ByteReader lengths(bytes);
   uint64_t parts = 0;
@@ -61,7 +62,7 @@ void addChunk(std::span<const uint8_t> bytes, const package::StreamIndex& index,
   sizes.index += bytes.size() - parts;
 }
 
-// A chunk begins with tiles and runs; every run has the lengths of its mesh and its motion.
+// Adds a surface chunk's sizes. Layout: tiles and runs first; each run has the lengths of its mesh and its motion.
 void addSurfaceChunk(std::span<const uint8_t> bytes, const package::SurfaceChunk& chunk, double share,
                      SequenceSizes& sizes) {
   ByteReader in(bytes);
@@ -143,7 +144,7 @@ class Inspection {
     const std::string file = path(character_.mesh_uri);
     FOURDVT_ASSIGN(auto bytes, platform::readFileRange(file, character_.mesh_offset, character_.mesh_bytes));
     FOURDVT_TRY(checkHash(file, bytes, character_.mesh_hash));
-    if (fromCameras()) return {};  // players take the surfaces from the streams
+    if (fromCameras()) return {};  // surfaces come from the streams
     auto mesh = package::decodeBaseMesh(bytes);
     if (!mesh.ok()) return inFile(file, mesh.error());
     const MeshTopology& t = mesh.value().topology;
@@ -195,7 +196,7 @@ class Inspection {
     return {};
   }
 
-  // Segments are decoded by players alone; their bytes are those that were baked.
+  // Checks sizes only: segments are decoded by players, and their bytes are those of the bake.
   Status inspectSound(const FlatJson& json, size_t sequence) {
     auto sound = package::readSound(json, sequence);
     if (!sound.ok()) return inFile(manifest_, sound.error());
@@ -404,7 +405,7 @@ class Inspection {
   package::ChunkMesh chunk_mesh_;
   std::vector<SequenceSizes> sizes_;
   package::Sounds sounds_;
-  motion::MotionGraph graph_;  // without states if the character has none
+  motion::MotionGraph graph_;  // no states if the character has none
   uint64_t poster_bytes_ = 0;
 };
 

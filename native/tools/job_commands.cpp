@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// piece, finish, job: pieces of a plan, the result of them all, and how far they are.
+// piece, finish, job: runs a piece of a plan, joins the pieces' results, reports progress.
 #include <cstdio>
 
 #include "base/watch.h"
@@ -18,7 +18,7 @@ std::string withoutSlash(std::string path) {
   return path;
 }
 
-// Counts the attempt, does the work, writes the record.
+// Counts the attempt, runs the work, writes the record.
 template <class Work>
 Status recorded(const std::string& job_folder, const jobs::Plan& plan, const jobs::Piece& piece, Work work) {
   if (jobs::isDone(job_folder, piece)) return {};
@@ -35,7 +35,7 @@ Status recorded(const std::string& job_folder, const jobs::Plan& plan, const job
 
 bool isReconstruction(const jobs::Plan& plan) { return plan.command == "reconstruct"; }
 
-// The environment of a command, for a process beside others: with the job's list of time stamps of videos.
+// Command environment of one process among several: with the job's cached time stamps of videos.
 bake::BakeEnvironment inJob(const std::string& job_folder, bake::BakeEnvironment environment) {
   environment.writer = platform::ownSuffix();
   environment.open_video = videoOpener(jobs::videoIndexFolder(job_folder));

@@ -32,7 +32,7 @@ struct CameraArguments {
   int64_t clockOff_us() const { return std::llround(clock_off_s * 1e6); }
 };
 
-// The path is the server's own.
+// Appends the server's path.
 std::string withPath(const std::string& url) {
   const size_t host = url.find("://");
   if (host == std::string::npos) return url;
@@ -41,7 +41,7 @@ std::string withPath(const std::string& url) {
   return slash + 1 == url.size() ? url + "camera" : url;
 }
 
-// Runs actions after a time, one after another.
+// Runs delayed actions sequentially.
 class Later {
  public:
   explicit Later(double delay_s)
@@ -106,7 +106,7 @@ class LiveCamera {
     return {};
   }
 
-  // Ends what calls back, before what is called.
+  // Stops the callers before their targets are destroyed.
   ~LiveCamera() {
     takeWorker().reset();
     std::shared_ptr<live::Client> client;
@@ -119,7 +119,7 @@ class LiveCamera {
 
   bool isRefused() const { return is_refused_; }
 
-  // Opens a source that has ended.
+  // Reopens a source that has ended.
   void keepOpen() {
     if (!has_ended_ || Clock::now() < reopen_.load()) return;
     takeWorker().reset();
@@ -243,8 +243,8 @@ class LiveCamera {
   std::atomic<bool> is_refused_{false}, has_ended_{false};
   std::atomic<Clock::time_point> reopen_{};
   std::atomic<uint64_t> sent_{0}, sent_bytes_{0}, dropped_{0};
-  std::string last_reason_;  // on the client's thread
-  std::mutex mutex_;         // of what follows
+  std::string last_reason_;  // client thread only
+  std::mutex mutex_;         // guards the members below
   live::Hello hello_;
   std::optional<live::CameraSettings> settings_;
   std::shared_ptr<live::CameraWorker> worker_;

@@ -7,7 +7,7 @@ using namespace fourdvt;
 using namespace fourdvt::tools;
 
 using Run = Result<int> (*)(int argc, char** argv);
-// A command of fourdvt_more_tools, or null in a program that is linked without it.
+// Returns a command of fourdvt_more_tools, or null in a program linked without it.
 constexpr Run more(Run run) { return FOURDVT_MORE_TOOLS ? run : nullptr; }
 
 constexpr Command kCommands[] = {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// plan: cuts a bake or a reconstruction into pieces, for an engine that runs them on many machines.
+// plan: cuts a bake or a reconstruction into pieces for a job engine on many machines.
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
@@ -27,9 +27,9 @@ constexpr const char* kPlanUsage =
     "needs\n"
     "no GPU until its pieces run, the calibration and mattes that the capture lacks.\n";
 
-// The files of tools/cluster/, which the command writes into a job folder.
+// File of tools/cluster/, written into a job folder.
 struct ClusterFile {
-  const char* name;  // in the job folder
+  const char* name;  // inside the job folder
   std::string_view text;
 };
 constexpr ClusterFile kClusterFiles[] = {
@@ -49,7 +49,7 @@ Status writeClusterFiles(const std::string& job_folder) {
   return {};
 }
 
-// A path as a shell reads it.
+// Quotes a path for a shell.
 std::string quoted(const std::string& path) {
   if (path.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789/._-+=:,@%") == path.npos)
     return path;
@@ -73,7 +73,7 @@ void printPlan(const std::string& job_folder, const jobs::Plan& plan, double sec
       quoted(job_folder + "/profiles/local").c_str());
 }
 
-// Makes the plan with `make`, and what runs it, in the job folder.
+// Writes the plan from `make`, and the files that run it, into the job folder.
 template <class Make>
 Result<int> planned(ProgressLine& line, const Make& make) {
   const Watch watch;

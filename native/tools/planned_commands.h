@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Command lines of `fourdvt bake` and `fourdvt reconstruct`, which `fourdvt plan` takes too, and what their pieces need
-// and print.
+// Command lines of `fourdvt bake` and `fourdvt reconstruct`, shared with `fourdvt plan`, and the environments of their
+// pieces.
 #pragma once
 
 #include <optional>
@@ -14,15 +14,15 @@
 
 namespace fourdvt::tools {
 
-// Sets the options; with a value, help or a problem was printed, and that is the exit code.
+// Sets the options. A value is the exit code: help or a problem was printed.
 Result<std::optional<int>> readBakeCommand(int argc, char** argv, bake::BakeOptions& options,
                                            BakeExtension extension = nullptr);
-// Borrows both; Ctrl-C is listened for.
+// Borrows both arguments; installs the Ctrl-C handler.
 bake::BakeEnvironment bakeEnvironment(const GpuSession& gpu, ProgressLine& line);
 void printBakeSummary(const std::string& character_folder, const bake::BakeReport& report, double seconds);
 
 std::optional<int> readReconstructCommand(int argc, char** argv, reconstruct::ReconstructOptions& options);
-// Borrows both; Ctrl-C is listened for. A session without a device will do where stereo is off.
+// Borrows both arguments; installs the Ctrl-C handler. A session without a device suffices if stereo is off.
 reconstruct::ReconstructEnvironment reconstructEnvironment(const GpuSession& gpu, ProgressLine& line);
 void printReconstructSummary(const std::string& folder, const reconstruct::ReconstructSummary& summary);
 

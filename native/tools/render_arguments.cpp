@@ -31,7 +31,7 @@ std::string methodMeaning() {
 
 constexpr int kMaxSide = 8192;
 
-// Premultiplied background from RRGGBB, "room" or "none"; the room is drawn over a background of none.
+// Reads a premultiplied background from RRGGBB, "room" or "none"; the room is drawn over a background of none.
 void readBackground(Args& args, const std::string& name, RenderArguments& a) {
   const std::string text = args.text(name, "none");
   a.room = text == "room";

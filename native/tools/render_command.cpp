@@ -31,7 +31,7 @@ Image besideEachOther(const std::vector<Image>& pictures) {
 // Renders a captured frame by free-viewpoint video rendering (algorithms/cameras.md).
 Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, const std::string& sequence) {
   FOURDVT_ASSIGN(auto view, chooseCamera(arguments, session.character()));
-  // All sequences, so that the mesh is refined as in a bake of all of them.
+  // Takes all sequences, so that the mesh is refined as in a bake of all of them.
   const bool refines = arguments.fvvr.refine.any();
   const std::vector<std::string> only = refines ? std::vector<std::string>() : std::vector{sequence};
   auto capture = mattes::openCapture(arguments.fvvr.capture_folder, videoOpener(), only);
@@ -70,7 +70,7 @@ Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, c
   return platform::writeImage(arguments.output, picture, 95);
 }
 
-// None unless the character's room is wanted.
+// Opens the character's room; nullopt unless requested.
 Result<std::optional<render::Scene>> wantedRoom(CharacterSession& session, const RenderArguments& arguments) {
   if (!arguments.room) return std::optional<render::Scene>();
   FOURDVT_ASSIGN(auto room,
@@ -102,7 +102,7 @@ Status renderStill(CharacterSession& session, const RenderArguments& arguments, 
   return platform::writeImage(arguments.output, besideEachOther(pictures), 95);
 }
 
-// The sequence repeats while the camera goes once round, starting and ending at the still's azimuth.
+// Loops the sequence during one camera orbit, starting and ending at the still's azimuth.
 Status renderTurntable(CharacterSession& session, const RenderArguments& arguments, const package::Sequence& sequence) {
   const auto [width, height] = arguments.view.size.value_or(std::pair{720, 960});
   const double loops = std::ceil(8.0 / sequence.duration_s());

@@ -21,7 +21,7 @@ namespace {
 constexpr double kSweep_s = 8, kAfterLastCue_s = 4, kScene_s = 6;
 constexpr double kShapeTolerance_px = 2;  // movies have even sizes
 
-// Several figures that play and are drawn into one picture. Time passes by the steps that advance() is given.
+// Several playing figures drawn into one picture. Time advances in the steps of advance().
 class Ensemble {
  public:
   // `gpu` outlives the ensemble.
@@ -39,7 +39,7 @@ class Ensemble {
  private:
   struct Actor {
     std::unique_ptr<edge::CharacterPlayer> character;
-    std::vector<edge::Cue> cues;  // in order of time
+    std::vector<edge::Cue> cues;  // sorted by time
     size_t next_cue = 0;
   };
   Ensemble(GpuSession& gpu, std::shared_ptr<render::Recipe> recipe, render::Align align)
@@ -112,7 +112,7 @@ Result<Image> Ensemble::draw(const PinholeCamera& camera, const render::Scene* s
 // Camera of frame i; called in order, after the ensemble has advanced to it.
 using CameraOf = std::function<PinholeCamera(int frame)>;
 
-// Orbits round where the character stands first, or follows the character if asked to.
+// Orbits round the character's first position, or follows the character on request.
 CameraOf orbitCamera(const RenderArguments& arguments, Player& player, int width, int height) {
   const OrbitView orbit = chooseOrbit(arguments, *player.character(), width, height);
   const motion::Placement start = player.placement();
@@ -130,7 +130,7 @@ struct Show {
   CameraOf camera;
   double fps;
   int frames;
-  std::function<Status(int frame)> prepare;  // before frame i is drawn
+  std::function<Status(int frame)> prepare;  // called before frame i is drawn
   const render::Scene* scene = nullptr;
 };
 
@@ -168,7 +168,7 @@ Status writePicture(const Show& show, const RenderArguments& arguments) {
 
 int frameCount(double seconds, double fps) { return std::max(1, static_cast<int>(std::lround(seconds * fps))); }
 
-// The background, frame by frame; when a video ends, its last picture stays.
+// Background by frame; holds the last picture after a video's end.
 class Background {
  public:
   static Result<Background> open(gpu::Device& device, const std::string& path) {
@@ -237,7 +237,7 @@ Status addMeshes(gpu::Device& device, const std::vector<std::string>& paths, boo
   return {};
 }
 
-// The size of the output: --size, else the scene's, the camera's or the background's; even for movies.
+// Output size: --size, else the scene's, the camera's or the background's; even for movies.
 std::pair<int, int> sceneSize(const RenderArguments& arguments, const edge::SceneFile& file,
                               const Background& background) {
   std::pair<int, int> size{720, 960};
@@ -249,7 +249,7 @@ std::pair<int, int> sceneSize(const RenderArguments& arguments, const edge::Scen
   return {std::max(2, size.first & ~1), std::max(2, size.second & ~1)};
 }
 
-// The background is stretched over the output, the character is not: their shapes must agree.
+// Requires equal aspect ratios: the background is stretched over the output, the character is not.
 Status checkShape(const edge::SceneFile& file, int width, int height) {
   for (const PinholeCamera& camera : file.cameras) {
     if (std::abs(double(width) * camera.height / camera.width - height) <= kShapeTolerance_px) continue;

@@ -18,7 +18,7 @@ namespace fourdvt::tools {
 
 namespace {
 
-std::optional<platform::ShaderFolder> shader_folder;  // of the environment variable; as long as shaders are read
+std::optional<platform::ShaderFolder> shader_folder;  // set by the environment variable; outlives all shader reads
 
 Status useShaderFolder() {
   const char* path = std::getenv("FOURDVT_SHADERS");

@@ -111,14 +111,14 @@ void ProgressLine::end() {
 
 namespace {
 
-// A line that wraps cannot be rewritten.
+// Truncates a line to the terminal's width: a wrapped line cannot be rewritten.
 std::string fitted(const std::string& line) {
   winsize size{};
   if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col < 20 || line.size() < size.ws_col) return line;
   return line.substr(0, size.ws_col - 1u);
 }
 
-// Without control characters, which a peer may have sent.
+// Removes control characters, which a peer may have sent.
 std::string printable(std::string text) {
   for (char& c : text)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What commands print as they run, by level, and Ctrl-C. Errors (args.h) and requested results have no level and are
+// Output of running commands by log level, and Ctrl-C. Errors (args.h) and requested results have no level and are
 // always printed.
 #pragma once
 
@@ -13,24 +13,24 @@ namespace fourdvt::tools {
 
 enum class LogLevel { Quiet, Normal, Verbose };
 LogLevel logLevel();
-void setLogLevel(LogLevel level);  // Args does, by --quiet and --verbose
+void setLogLevel(LogLevel level);  // called by Args for --quiet and --verbose
 
-// Prints "PROGRAM: warning: …" on stderr, at every level: the result may not be the one that was meant.
+// Prints "PROGRAM: warning: …" on stderr, at all levels: the result may be unintended.
 void warn(const char* format, ...) __attribute__((format(printf, 1, 2)));
-// Prints a result and its place as a line on stdout, not with --quiet.
+// Prints a result and its place as a line on stdout, unless --quiet.
 void note(const char* format, ...) __attribute__((format(printf, 1, 2)));
 // Prints options, times and files as "PROGRAM: …" on stderr, with --verbose only.
 void detail(const char* format, ...) __attribute__((format(printf, 1, 2)));
-// True if progress may rewrite its line: stderr is a terminal, and not with --quiet.
+// Returns true if progress may rewrite its line: stderr is a terminal, without --quiet.
 bool rewritesProgress();
 
-// The progress of a command that works through frames, on standard error: on a terminal one line, rewritten in place;
-// elsewhere a line every 5 s, and one when all frames are done. None with --quiet; with --verbose also the seconds that
-// each stage took.
+// Progress of a command that works through frames, on standard error: on a terminal one line, rewritten in place;
+// elsewhere a line every 5 s, and one when all frames are done. None with --quiet; with --verbose also the seconds of
+// each stage.
 struct FrameProgress {
   std::string stage;
-  uint32_t done = 0, total = 0;         // frames; total 0: not known yet
-  double frames_per_s = 0, left_s = 0;  // 0: not known
+  uint32_t done = 0, total = 0;         // frames; total 0: unknown
+  double frames_per_s = 0, left_s = 0;  // 0: unknown
 };
 
 class ProgressLine {
@@ -41,7 +41,7 @@ class ProgressLine {
   void end();
 
  private:
-  void timeStage(const std::string& stage);  // that begins; empty: none
+  void timeStage(const std::string& stage);  // stage that begins; empty: none
 
   const bool tty_;
   std::string stage_;
@@ -52,7 +52,7 @@ class ProgressLine {
 };
 
 // Display of a command that runs until it is stopped: one line, rewritten in place on a terminal and printed anew
-// elsewhere, and notes, which stay. Functions may be called on any thread.
+// elsewhere, and permanent notes. Thread-safe.
 class LiveLine {
  public:
   LiveLine();
@@ -63,11 +63,11 @@ class LiveLine {
  private:
   const bool tty_;
   std::mutex mutex_;
-  std::string line_;  // on the terminal now
+  std::string line_;  // currently on the terminal
 };
 
-// Catches Ctrl-C and SIGTERM for commands that keep what they have finished: from now on the first signal sets the
-// flag; a second one ends the process at once with kInterrupted.
+// Catches Ctrl-C and SIGTERM for commands that keep finished work: the first signal sets the flag; a second one ends
+// the process at once with kInterrupted.
 const std::atomic<bool>* listenForStop();
 
 }  // namespace fourdvt::tools
