@@ -28,7 +28,7 @@ LabelWeights singleLayer(float tau, float empty_penalty, const FaceLinks& links)
   return LabelWeights::joint(options, links);
 }
 
-// 4DVT 4.1: solves layer after layer; a camera that a face has taken is not allowed in its further layers.
+// Solves layer after layer (Casas et al. 2014, 4.1); excludes a face's earlier cameras from its further layers.
 void solveLayers(const LabelOptions& options, float tau, const FaceLinks& links, std::vector<WindowFrame>& frames) {
   const LabelWeights weights = singleLayer(tau, options.empty_penalty, links);
   std::vector<std::vector<uint32_t>> allowed(frames.size());

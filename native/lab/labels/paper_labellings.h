@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The papers' rules by which faces take their cameras and texels theirs, for comparison with the bake's own.
+// The papers' camera labellings of faces and texels, for comparison with the bake's own. Casas, Volino, Collomosse,
+// Hilton: 4D Video Textures for Interactive Character Appearance, Computer Graphics Forum 33(2), 2014.
 #pragma once
 
 #include <span>
@@ -10,18 +11,18 @@
 
 namespace fourdvt::lab {
 
-extern const bake::Labelling kNaive;    // "NO": cameras by penalty, each face and frame by itself
-extern const bake::Labelling kSpatial;  // "SO", 4DVT Eq. 2-4: each frame alone; layer after layer, cameras distinct
-extern const bake::Labelling kTemporalPaper;  // "TO", 4DVT Eq. 5 literally: the temporal term carries the weight 1/|M|
-// Labels as kNaive, and each texel from the next camera that sees it (per_texel.h); weights stay per face, unlike
-// LVDT's.
+extern const bake::Labelling kNaive;    // "NO": cameras by penalty, per face and frame
+extern const bake::Labelling kSpatial;  // "SO", Casas et al. 2014 Eq. 2-4: per frame, layer by layer, distinct cameras
+extern const bake::Labelling kTemporalPaper;  // "TO", Casas et al. 2014 Eq. 5 literally: temporal weight 1/|M|
+// Labels as kNaive, and each texel from the next camera in which it is visible (per_texel.h); weights stay per face,
+// unlike Volino and Hilton's.
 extern const bake::Labelling kPerTexel;
 
 // The papers' rules and bake::kJoint.
 std::span<const bake::Labelling* const> allLabellings();
-// Null: there is no such name.
+// Returns null for an unknown name.
 const bake::Labelling* findLabelling(std::string_view name);
-// Sets the labelling, and the choice of texels that goes with it.
+// Sets the labelling and its texel rule.
 void useLabelling(const bake::Labelling& rule, bake::BakeOptions& options);
 
 }  // namespace fourdvt::lab

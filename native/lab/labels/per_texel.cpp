@@ -7,8 +7,8 @@
 namespace fourdvt::lab {
 namespace {
 
-// Finds, per texel, the cameras that see it in the order of their ranks (alpha = rank + 1); the l-th camera gives the
-// texel of layer l.
+// Ranks, per texel, the cameras in which it is visible (alpha = rank + 1) and returns layer l: each texel from its l-th
+// camera.
 Image pickRanked(const std::vector<Image>& cameras, size_t l) {
   Image out(cameras[0].width, cameras[0].height, 4);
   std::vector<std::pair<uint8_t, const uint8_t*>> seen;

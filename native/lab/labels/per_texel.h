@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// LVDT's choice of texels.
+// Choice of cameras per texel. Volino, Hilton: Layered View-Dependent Texture Maps, CVMP 2013, section 3.1.
 #pragma once
 
 #include "bake/texels/resample.h"
 
 namespace fourdvt::lab {
 
-// bake::TexelRule: layer l of a texel is the l-th camera of the face's order that sees this texel. Draws every camera
-// for every layer size: slow.
+// bake::TexelRule: layer l of a texel is the l-th camera of the face's order in which this texel is visible. Draws
+// every camera for every layer size: slow.
 Result<std::vector<Image>> resamplePerTexel(bake::Resampler& resampler, gpu::Device& device,
                                             const bake::GpuCapture& capture, const std::vector<uint8_t>& order);
 

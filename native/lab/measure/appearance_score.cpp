@@ -12,7 +12,7 @@
 namespace fourdvt::measure {
 namespace {
 
-constexpr int kOutline_px = 2;      // where the outlines' mismatch ends
+constexpr int kOutline_px = 2;      // border excluded for mismatched outlines
 constexpr double kHidden_m = 0.02;  // behind the nearest surface
 
 double decibels(double squares, size_t count) {
@@ -27,7 +27,7 @@ uint64_t squaresAt(const Image& truth, int x, int y, const Image& picture, int p
   return sum;
 }
 
-// The least sum of squares over the shifts, of the pixels of a block that are inside; and their number.
+// Minimum sum of squares over the shifts, over the pixels of a block inside the region; and their number.
 std::pair<uint64_t, size_t> bestShift(const Image& truth, const Image& picture, const Mask& inside,
                                       const ShiftTolerance& tolerance, int left, int top) {
   std::vector<std::pair<int, int>> pixels;
@@ -46,7 +46,7 @@ std::pair<uint64_t, size_t> bestShift(const Image& truth, const Image& picture, 
   return {best, 3 * pixels.size()};
 }
 
-// The error over black, and where both pictures show the performer.
+// Error over black, and the intersection of both silhouettes.
 struct ErrorPicture {
   int width = 0, height = 0;
   std::vector<std::array<float, 3>> error;
@@ -62,7 +62,7 @@ ErrorPicture errorOf(const TrueAndDrawn& pair) {
   return out;
 }
 
-// Bilinear; false where a pixel that counts is not shown.
+// Samples bilinearly; false if a contributing pixel is outside the silhouettes.
 bool sample(const ErrorPicture& e, double x, double y, std::array<float, 3>& out) {
   out = {};
   const int left = int(std::floor(x - 0.5)), top = int(std::floor(y - 0.5));

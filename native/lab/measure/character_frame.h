@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One frame of a baked character as plain data: what the player keeps on the GPU. Reads its files; does NOT draw.
+// One frame of a baked character as plain CPU data, read from its files.
 #pragma once
 
 #include <string>
@@ -20,10 +20,10 @@ struct CharacterFrame {
   MeshTopology topology;
   Positions positions;                       // metres
   std::vector<std::vector<uint8_t>> labels;  // [layer][face]
-  std::vector<Image> layers;                 // RGB, decoded, of their own sizes
+  std::vector<Image> layers;                 // RGB, decoded, each of its own size
 };
 
-// `folder`: of character.gltf. The last rendition. Errors: those of the files.
+// Reads the last rendition. `folder`: that of character.gltf. Errors: those of the files.
 Result<package::Character> readCharacter(const std::string& folder);
 Result<CharacterFrame> readCharacterFrame(const std::string& folder, const std::string& sequence, uint32_t frame,
                                           const OpenVideo& open_video);
@@ -32,10 +32,10 @@ Result<std::vector<std::vector<std::vector<uint8_t>>>> readCharacterLabels(const
                                                                            const std::string& sequence, uint32_t first,
                                                                            uint32_t count);
 
-// The stream of a sequence or class, as the player would read it.
+// Stream of a sequence or class, read as by the player.
 struct CharacterStream {
   package::Character character;
-  const package::Sequence* sequence = nullptr;  // of `character`
+  const package::Sequence* sequence = nullptr;  // in `character`
   std::string path;
   package::StreamIndex index;
   package::BaseMesh mesh;

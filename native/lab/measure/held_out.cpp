@@ -15,8 +15,8 @@
 namespace fourdvt::measure {
 namespace {
 
-// Colour times alpha of a keyed camera picture: C = a·F + (1-a)·B, so a·F = C - (1-a)·B. Without a plate: a·C.
-// The result is straight alpha again, so that both kinds of truth look the same from here on.
+// Colour times alpha of a keyed camera picture: C = a·F + (1-a)·B, so a·F = C - (1-a)·B. Without a plate: a·C. Returns
+// straight alpha, so that both kinds of truth have one format.
 Image withoutBackdrop(const Image& rgba, const Image& plate) {
   if (plate.empty()) return rgba;
   Image out = rgba;
@@ -61,7 +61,7 @@ class Evaluation {
     return {};
   }
 
-  // After the scores: another view between two pictures would disturb what follows with time.
+  // Runs after the scores: another view between two pictures would disturb temporal filters.
   Status flicker(const capture::CaptureSequence& sequence, const OpenVideo& open_video) {
     const size_t count = std::min<size_t>(options_.flicker_cameras, cameras_.size());
     if (count == 0 || capture_.meshes != capture::CaptureMeshes::ConstantTopology) return {};
@@ -92,7 +92,7 @@ class Evaluation {
     return {};
   }
 
-  // Turning the camera round the mesh is turning the mesh before the camera.
+  // Rotates the mesh before the camera, equivalent to moving the camera round the mesh.
   Status flickerOnOrbit(const capture::CaptureSequence& sequence, const Positions& mesh) {
     const PinholeCamera& start = bakedCamera(0);
     glm::dvec3 least(1e9), most(-1e9);
@@ -108,7 +108,7 @@ class Evaluation {
       FOURDVT_ASSIGN(auto drawn, draw(sequence.name, 0, view, i == 0 ? kStill : float(1 / capture_.fps)));
       Positions turned;
       for (const glm::vec3& p : mesh) turned.emplace_back(turn * glm::dvec4(p, 1));
-      Image black = drawn;  // where the performer is, so that the error is the colour
+      Image black = drawn;  // silhouette only: the error is the colour
       for (size_t p = 0; p < black.pixels.size(); ++p)
         if (p % 4 < 3) black.pixels[p] = 0;
       TrueAndDrawn now{std::move(black), std::move(drawn)};
@@ -130,7 +130,7 @@ class Evaluation {
     return {};
   }
 
-  // Through the character's cameras: the bake may have refined them.
+  // Uses the character's cameras, which the bake may have refined.
   Status inputViews(const capture::CaptureSequence& sequence, const mattes::CaptureFrame& input) {
     for (size_t c = 0; c < cameras_.size(); ++c)
       FOURDVT_TRY(score({sequence.name, cameras_[c].name, input.index, false}, bakedCamera(c),
@@ -160,7 +160,7 @@ class Evaluation {
     report_.flicker.push_back({sequence, camera, frame, flickerLevels(before, now, motion)});
   }
 
-  // Fills in the score, whose first four fields say what is drawn.
+  // Fills in the score; its first four fields identify the picture.
   Status score(ViewScore score, const PinholeCamera& camera, const Image& truth, const Image& yardstick) {
     FOURDVT_ASSIGN(auto drawn, draw(score.sequence, score.frame, camera, kStill));
     WorstView view{std::move(score), compositedOnBlack(truth), compositedOnBlack(drawn), {}};
@@ -193,11 +193,11 @@ class Evaluation {
   edge::CharacterPlayer& character_;
   const HeldOutOptions& options_;
   std::vector<PinholeCamera> cameras_, test_cameras_;
-  std::vector<Image> plates_;  // empty where there is none
+  std::vector<Image> plates_;  // empty if unavailable
   HeldOutReport report_;
 };
 
-// Frames of the capture past this one are not decoded.
+// Last frame of the capture to decode.
 uint32_t lastFrame(const capture::CaptureSequence& sequence, uint32_t input_every) {
   uint32_t last = 0;
   for (uint32_t frame : sequence.test_frames) last = std::max(last, frame);
@@ -215,7 +215,7 @@ Result<HeldOutReport> evaluateHeldOut(const capture::Capture& capture, const Ope
   std::vector<std::string> names = options.sequences;
   if (names.empty())
     for (const auto& sequence : baked->sequences)
-      if (!sequence.isClass()) names.push_back(sequence.name);  // no camera saw a class
+      if (!sequence.isClass()) names.push_back(sequence.name);  // classes have no captured frames
   bool any_held_out = false;
   for (const std::string& name : names) {
     const capture::CaptureSequence* sequence = capture.find(name);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What people read of an evaluation: table, CSV, contact sheet of the worst views.
+// Report of an evaluation: table, CSV, contact sheet of the worst views.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -44,7 +44,7 @@ std::string section(const HeldOutReport& report, bool held_out) {
   return out;
 }
 
-// The box of everything that any of the pictures shows, with a margin of 16 pixels.
+// Bounding box of the content of all pictures, with a margin of 16 pixels.
 cv::Rect shownPart(const WorstView& view) {
   int left = view.truth.width, top = view.truth.height, right = 0, bottom = 0;
   for (const Image* image : {&view.truth, &view.character}) {

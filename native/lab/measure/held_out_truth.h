@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Test pictures of a capture: the performer alone, seen by the held-out cameras (capture::readTestCameras).
+// Test pictures of a capture: the performer alone, in the held-out cameras (capture::readTestCameras).
 #pragma once
 
 #include "capture/capture.h"

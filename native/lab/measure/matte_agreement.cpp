@@ -16,14 +16,14 @@ cv::Mat insideOf(const Image& picture) {
   return out;
 }
 
-// Distance of every pixel's centre to the nearest pixel that is not 0; far beyond the picture where there is none.
+// Distance of each pixel's centre to the nearest non-zero pixel; far beyond the picture if there is none.
 cv::Mat distanceTo(const cv::Mat& pixels) {
   cv::Mat out;
   cv::distanceTransform(pixels == 0, out, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   return out;
 }
 
-// Pixels inside that touch one outside; beyond the picture nothing is outside.
+// Boundary pixels of the matte: those with a neighbour outside; pixels beyond the picture count as inside.
 cv::Mat edgeOf(const cv::Mat& inside) {
   cv::Mat eroded;
   cv::erode(inside, eroded, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}), {-1, -1}, 1, cv::BORDER_CONSTANT, 255);
@@ -41,7 +41,7 @@ void MatteAgreement::add(const Image& picture, const Image& truth) {
   ++pictures_;
   all_.both += cv::countNonZero(matte & real);
   all_.either += cv::countNonZero(matte | real);
-  // A pixel's border, where the edge runs, is half a pixel before the centre of its neighbour.
+  // The edge runs along a pixel's border, half a pixel before the centre of its neighbour.
   const cv::Mat far = (distanceTo(real) > kBand_pixels + 0.5) | (distanceTo(~real) > kBand_pixels + 0.5);
   far_.both += cv::countNonZero(matte & real & far);
   far_.either += cv::countNonZero((matte | real) & far);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far mattes are the true ones, over any number of pictures of one size. A pixel is inside a matte from half
-// coverage on. Does NOT read files.
+// Agreement of mattes with the truth, over any number of pictures of one size. A pixel is inside a matte from half
+// coverage on.
 #pragma once
 
 #include "base/image.h"
@@ -9,19 +9,19 @@ namespace fourdvt::measure {
 
 class MatteAgreement {
  public:
-  static constexpr double kBand_pixels = 2;  // to either side of the truth's edge
+  static constexpr double kBand_pixels = 2;  // on either side of the truth's edge
 
   // `picture`: its last channel is the matte; `truth`: one channel. Of one size.
   void add(const Image& picture, const Image& truth);
   void add(const MatteAgreement& other);
 
   size_t pictures() const { return pictures_; }
-  // Intersection over union of all pictures' pixels; 1 where both are empty everywhere. Outside the band: of the pixels
+  // Intersection over union of all pictures' pixels; 1 if both are empty everywhere. Outside the band: only pixels
   // whose centre is farther than kBand_pixels from the truth's edge.
   double iou() const { return ratio(all_); }
   double iouOutsideBand() const { return ratio(far_); }
-  // Mean distance, pixels, from the matte's outermost pixels to the truth's nearest one and the other way round; NaN
-  // where no picture has both.
+  // Mean symmetric distance, pixels, between the boundary pixels of the matte and of the truth; NaN if no picture has
+  // both.
   double edgeDistance() const;
 
  private:

@@ -12,7 +12,7 @@
 namespace fourdvt::measure {
 namespace {
 
-// The true mattes of one camera, without its lens, as the reader's pictures are.
+// True mattes of one camera, undistorted like the reader's pictures.
 class TrueMattes {
  public:
   static Result<TrueMattes> open(const std::string& folder, const capture::CaptureSequence& sequence,

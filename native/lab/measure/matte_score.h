@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The mattes of a capture as its reader gives them, keyed or read, against the true ones of a virtual studio, which lie
-// in FOLDER/SEQUENCE/maskNN as the mattes of a capture do. Does NOT read meshes.
+// Scores of a capture's mattes as returned by its reader, keyed or read, against the true ones of a virtual studio,
+// stored in FOLDER/SEQUENCE/maskNN like a capture's mattes. Needs no meshes.
 #pragma once
 
 #include <functional>
@@ -17,14 +17,14 @@ struct MatteScore {
   MatteAgreement agreement;  // over the sequence's frames
 };
 
-// `capture`: opened with MeshNeed::Nothing. `against`: the true mattes' folder, as filmed. `on_frame` hears of each
-// finished frame. Errors: those of FrameReader and of pictures; FileMissing, naming the folder, where a camera has no
+// `capture`: opened with MeshNeed::Nothing. `against`: the true mattes' folder, as filmed. `on_frame` is called after
+// each finished frame. Errors: those of FrameReader and of pictures; FileMissing, naming the folder, if a camera has no
 // true mattes.
 Result<std::vector<MatteScore>> scoreMattes(
     const capture::Capture& capture, const std::string& against, const OpenVideo& open_video,
     const std::function<void(const std::string& sequence, uint32_t frame)>& on_frame = {});
 
-// One row for each camera of each sequence and, where there are several, one for all. Fixed width, with units.
+// One row per camera of each sequence and, for several, one for all. Fixed width, with units.
 std::string matteTable(const std::vector<MatteScore>& scores);
 // The same rows: {"band_pixels": …, "mattes": [{"sequence": …, "camera": …, "frames": …, "iou": …,
 // "iou_outside_band": …, "edge_distance_pixels": … or null}, …]}.

@@ -17,7 +17,7 @@ constexpr uint32_t kNoFace = 0xffffffffu;
 
 double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
-// Perspective-correct shares of a face's corners under a pixel's centre.
+// Perspective-correct barycentric weights of a face's corners at a pixel's centre.
 glm::dvec3 sharesUnder(const glm::dvec3 projected[3], const glm::dvec2& pixel) {
   const glm::dvec2 a(projected[0]), b(projected[1]), c(projected[2]);
   glm::dvec3 shares(cross(c - b, pixel - b), cross(a - c, pixel - c), cross(b - a, pixel - a));
@@ -28,7 +28,7 @@ glm::dvec3 sharesUnder(const glm::dvec3 projected[3], const glm::dvec2& pixel) {
 }  // namespace
 
 Mask eroded(const Mask& inside, int width, int height, int pixels) {
-  // A separable minimum: rows, then columns.
+  // Separable minimum filter: rows, then columns.
   const auto pass = [&](const Mask& in, int along, int count, int stride, int across_stride) {
     Mask out(in.size(), 0);
     for (int line = 0; line < count; ++line)

@@ -15,7 +15,7 @@ struct Surface {
   glm::dvec3 point_in_world, normal_in_world;
 };
 
-// Perspective-correct point and shading normal of a face under a sample.
+// Perspective-correct point and shading normal of a face at a sample.
 Surface surfaceAt(const ProjectedFace& t, const glm::uvec3& f, const Positions& positions,
                   const std::vector<glm::vec3>& normals, const glm::dvec2& sample) {
   double w[3];
@@ -52,7 +52,7 @@ struct Source {
   glm::dvec3 centre_in_world;
 };
 
-// LVDT Eq. 3 (corrected): max(-c_D·n, 0) · max(c_D·c_v, 0); Eq. 4: normalised sum.
+// Volino and Hilton 2013 Eq. 3 (corrected): max(-c_D·n, 0) · max(c_D·c_v, 0); Eq. 4: normalised sum.
 glm::dvec3 blendedColour(const std::vector<Source>& sources, const Surface& s, const glm::dvec3& view_ray,
                          double tolerance_m) {
   glm::dvec3 sum(0), fallback(0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The yardstick: plain projective texturing of the mesh from all camera pictures with a depth test, blended per
-// fragment by LVDT Eq. 3-4 (corrected sign, camera-to-point rays). No layers, no texture atlas, no codec, no GPU.
+// Baseline: plain projective texturing of the mesh from all camera pictures with a depth test, blended per fragment by
+// Eq. 3-4 of Volino and Hilton: Layered View-Dependent Texture Maps, CVMP 2013 (corrected sign, camera-to-point rays).
+// CPU only; no layers, texture atlas or codec.
 #pragma once
 
 #include <span>
@@ -13,12 +14,12 @@
 namespace fourdvt::measure {
 
 struct ProjectiveOptions {
-  int samples = 2;  // samples per pixel along each axis
-  double depth_tolerance_m = 0.01;  // of a person's surface (base/length_scale.h)
+  int samples = 2;                  // samples per pixel along each axis
+  double depth_tolerance_m = 0.01;  // for a person's surface (base/length_scale.h)
 };
 
-// RGBA straight alpha; alpha = covered share of the samples. A covered sample that no camera sees takes the camera that
-// faces it best in spite of occlusion. `pictures`: one RGB(A) picture per camera.
+// RGBA straight alpha; alpha = covered share of the samples. A covered sample without a visible camera uses the
+// best-facing one, ignoring occlusion. `pictures`: one RGB(A) picture per camera.
 Image renderProjective(const PinholeCamera& view, std::span<const PinholeCamera> cameras,
                        std::span<const Image> pictures, const std::vector<glm::uvec3>& face_vertices,
                        const Positions& positions, const ProjectiveOptions& options = {});

@@ -16,7 +16,7 @@ namespace fourdvt::measure {
 namespace {
 
 constexpr double kReach = 1.5, kControl = 6;  // pixels across the seam
-constexpr double kDepthStep = 0.03;           // metres from one probe to the next on the same surface
+constexpr double kDepthStep = 0.03;           // between probes on the same surface
 constexpr int kBand = 3, kInsideFrom = 5, kInsideTo = 9;
 constexpr double kFringe = 0.25;
 
@@ -42,7 +42,7 @@ class SeamProbe {
     }
   }
 
-  // Seam and control contrast across `at`; nothing where one surface does not cover all of it.
+  // Seam and control contrast across `at`; nullopt unless one surface covers all of it.
   std::optional<std::pair<double, double>> across(const glm::dvec2& at, const glm::dvec2& normal,
                                                   double depth_m) const {
     constexpr std::array<double, 9> kOffsets{-kControl - kReach, -kControl, -kControl + kReach, -kReach, 0, kReach,
@@ -96,7 +96,7 @@ std::vector<int> depthInside(const std::vector<uint8_t>& mask, int w, int h) {
   return d;
 }
 
-// By how much one channel exceeds the other two.
+// Excess of one channel over the other two.
 template <class Colour>
 double excess(const Colour& c, int channel) {
   return double(c[channel]) - std::max(double(c[(channel + 1) % 3]), double(c[(channel + 2) % 3]));
@@ -172,7 +172,7 @@ double fringeShare(const Image& rgba, const glm::dvec3& backdrop) {
           if (its >= kInsideFrom && its <= kInsideTo) inside = std::max(inside, excess(rgba.at(u, v), channel));
         }
       }
-      if (inside < -255) continue;  // too thin to tell
+      if (inside < -255) continue;  // too thin to classify
       ++band;
       tinted += excess(rgba.at(x, y), channel) > inside + kFringe * (backdrop_excess - inside);
     }

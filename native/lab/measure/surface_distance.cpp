@@ -8,7 +8,8 @@
 namespace fourdvt::measure {
 namespace {
 
-// Squared distance of p to the triangle a, b, c (Ericson, Real-Time Collision Detection, 5.1.5).
+// Squared distance of p to the triangle a, b, c (Christer Ericson, Real-Time Collision Detection, Morgan Kaufmann,
+// 2005, section 5.1.5).
 double squaredDistance(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
   const glm::dvec3 ab = b - a, ac = c - a, ap = p - a;
   const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
@@ -57,13 +58,13 @@ struct DistanceToSurface::Grid {
     origin = low;
     cell_m = std::max(kCell_m, double(std::max({size.x, size.y, size.z})) / kMostCells);
   }
-  // Far away points are held at the numbers that a key can hold.
+  // Clamps the cell of a far point to the range of a key.
   glm::ivec3 cellOf(const glm::dvec3& point) const {
     return glm::ivec3(glm::clamp(glm::floor((point - origin) / cell_m), -1e6, 1e6));
   }
 
   glm::dvec3 corner(uint32_t face, int k) const { return glm::dvec3(surface.positions[surface.faces[face][k]]); }
-  // Looks at the faces of one cell.
+  // Lowers `best` by the faces of one cell.
   void look(const glm::ivec3& cell, const glm::dvec3& point, double& best) const {
     const auto it = faces_by_cell.find(keyOf(cell));
     if (it == faces_by_cell.end()) return;
@@ -89,7 +90,7 @@ DistanceToSurface::DistanceToSurface(DistanceToSurface&&) noexcept = default;
 double DistanceToSurface::at(const glm::dvec3& point, double limit_m) const {
   const glm::ivec3 middle = grid_->cellOf(point);
   double best = limit_m * limit_m;
-  // Shells of cells: what lies in shell r is at least r - 1 cells away.
+  // Shells of cells: content of shell r is at least r - 1 cells away.
   for (int r = 0; (r - 1) * grid_->cell_m < std::sqrt(best); ++r) {
     for (int x = -r; x <= r; ++x)
       for (int y = -r; y <= r; ++y) {
@@ -103,7 +104,7 @@ double DistanceToSurface::at(const glm::dvec3& point, double limit_m) const {
 
 std::vector<glm::dvec3> pointsOn(const TriangleMesh& surface, double spacing_m) {
   std::vector<glm::dvec3> out;
-  double owed = 0;  // points that small faces have not had yet
+  double owed = 0;  // points carried over from small faces
   for (const glm::uvec3& face : surface.faces) {
     const glm::dvec3 a(surface.positions[face.x]), b(surface.positions[face.y]), c(surface.positions[face.z]);
     const double area = 0.5 * glm::length(glm::cross(b - a, c - a));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far one surface lies from another. Does NOT tell sides apart: distances are not signed.
+// Unsigned distance from one surface to another.
 #pragma once
 
 #include <array>
@@ -10,13 +10,13 @@
 
 namespace fourdvt::measure {
 
-// Answers how far points lie from a surface; keeps a copy of it. At least one face.
+// Distance queries from points to a surface; keeps a copy of it. Requires at least one face.
 class DistanceToSurface {
  public:
   explicit DistanceToSurface(const TriangleMesh& surface);
   ~DistanceToSurface();
   DistanceToSurface(DistanceToSurface&&) noexcept;
-  // Metres; no more than `limit_m`.
+  // Metres; clamped to `limit_m`.
   double at(const glm::dvec3& point, double limit_m = 1) const;
 
  private:
@@ -24,7 +24,7 @@ class DistanceToSurface {
   std::unique_ptr<Grid> grid_;
 };
 
-// Points spread evenly over the surface, about one per `spacing_m` squared; the same for the same surface.
+// Points spread evenly over the surface, about one per `spacing_m` squared; deterministic.
 std::vector<glm::dvec3> pointsOn(const TriangleMesh& surface, double spacing_m);
 
 struct DistanceFigures {
@@ -32,7 +32,7 @@ struct DistanceFigures {
 };
 DistanceFigures distanceFigures(std::vector<double> distances_m);
 
-// From points on `from` to `to`.
+// Distances from points on `from` to `to`.
 DistanceFigures surfaceDistance(const TriangleMesh& from, const TriangleMesh& to, double spacing_m = 0.004);
 
 }  // namespace fourdvt::measure

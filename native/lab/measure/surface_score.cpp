@@ -16,10 +16,10 @@
 namespace fourdvt::measure {
 namespace {
 
-constexpr double kSpacing_m = 0.004;  // of the points of a person's surface
+constexpr double kSpacing_m = 0.004;  // between points of a person's surface
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-// What the distances of one sequence add up to.
+// Distance sums of one sequence.
 struct Distances {
   std::vector<double> to_reference, from_reference;
   double change_m = 0;

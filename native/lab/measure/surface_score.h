@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A capture's surfaces, whatever their topology, judged by what they are for: texturing from the camera videos at the
-// held-out cameras, plainly on the CPU (projective.h) or on the GPU from the cameras nearest to the view
-// (render/cameras/fvvr.h); and against the surfaces of a reference capture. Does NOT bake.
+// Scores of a capture's surfaces, of any topology: by texturing from the camera videos at the held-out cameras, on the
+// CPU (projective.h) or on the GPU from the cameras nearest to the view (render/cameras/fvvr.h); and against the
+// surfaces of a reference capture. Needs no bake.
 #pragma once
 
 #include <functional>
@@ -19,14 +19,14 @@ namespace fourdvt::measure {
 struct SurfaceScore {
   std::string sequence;
   size_t views = 0;
-  PictureScore picture;  // of the held-out pictures
-  double iou = 0;        // of the silhouettes of all views
+  PictureScore picture;  // held-out pictures
+  double iou = 0;        // silhouettes of all views
   double triangles = 0;
-  // With a reference; else NaN.
+  // NaN without a reference.
   double to_reference_mean_m = 0, to_reference_median_m = 0, to_reference_p95_m = 0;
   double from_reference_mean_m = 0, from_reference_p95_m = 0;
-  // How much the surface's distance from points of the reference that stay still (below `kStill_m`) changes from a test
-  // frame to the next frame: mean size.
+  // Mean absolute change of the surface's distance from static points of the reference (below `kStill_m`) between a
+  // test frame and the next frame.
   double still_change_m = 0;
   size_t still_points = 0;
 };
@@ -34,11 +34,11 @@ inline constexpr double kStill_m = 0.0005;
 
 struct SurfaceTexturing {
   gpu::Device* device = nullptr;  // null: on the CPU, from all cameras
-  int closest = 0;                // on the GPU: from this many cameras, the nearest to the view; 0: all
+  int closest = 0;                // on the GPU: number of cameras nearest to the view; 0: all
 };
 
-// `reference`: the same sequences and frames with meshes of constant topology; null: none. `on_frame` hears of each
-// finished test frame. Errors: those of captures and pictures; FileMissing where a sequence has no held-out pictures.
+// `reference`: the same sequences and frames with meshes of constant topology; null: none. `on_frame` is called after
+// each finished test frame. Errors: those of captures and pictures; FileMissing if a sequence has no held-out pictures.
 Result<std::vector<SurfaceScore>> scoreSurfaces(
     const capture::Capture& capture, const capture::Capture* reference, const OpenVideo& open_video,
     const SurfaceTexturing& texturing,

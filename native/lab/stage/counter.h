@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A picture's number, painted on the performer: the 16 cells of package/barcode.h as a square of four by four, row by
-// row, black and white. Tells which picture one sees after keying and coding. Does NOT write files.
+// row, black and white. Identifies a picture after keying and coding.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,11 @@ namespace fourdvt::stage {
 
 constexpr int kCounterColumns = 4, kCounterRows = 4;
 
-// The corner of a counter, at even pixels, that lies within the matte (1 channel, ≥ 128: performer) with a cell to
-// spare on all sides, as near as may be to the matte's centroid. None: the performer is too small.
+// Corner of a counter, at even pixels, inside the matte (1 channel, ≥ 128: performer) with a cell's margin on all
+// sides, nearest to the matte's centroid. nullopt: the performer is too small.
 std::optional<glm::ivec2> counterPlace(const Image& matte, int cell_px);
 void drawCounter(Image& rgb, const glm::ivec2& corner, int cell_px, uint32_t number);
-// The number modulo 4096; none where the cells do not agree with their check bits.
+// Number modulo 4096; nullopt if the cells disagree with their check bits.
 std::optional<uint32_t> readCounter(const Image& rgb, const glm::ivec2& corner, int cell_px);
 
 }  // namespace fourdvt::stage

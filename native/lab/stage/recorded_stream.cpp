@@ -26,10 +26,10 @@ using Corner = std::optional<glm::ivec2>;
 
 constexpr size_t kLengthBytes = 4;
 
-// counter.json.
+// Contents of counter.json.
 struct Counters {
   int cell_px = 0;
-  size_t frames = 0;                                   // of the sequence
+  size_t frames = 0;                                   // sequence length
   std::map<std::string, std::vector<Corner>> corners;  // per camera and frame of the sequence
 };
 
@@ -70,7 +70,8 @@ Image sourcePixels(const I420View& picture, const package::Rendition& rendition,
   return out;
 }
 
-// Picture i shows frame i modulo the corners' count, so that a number read at another frame's corner is not taken.
+// Reads a number at each frame's corner; rejects numbers of another frame, as picture i shows frame i modulo the
+// corners' count.
 std::optional<uint32_t> readAtAnyFrame(const Image& luma, const package::Rect& source,
                                        const std::vector<Corner>& corners, int cell_px) {
   std::optional<uint32_t> found;
@@ -168,7 +169,7 @@ class Reader {
   const std::string path_;
   RecordedStream out_;
   std::vector<std::vector<package::CameraTile>> tiles_;  // per frame
-  std::vector<TriangleMesh> meshes_;                     // per frame; moved out when its picture is there
+  std::vector<TriangleMesh> meshes_;                     // per frame; moved out once its picture arrives
   std::unique_ptr<platform::SampleDecoder> decoder_;
 };
 

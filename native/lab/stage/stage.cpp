@@ -18,7 +18,7 @@ namespace fourdvt::stage {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr int kCountedPictures = 1000, kMostPictures = 4096;  // numbers are told modulo 4096
+constexpr int kCountedPictures = 1000, kMostPictures = 4096;  // numbers are modulo 4096
 constexpr int kCellAt240Lines_px = 4;
 constexpr int kCrf = 16;
 
@@ -90,7 +90,7 @@ class StageWriter {
     return {};
   }
 
-  // Returns the mean of the plates in the stage's size.
+  // Returns the mean of the plates at the stage's size.
   Result<Image> writePlate(const capture::CaptureCamera& camera, const Fit& fit) const {
     FOURDVT_ASSIGN(auto plates, capture::readPlates(capture_, camera,
                                                     "no readable picture of the empty stage, which live keying needs; "

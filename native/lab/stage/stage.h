@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turns a capture into the stage of a live system: RIG.json, cameras, plates, and per camera a video that is played in
-// a loop. Videos and plates are undistorted. Does NOT start anything.
+// Converts a capture into the stage of a live system: RIG.json, cameras, plates, and per camera a video to play in a
+// loop. Videos and plates are undistorted.
 #pragma once
 
 #include <functional>
@@ -13,12 +13,12 @@
 namespace fourdvt::stage {
 
 struct StageOptions {
-  std::string folder;                // to write
+  std::string folder;                // output folder
   int width = 320, height = 240;     // even
   std::string sequence;              // empty: the capture's first
   std::vector<std::string> cameras;  // empty: all
-  bool counter = false;              // paint the picture's number on the performer; needs mattes or plates
-  int pictures = 0;                  // in a video, the sequence over and over; 0: the sequence once, or 1000 if counted
+  bool counter = false;              // paint the picture's number on the performer; requires mattes or plates
+  int pictures = 0;                  // video length, repeating the sequence; 0: the sequence once, or 1000 if counted
 };
 
 // counter.json, if counted:

@@ -9,11 +9,11 @@ namespace fourdvt::studio {
 namespace {
 
 constexpr double kBehindRing = 1.12;  // distance from the middle as a multiple of the cameras'
-constexpr double kAside_deg = 14;     // from straight across the camera that sees it best
+constexpr double kAside_deg = 14;     // from the position opposite to the best-placed camera
 constexpr double kHeight = 0.92, kDarker = 0.85;
 constexpr double kSway_m = 0.12, kSway_s = 4.5;
 
-// Red, green and blue change places.
+// Permutes red, green and blue.
 Image recoloured(const Image& rgb) {
   Image out = rgb;
   for (size_t i = 0; i + 2 < out.pixels.size(); i += 3)

@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The later knobs are named only where they are turned, so that captures without them keep their bytes.
+// Writes the later knobs only if set, so that captures without them keep their bytes.
 Json knobsJson(const StudioKnobs& k) {
   Json out = {{"seed", k.seed},
               {"drift_mm", k.drift_mm},
@@ -37,7 +37,7 @@ Json knobsJson(const StudioKnobs& k) {
   return out;
 }
 
-// Millimetres of the actor's world in the written one.
+// Rounds to millimetres of the actor's world, in units of the written one.
 double rounded(double metres, double scale) { return std::round(1e3 * metres) / 1e3 * scale; }
 
 Json rounded(const glm::dvec3& v, double scale) {

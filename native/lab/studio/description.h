@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The text of a studio capture's capture.json: what readers need (capture.h), and under "studio" the options and
-// hidden values that made it, which readers ignore.
+// Text of a studio capture's capture.json: the readers' fields (capture.h), and under "studio" the generating options
+// and hidden values, which readers ignore.
 #pragma once
 
 #include <string>
@@ -10,8 +10,7 @@
 
 namespace fourdvt::studio {
 
-// "studio"/"offset_frames_true" lists timeOffsets, if there are any.
-// `room`: null for the green studio.
+// "studio"/"offset_frames_true" lists timeOffsets, if there are any. `room`: null for the green studio.
 std::string captureText(const StudioSet& set, const StudioOptions& options, const Room* room);
 
 }  // namespace fourdvt::studio

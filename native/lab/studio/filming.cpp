@@ -50,7 +50,7 @@ void Filming::pose(double frame) {
   room_->setOtherShadow(set_.bystander()->positions(), set_.bystander()->faces());
 }
 
-// Empty in the green studio: the sensor has its backdrop.
+// Backdrop of the room; empty in the green studio, whose backdrop is in the sensor.
 Result<Image> Filming::behind(size_t camera) {
   if (!room_) return Image();
   if (!set_.bystander()) return room_->withShadow(camera);

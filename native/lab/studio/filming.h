@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recordings of the ring's cameras: plates, and pictures with their mattes. Poses the set. Does NOT write files.
+// Recordings of the ring's cameras in memory: plates, and pictures with their mattes. Poses the set.
 #pragma once
 
 #include <memory>
@@ -11,14 +11,14 @@
 
 namespace fourdvt::studio {
 
-// A frame of one motion.
+// Frame of one motion.
 struct Moment {
   size_t motion = 0;
   uint32_t frame = 0, count = 1;  // count: the whole motion's frames
-  uint64_t shot = 0;              // as in Sensor::expose
+  uint64_t shot = 0;              // see Sensor::expose
 };
 
-// [ring camera] the time that its pictures show after their frame's, in frames.
+// [ring camera] time offset of its pictures after their frame, in frames.
 std::vector<double> timeOffsets(const StudioOptions& options);
 
 class Filming {
@@ -27,14 +27,14 @@ class Filming {
     Image colour, matte;  // RGB; one channel
   };
 
-  // `options` and `set` must outlive it.
+  // Borrows `options` and `set`.
   Filming(const StudioOptions& options, StudioSet& set);
   const Room* room() const { return room_.get(); }  // null: the green studio
-  // The empty studio; `take` counts a camera's plates.
+  // Picture of the empty studio; `take` counts a camera's plates.
   Image plate(size_t camera, uint32_t take) const;
-  // Sets the frame that record() shows. Returns with the set posed at it.
+  // Sets the frame for record() and poses the set at it.
   void begin(const Moment& moment);
-  // Leaves the set posed at the camera's own time.
+  // Records a camera's picture; leaves the set posed at the camera's own time.
   Result<Recorded> record(size_t camera);
 
  private:

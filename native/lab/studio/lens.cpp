@@ -29,7 +29,7 @@ double Lens::slopeAt(double r) const {
   return 1 + r2 * (3 * k_[0] + r2 * (5 * k_[1] + r2 * 7 * k_[2]));
 }
 
-// Newton's method.
+// Solves by Newton's method.
 double Lens::radiusOf(double imaged) const {
   double r = imaged;
   for (int i = 0; i < kMaxNewtonSteps && std::abs(imagedAt(r) - imaged) > kRadiusAccuracy; ++i)

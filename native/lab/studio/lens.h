@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera's radial lens: pictures as filmed through it, from finer and larger pinhole pictures. The inverse of what
-// capture/undistort.h removes. Without coefficients it changes nothing.
+// Radial lens distortion of a camera: distorts finer and larger pinhole pictures. Inverse of capture/undistort.h.
+// Without coefficients it is the identity.
 #pragma once
 
 #include <array>
@@ -14,16 +14,16 @@ namespace fourdvt::studio {
 class Lens {
  public:
   Lens() = default;  // none
-  // Coefficients k1, k2, k3 of capture::Distortion. Errors: InvalidArgument if the lens images a corner of the filmed
-  // picture nowhere, or two places as one, or from beyond kMostEnlarged times the picture.
+  // Coefficients k1, k2, k3 of capture::Distortion. Errors: InvalidArgument if the lens has no image for a corner of
+  // the filmed picture, maps two places to one, or requires a pinhole picture above kMostEnlarged times the filmed one.
   static Result<Lens> create(const std::array<double, 3>& coefficients, const PinholeCamera& camera);
 
   bool any() const { return k_ != std::array<double, 3>{}; }
-  // The pixel of the pinhole's picture that is imaged at this pixel of the filmed one.
+  // Pixel of the pinhole picture imaged at this pixel of the filmed one.
   glm::dvec2 pinholePixel(const PinholeCamera& camera, const glm::dvec2& filmed_pixel) const;
-  // The pinhole camera, of the same place, whose picture filmed() takes: it shows all that the lens does.
+  // Pinhole camera, of the same pose, for the input picture of filmed(): covers the lens's whole field of view.
   PinholeCamera drawn(const PinholeCamera& camera) const;
-  // The recording of the drawn picture by `camera`, any number of channels: kFiner² samples a pixel.
+  // Distorts the drawn picture to the recording of `camera`, any number of channels: kFiner² samples a pixel.
   Image filmed(const PinholeCamera& camera, const Image& drawn_picture) const;
 
   static constexpr int kFiner = 2;

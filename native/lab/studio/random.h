@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counter-based random numbers: a value depends only on the seed and the key, and not on what was drawn before.
+// Counter-based random numbers: a value depends on the seed and the key only.
 #pragma once
 
 #include <cmath>
@@ -14,7 +14,7 @@ inline uint64_t randomBits(uint64_t seed, uint64_t key) {  // splitmix64
   return z ^ (z >> 31);
 }
 
-// Nearly normal with mean 0 and deviation 1: a scaled sum of eight uniform bytes, |value| < 5.
+// Approximately normal with mean 0 and deviation 1: a scaled sum of eight uniform bytes, |value| < 5.
 inline double randomNormal(uint64_t seed, uint64_t key) {
   uint64_t bits = randomBits(seed, key);
   int sum = 0;

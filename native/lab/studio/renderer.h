@@ -10,12 +10,12 @@
 namespace fourdvt::studio {
 
 struct Shading {
-  float wrinkles = 0, specular = 0, shading = 0;  // as in StudioKnobs
+  float wrinkles = 0, specular = 0, shading = 0;  // see StudioKnobs
 };
 
 class Renderer {
  public:
-  // All pictures have this size. Errors: GpuFailure.
+  // Fixes the size of all pictures. Errors: GpuFailure.
   static Result<Renderer> create(gpu::Device& device, const RestMesh& surface, const Image& texture, int width,
                                  int height);
   // The folds of the cloth depend on `place`, 0…1 from the first motion to the last, and on `phase`, 0…1.

@@ -13,21 +13,20 @@
 namespace fourdvt::studio {
 
 struct Rig {
-  std::vector<PinholeCamera> ring;  // cam00 …, the true cameras that take the pictures
+  std::vector<PinholeCamera> ring;  // cam00 …, true cameras of the pictures
   std::vector<PinholeCamera> test;  // test00 … test02: between ring cameras, and from other heights
   double near_m = 0.1, far_m = 100;
 };
 
-// Places the cameras as close as they can be while `bounds` stays inside every picture, with a margin.
+// Places the cameras at the minimum distance at which `bounds` stays inside all pictures, with a margin.
 Rig makeRig(const BoundingBox& bounds, int cameras, int width, int height);
-// The cameras that a calibration with the errors of `knobs` would have found.
+// Cameras as found by a calibration with the errors of `knobs`.
 std::vector<PinholeCamera> miscalibrated(const std::vector<PinholeCamera>& truth, const StudioKnobs& knobs);
 // The cameras that take the plates: turned so that the picture's middle moves by knobs.plate_move_pixels in a direction
 // of each camera's own, rolled so that its corners move by a third of that, and moved by 0.2 mm a pixel.
 std::vector<PinholeCamera> plateCameras(const std::vector<PinholeCamera>& ring, const StudioKnobs& knobs);
-// Writes cameras.txt and images.txt into `folder`, which is created; positions are multiplied by `scale`; `lens`:
-// k1, k2, k3 of all cameras.
-// Errors: WriteFailed.
+// Creates `folder` and writes cameras.txt and images.txt into it; positions are multiplied by `scale`; `lens`: k1, k2,
+// k3 of all cameras. Errors: WriteFailed.
 Status writeColmap(const std::string& folder, std::span<const PinholeCamera> cameras, double scale,
                    const std::array<double, 3>& lens = {});
 

@@ -13,11 +13,11 @@ namespace fourdvt::studio {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kWallBehindCameras = 1.25;  // the wall's distance as a multiple of the farthest camera's
+constexpr double kWallBehindCameras = 1.25;  // wall distance as a multiple of the farthest camera's
 constexpr int kPaletteColours = 6;
 constexpr double kSamples[4][2] = {{0.375, 0.125}, {0.875, 0.375}, {0.125, 0.625}, {0.625, 0.875}};
 
-// 0…1, from whole numbers.
+// Hash of integers, 0…1.
 double hash(uint32_t seed, int a, int b, int c = 0) {
   const uint64_t key =
       uint64_t(uint32_t(a)) * 0x9e3779b1u ^ (uint64_t(uint32_t(b)) << 24) ^ (uint64_t(uint32_t(c)) << 52);
@@ -32,7 +32,7 @@ double noise(uint32_t seed, const glm::dvec2& p) {
   return glm::mix(top, glm::mix(hash(seed, x, y + 1), hash(seed, x + 1, y + 1), f.x), f.y);
 }
 
-// Four octaves, -0.5…0.5.
+// Noise of four octaves, -0.5…0.5.
 double grain(uint32_t seed, glm::dvec2 p) {
   double sum = 0, weight = 0.5;
   for (uint32_t k = 0; k < 4; ++k, p = 2.17 * p, weight *= 0.55) sum += weight * (noise(seed + k, p) - 0.5);
@@ -42,14 +42,14 @@ double grain(uint32_t seed, glm::dvec2 p) {
 double encoded(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055; }
 uint8_t levelOf(double v) { return static_cast<uint8_t>(std::clamp(std::lround(255 * v), 0l, 255l)); }
 
-// A lamp 40 to 55 degrees above the floor.
+// Lamp direction, 40 to 55 degrees above the floor.
 glm::dvec3 lightOf(uint32_t seed) {
   const double azimuth = 2 * kPi * hash(seed, 1, 78), elevation = kPi / 180 * (40 + 15 * hash(seed, 2, 78));
   return -glm::dvec3(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
                      std::cos(azimuth) * std::cos(elevation));
 }
 
-// Calls `at`(x, y) for every pixel, on OpenCV's threads.
+// Calls `at`(x, y) for each pixel, on OpenCV's threads.
 template <typename Function>
 void forEachPixel(const PinholeCamera& camera, const Function& at) {
   cv::parallel_for_(cv::Range(0, camera.height), [&](const cv::Range& rows) {
@@ -123,7 +123,7 @@ glm::dvec2 Room::sidePlace(int side, const glm::dvec3& p) const {
   return side == 0 ? glm::dvec2(p.x, p.z) : glm::dvec2(side <= 2 ? p.z : p.x, p.y - ground_m_);
 }
 
-// Planks with grain and joints, on them a striped rug, and boards in the actor's colours.
+// Floor colour: planks with grain and joints, a striped rug, and boards in the actor's colours.
 glm::dvec3 Room::floorColour(const glm::dvec2& at) const {
   const glm::dvec2 rug = at - 0.8 * (glm::dvec2(hash(seed_, 3, 78), hash(seed_, 4, 78)) - 0.5);
   if (std::abs(rug.x) < 1.1 && std::abs(rug.y) < 0.7) {
@@ -142,7 +142,7 @@ glm::dvec3 Room::floorColour(const glm::dvec2& at) const {
   return base + 0.3 * grain(seed_ + 31 + uint32_t(plank & 15), {90.0 * at.x, 7.0 * at.y});
 }
 
-// Wallpaper, skirting board, shelves of books, and large patches in the actor's colours, which hardly stand out.
+// Wall colour: wallpaper, skirting board, book shelves, and large low-contrast patches in the actor's colours.
 glm::dvec3 Room::wallColour(int wall, const glm::dvec2& at) const {
   const uint32_t seed = seed_ + 100 * uint32_t(wall);
   if (at.y < 0.12) return glm::dvec3(0.80, 0.78, 0.72) * (at.y > 0.11 ? 0.6 : 1.0) + 0.05 * grain(seed, 20.0 * at);

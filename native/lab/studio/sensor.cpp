@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kGreen[3] = {46, 168, 82};
 
-constexpr uint64_t kFirstPlateShot = 0x80000000;  // above every frame's
+constexpr uint64_t kFirstPlateShot = 0x80000000;  // above all frames' shots
 
 uint8_t level(double value) { return static_cast<uint8_t>(std::clamp(std::lround(value), 0l, 255l)); }
 
@@ -28,7 +28,7 @@ Image greenBackdrop(int camera, int width, int height) {
   return out;
 }
 
-// A sine, -1…1, of half a turn to a whole one over time 0…1, that starts anywhere.
+// Sine, -1…1, spanning half a turn to a whole one over time 0…1, with a random start.
 double wave(uint32_t seed, uint64_t key, double time) {
   const auto share = [&](uint64_t k) { return double(randomBits(seed, key + k) >> 11) / double(1ull << 53); };
   return std::sin(2 * std::numbers::pi * (share(0) + (0.5 + 0.5 * share(1)) * time));

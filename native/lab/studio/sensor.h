@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turns a rendered picture into what a studio camera records: with backdrop, gain and noise, and with a matte that may
-// be too small.
+// Camera model of the studio: adds backdrop, gain and noise to a rendered picture, and derives a matte that may be
+// eroded.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -12,23 +12,24 @@ namespace fourdvt::studio {
 
 class Sensor {
  public:
-  // In front of the green backdrop.
+  // Uses the green backdrop.
   Sensor(const StudioKnobs& knobs, int camera, int width, int height);
-  // In front of this backdrop, RGB.
+  // Uses this backdrop, RGB.
   Sensor(const StudioKnobs& knobs, int camera, Image backdrop);
-  // The empty studio, RGB, with this camera's gain and without noise.
+  // Picture of the empty studio, RGB, with this camera's gain and without noise.
   const Image& plate() const { return plate_; }
   // RGB gain in a clip's picture beside the plates', which have 1: exposure and white balance that drift smoothly, by
   // at most what the knobs say. `time`: 0…1 from the clip's first picture to its last.
   glm::dvec3 drift(size_t clip, double time) const;
-  // Makes RGB from a premultiplied RGBA picture. `shot` seeds the noise: a number that no other picture of this camera
-  // has. `backdrop`: what is behind, RGB, in place of the constructor's, e.g. with a shadow on it; null: the
-  // constructor's. `drift`: the picture's gain beside the plates'.
+  // Converts premultiplied RGBA to a recorded RGB picture. `shot` seeds the noise and is unique per picture of this
+  // camera. `backdrop`: RGB, replaces the constructor's, e.g. with a shadow on it; null: the constructor's. `drift`:
+  // the picture's gain relative to the plates.
   Image expose(const Image& picture, uint64_t shot, const Image* backdrop = nullptr,
                const glm::dvec3& drift = glm::dvec3(1)) const;
-  // The empty studio as it is recorded, with noise; `take` counts such recordings of one camera. `backdrop`: as above.
+  // Recorded picture of the empty studio, with noise; `take` counts such recordings of one camera. `backdrop`: as
+  // above.
   Image recordedPlate(uint32_t take, const Image* backdrop = nullptr) const;
-  // Returns one channel.
+  // Matte as one channel.
   Image matte(const Image& picture) const;
 
  private:

@@ -8,7 +8,7 @@ namespace fourdvt::studio {
 namespace {
 
 constexpr int kBoundsPhases = 16;
-constexpr float kBoundsSlack_m = 0.02f;  // added because the surface may bulge between the phases that are measured
+constexpr float kBoundsSlack_m = 0.02f;  // margin for bulges between the measured phases
 
 std::vector<std::string> namesOf(const StudioOptions& options) {
   if (options.sequences.empty() && options.actor == "procedural") return {"walk", "run"};
@@ -38,7 +38,7 @@ double framePhase(const Motion& motion, double frame, uint32_t count) {
 
 namespace {
 
-// One texel of the texture's mean colour.
+// Single texel with the texture's mean colour.
 Image meanTexel(const Image& texture) {
   const size_t channels = size_t(texture.channels), texels = texture.pixels.size() / channels;
   Image out(1, 1, texture.channels);
@@ -71,7 +71,7 @@ Result<std::unique_ptr<StudioSet>> StudioSet::open(const StudioOptions& options,
   return set;
 }
 
-// Everything that only the ring's cameras record.
+// Creates the resources of the ring cameras only.
 Status StudioSet::openFilm(const StudioOptions& options, gpu::Device& device) {
   FOURDVT_ASSIGN(lens_, Lens::create(options.knobs.lens, rig_.ring[0]));
   const PinholeCamera drawn = lens_->drawn(rig_.ring[0]);

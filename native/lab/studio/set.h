@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The studio set up for one run: actor, mesh tracker, cameras and renderer, posed together.
+// Studio set for one run: actor, mesh tracker, cameras and renderer, posed together.
 #pragma once
 
 #include <memory>
@@ -17,10 +17,10 @@ namespace fourdvt::studio {
 // Number of frames of a motion at this rate. The last frame of a loop lies one step before its first; the last frame of
 // any other motion is its end.
 uint32_t frameCount(const Motion& motion, double fps);
-// The frames of it that are filmed.
+// Number of its frames that are filmed.
 uint32_t filmedFrames(const Motion& motion, const StudioOptions& options);
-// Phase of one of these frames, 0…1. Times between frames, before the first and after the last are part of the loop;
-// other motions hold their first and last pose there.
+// Phase of one of these frames, 0…1. Loops wrap times before the first and after the last frame; other motions hold
+// their first and last pose there.
 double framePhase(const Motion& motion, double frame, uint32_t count);
 
 class StudioSet {
@@ -33,20 +33,20 @@ class StudioSet {
   const std::vector<StudioClass>& classes() const { return classes_; }
   const BoundingBox& bounds() const { return bounds_; }
   double groundY_m() const { return bounds_.min.y; }
-  const Positions& surfacePose() const { return surface_pose_; }  // of the actor's surface, since pose()
-  double unitsPerMetre() const { return units_per_metre_; }       // of packed positions
+  const Positions& surfacePose() const { return surface_pose_; }  // actor's surface, as of pose()
+  double unitsPerMetre() const { return units_per_metre_; }       // scale of packed positions
   size_t motionIndex(const std::string& name) const;
   // Shares of all motions at a position between the members of a class: 0 is the first, 1 the last, linear between
   // neighbours.
   std::vector<double> sharesAt(const StudioClass& motion_class, double position) const;
 
-  Bystander* bystander() { return bystander_.get(); }  // null: nobody else is there
+  Bystander* bystander() { return bystander_.get(); }  // null: no bystander
 
-  // Sets the instant that everything below shows.
+  // Poses all members at an instant.
   void pose(const std::vector<double>& shares, double phase);
-  const Lens& lens() const { return *lens_; }       // of the ring's cameras
+  const Lens& lens() const { return *lens_; }       // lens of the ring's cameras
   Result<Image> draw(const PinholeCamera& camera);  // premultiplied RGBA
-  Result<Image> film(const PinholeCamera& camera);  // the same through the lens
+  Result<Image> film(const PinholeCamera& camera);  // draw() through the lens
   Positions truth() const { return tracker_.truth(points_, surface_pose_); }
   Positions captured() const { return tracker_.captured(points_, surface_pose_); }
   double placeOf(const std::vector<double>& shares) const;
@@ -58,18 +58,18 @@ class StudioSet {
   Status openFilm(const StudioOptions& options, gpu::Device& device);
 
   std::unique_ptr<Actor> actor_;
-  Image texture_;  // what the actor is drawn with
+  Image texture_;  // texture of the drawn actor
   const Tracker tracker_;
   const Shading shading_;
   std::vector<StudioClass> classes_;
-  std::vector<double> places_;  // [motion] the place that drift and folds depend on, 0…1
+  std::vector<double> places_;  // [motion] position for drift and folds, 0…1
   Rig rig_;
   BoundingBox bounds_;
   double units_per_metre_ = 0;
   std::optional<Lens> lens_;
   std::unique_ptr<Renderer> renderer_;
   std::unique_ptr<Bystander> bystander_;
-  std::unique_ptr<Renderer> film_renderer_;  // of the pictures that the lens takes; null without a lens
+  std::unique_ptr<Renderer> film_renderer_;  // draws the lens's input pictures; null without a lens
   Positions surface_pose_;
   std::vector<SurfacePoint> points_;
 };

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kMapTexel_m = 0.002;
 
-// The mean over a disc.
+// Averages over a disc.
 void softenBy(int radius_texels, cv::Mat& map) {
   const int side = 2 * radius_texels + 1;
   cv::Mat disc = cv::Mat::zeros(side, side, CV_32F);

@@ -36,7 +36,7 @@ class Run {
     return writeColmap(out_.path() + "/cameras_test", set_.rig().test, options_.scale);
   }
 
-  // background/camNN.png, or background/camNN/000000.png … of several.
+  // Writes background/camNN.png, or for several plates background/camNN/000000.png ….
   Status plates() {
     if (options_.plates == 0) return {};
     FOURDVT_TRY(out_.makeFolder("background"));
@@ -118,7 +118,7 @@ class Run {
   const OutputFolder& out_;
   Ticker& ticker_;
   Filming filming_;
-  std::vector<std::unique_ptr<PictureFile>> colour_, mattes_;  // open files of the sequence that is being written
+  std::vector<std::unique_ptr<PictureFile>> colour_, mattes_;  // open files of the current sequence
   uint32_t frames_ = 0;
 };
 

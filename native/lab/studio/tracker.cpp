@@ -13,7 +13,7 @@ constexpr double kDriftWave_m = 0.7, kProxyWave_m = 0.09;
 constexpr int kMaxSteps = 40;
 constexpr double kAligned_m = 1e-6;
 
-// A smooth function of a point in the rest pose, -1…1; every `kind` gives another one.
+// Smooth function of a point in the rest pose, -1…1; `kind` selects an independent one.
 double smoothNoise(const glm::dvec3& p, double wave_m, uint32_t seed, int kind) {
   double sum = 0;
   for (int i = 0; i < 3; ++i) {
@@ -77,8 +77,7 @@ std::vector<SurfacePoint> Tracker::alignment(double from, double to, double phas
   return out;
 }
 
-// Walks over the tracked mesh until the material there is the wanted one. `materials`: rest positions under its
-// vertices.
+// Walks over the tracked mesh to the point with the given material. `materials`: rest positions under its vertices.
 SurfacePoint Tracker::aligned(uint32_t vertex, const glm::dvec3& material, const Positions& materials) const {
   SurfacePoint at = tracked_surface_.atVertex(vertex), best = at;
   double least = 1e9;

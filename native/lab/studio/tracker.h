@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The mesh that a capture system would track on an actor: every vertex rides on a point of the surface. The point may
-// slide over the surface with the motion ("drift"), and the vertex may stand off the surface ("proxy error"). Knows the
-// exact correspondence between motions.
+// Mesh that a capture system would track on an actor: each vertex is attached to a point of the surface. The point may
+// slide over the surface with the motion ("drift"), and the vertex may stand off the surface ("proxy error"). Provides
+// the exact correspondence between motions.
 #pragma once
 
 #include "lab/studio/actors/actor.h"
@@ -16,17 +16,17 @@ class Tracker {
 
   const Surface& actorSurface() const { return actor_surface_; }
   const Surface& trackedSurface() const { return tracked_surface_; }
-  // [vertex] the point of the actor's surface, its material, under the tracked vertex. `place`: position between the
-  // first (0) and last (1) member of the class. At phase 0 the points of places 0 and 1 are up to knobs.drift_mm apart
-  // along the surface.
+  // [vertex] point of the actor's surface, its material, under the tracked vertex. `place`: position between the first
+  // (0) and last (1) member of the class. At phase 0 the points of places 0 and 1 are up to knobs.drift_mm apart along
+  // the surface.
   std::vector<SurfacePoint> points(double place, double phase) const;
-  // The tracked mesh for a pose of the surface: exact, or with the proxy error.
+  // Tracked mesh for a pose of the surface: exact, or with the proxy error.
   Positions truth(const std::vector<SurfacePoint>& points, const Positions& pose) const;
   Positions captured(const std::vector<SurfacePoint>& points, const Positions& pose) const;
-  // [vertex] the point of the tracked mesh that carries at place `to` the material that the vertex carries at `from`:
-  // the true alignment of their appearance.
+  // [vertex] point of the tracked mesh that carries at place `to` the vertex's material at `from`: the true alignment
+  // of their appearance.
   std::vector<SurfacePoint> alignment(double from, double to, double phase) const;
-  // The tangent field that drift follows, of length at most 1, at a tracked vertex in the rest pose.
+  // Tangent field of the drift, of length at most 1, at a tracked vertex in the rest pose.
   glm::dvec3 driftDirection(uint32_t vertex) const;
 
  private:

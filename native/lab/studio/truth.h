@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The truth about a motion class, in truth/CLASS of a studio capture: the exact intermediate motions, and how the
-// members' appearance lies on the tracked mesh.
+// Ground truth of a motion class, in truth/CLASS of a studio capture: the exact intermediate motions, and the alignment
+// of the members' appearance on the tracked mesh.
 //
-//   truth.json            names everything below; holds the members' captured frame of every phase
+//   truth.json            index of the files below, and the members' captured frame per phase
 //   cameras/              COLMAP text, exact: the held-out cameras and some of the ring
 //   wNNN/CAMERA/%04d.png  straight alpha, no noise, no gain; NNN: 100 × position among the members (000 the first, 100
 //                         the last); the file's number: the phase
@@ -18,9 +18,9 @@
 
 namespace fourdvt::studio {
 
-// The number of pictures that writeTruth will draw.
+// Number of pictures drawn by writeTruth.
 uint32_t truthPictures(const StudioSet& set, const StudioOptions& options);
-// Writes the truth about every class of the set. Errors: WriteFailed, GpuFailure, Interrupted.
+// Writes the truth of all classes of the set. Errors: WriteFailed, GpuFailure, Interrupted.
 Status writeTruth(StudioSet& set, const StudioOptions& options, const OutputFolder& out, Ticker& ticker);
 
 }  // namespace fourdvt::studio

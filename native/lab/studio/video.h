@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes the pictures of one camera over a sequence: as an H.264 .mp4 (RGB, BT.709 limited range, 4:2:0,
-// near-lossless), a lossless FFV1 .mkv (one channel), or as a folder of PNG files. The same pictures give the same
-// bytes.
+// near-lossless), a lossless FFV1 .mkv (one channel), or a folder of PNG files. Deterministic.
 #pragma once
 
 #include <memory>

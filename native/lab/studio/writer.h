@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writing a studio capture: progress and stop, packed meshes, and the folder that appears only when it is complete.
+// Output of a studio capture: progress and stop, packed meshes, and the atomically renamed folder.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace fourdvt::studio {
 
-// FOLDER.work, which keep() renames to FOLDER; without keep() the destructor removes it and all it holds.
+// FOLDER.work, renamed to FOLDER by keep(); otherwise the destructor removes it with its contents.
 class OutputFolder {
  public:
   // Errors: InvalidArgument (FOLDER exists and is no studio capture, or FOLDER.work exists and is not ours),
@@ -39,8 +39,8 @@ class Ticker {
   StudioProgress progress_;
 };
 
-// The text of mesh_topology.obj: positions times `scale`, to a tenth of a millimetre or less, UVs with the origin at
-// the bottom left, faces as "v/vt" counted from 1.
+// Text of mesh_topology.obj: positions times `scale`, to a tenth of a millimetre or less, UVs with the origin at the
+// bottom left, faces as "v/vt" counted from 1.
 std::string objText(const MeshTopology& topology, const Positions& positions, double scale);
 // Appends little-endian int16 [vertex][xyz].
 void appendPacked(const Positions& positions, double units_per_metre, std::vector<uint8_t>& out);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The actor in the virtual studio: a textured surface that moves, and the mesh that a capture system would track on it.
-// The surface is the truth; the tracked mesh may be coarser and slide over it. Does NOT draw. Only one thread may call
-// pose().
+// Actor of the virtual studio: a moving textured surface, and the mesh that a capture system would track on it. The
+// surface is the truth; the tracked mesh may be coarser and slide over it. Call pose() from one thread only.
 #pragma once
 
 #include <memory>
@@ -19,10 +18,10 @@ struct Motion {
   std::string name;
   double duration_s = 1;
   bool loop = false;
-  glm::dvec3 root_velocity_mps{0};  // taken out of the poses
+  glm::dvec3 root_velocity_mps{0};  // subtracted from the poses
 };
 
-// A mesh in the actor's rest pose.
+// Mesh in the actor's rest pose.
 struct RestMesh {
   MeshTopology topology;
   Positions positions;
@@ -32,12 +31,12 @@ class Actor {
  public:
   virtual ~Actor() = default;
   virtual const std::vector<Motion>& motions() const = 0;
-  virtual const RestMesh& surface() const = 0;  // what is drawn; its UVs lie in texture()
-  virtual const RestMesh& tracked() const = 0;  // what is captured
+  virtual const RestMesh& surface() const = 0;  // drawn surface; its UVs lie in texture()
+  virtual const RestMesh& tracked() const = 0;  // captured mesh
   virtual const Image& texture() const = 0;     // RGB, sRGB
-  // Sets `out` to the surface's vertices for these shares of all motions (sum 1) at their common phase 0…1; the phase
-  // of one motion is the share of its duration that has passed. Between motions this is the exact intermediate motion,
-  // not a blend of vertices.
+  // Sets `out` to the surface's vertices for these shares of all motions (sum 1) at their common phase 0…1; a motion's
+  // phase is the elapsed share of its duration. Between motions this is the exact intermediate motion, not a blend of
+  // vertices.
   virtual void pose(std::span<const double> shares, double phase, Positions& out) = 0;
 };
 
@@ -47,10 +46,10 @@ class Actor {
 // `motions`: names among those three. Errors: InvalidArgument.
 Result<std::unique_ptr<Actor>> createProceduralActor(const std::vector<std::string>& motions, double mesh_cell_m);
 
-// A rigged, textured glTF or GLB: its skinned meshes welded to one, its animations by name. Between animations: joint
-// by joint (slerp). Travel of a cyclic animation becomes root velocity. Morph targets are not played.
-// `motions` empty: all animations. Errors: FileMissing, FileUnreadable, Unsupported (no rig, no animation, unknown
-// kind of data), MeshNoUvs, MeshUvRange, InvalidArgument (no animation of a name).
+// Opens a rigged, textured glTF or GLB: its skinned meshes welded to one, its animations by name. Between animations:
+// joint by joint (slerp). Travel of a cyclic animation becomes root velocity. Morph targets are ignored. `motions`
+// empty: all animations. Errors: FileMissing, FileUnreadable, Unsupported (no rig, no animation, unknown kind of data),
+// MeshNoUvs, MeshUvRange, InvalidArgument (no animation of a name).
 Result<std::unique_ptr<Actor>> openGltfActor(const std::string& path, const std::vector<std::string>& motions);
 
 }  // namespace fourdvt::studio

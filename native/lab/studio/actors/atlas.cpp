@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kDirections = 6;      // ±x, ±y, ±z of the part
 constexpr double kMargin = 0.008;   // gap round every chart, as a share of the atlas's side
-constexpr size_t kSmallChart = 12;  // faces; smaller charts join a neighbour where kMinFacing allows it
+constexpr size_t kSmallChart = 12;  // faces; smaller charts join a neighbour if kMinFacing allows it
 constexpr double kMinFacing = 0.3;  // smallest cosine between a face's normal and its chart's direction
 
 using Neighbours = std::vector<std::array<int, 3>>;
@@ -21,7 +21,7 @@ struct Chart {
   int label = 0;
   std::vector<uint32_t> faces;
   glm::dvec2 min{1e9}, max{-1e9};  // metres
-  glm::dvec2 at{0};                // where `min` lies in the atlas
+  glm::dvec2 at{0};                // position of `min` in the atlas
 };
 
 class Unwrapper {
@@ -67,7 +67,7 @@ class Unwrapper {
       }
   }
 
-  // Finds the axes of every part from its face normals; the third axis runs along the part.
+  // Finds the axes of each part from its face normals; the third axis runs along the part.
   void label(const std::function<int(const glm::vec3&)>& part) {
     std::vector<int> parts(faceCount());
     std::map<int, glm::dvec3> along;
@@ -97,14 +97,14 @@ class Unwrapper {
     }
   }
 
-  // Power iteration finds the longest principal axis.
+  // Finds the longest principal axis by power iteration.
   static glm::dvec3 longest(const glm::dmat3& spread) {
     glm::dvec3 axis(0.3, 0.9, 0.2);
     for (int i = 0; i < 100; ++i) axis = glm::normalize(spread * axis);
     return axis;
   }
 
-  // The columns are right, along and front.
+  // Columns: right, along and front.
   static glm::dmat3 frameAlong(const glm::dvec3& along) {
     const glm::dvec3 helper = std::abs(along.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
     const glm::dvec3 right = glm::normalize(glm::cross(along, helper));
@@ -159,7 +159,7 @@ class Unwrapper {
     return charts;
   }
 
-  // A corner's place on the plane of its chart, metres; x is to the right and y up as seen from outside.
+  // Projects a corner onto its chart's plane, metres; x to the right and y up, seen from outside.
   glm::dvec2 flat(uint32_t f, int k) const {
     const int label = labels_[f];
     const glm::dmat3& axes = axes_.at(label / kDirections);
@@ -168,7 +168,7 @@ class Unwrapper {
     return {glm::dot(p, glm::cross(up, out)), glm::dot(p, up)};
   }
 
-  // Packs the charts in shelves, the tallest first. False: they do not fit at this scale.
+  // Packs the charts in shelves, the tallest first. Returns false if they do not fit at this scale.
   static bool pack(std::vector<Chart>& charts, double scale) {
     std::sort(charts.begin(), charts.end(), [](const Chart& a, const Chart& b) {
       const double ha = a.max.y - a.min.y, hb = b.max.y - b.min.y;

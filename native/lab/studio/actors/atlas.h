@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes one texture atlas for a mesh of slender parts. A chart holds connected faces of one part that face the same
-// way; it is laid flat along that direction and packed without overlap. Does NOT minimise distortion: faces lean by up
-// to about 55°.
+// Texture atlas for a mesh of slender parts. A chart holds connected faces of one part with one facing direction; it is
+// projected along that direction and packed without overlap. Distortion is not minimised: faces lean by up to about
+// 55°.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 
 namespace fourdvt::studio {
 
-// Sets the topology's uvs and face_uvs, in [0,1]. `part` returns which part a point of the rest pose belongs to.
+// Sets the topology's uvs and face_uvs, in [0,1]. `part` returns the part of a point of the rest pose.
 void unwrap(RestMesh& mesh, const std::function<int(const glm::vec3&)>& part);
 
 }  // namespace fourdvt::studio

@@ -11,7 +11,7 @@ namespace fourdvt::studio {
 namespace {
 
 constexpr double kJoin_m = 0.012;    // radius by which the joints of limbs are rounded
-constexpr double kLeftOut_m = 1e-6;  // value of a grid point that counts as outside
+constexpr double kLeftOut_m = 1e-6;  // grid value that counts as outside
 constexpr double kSoften_m = 0.016;  // width of the skin's transition between bones
 constexpr glm::dvec3 kBodyMin{-0.80, -0.06, -0.30}, kBodyMax{0.80, 1.88, 0.38};
 
@@ -72,7 +72,7 @@ glm::dvec3 onBody(glm::dvec3 p) {
   return p;
 }
 
-// Surface nets: puts a vertex into every cell that the surface passes, and a quad across every grid edge that it cuts.
+// Surface nets: a vertex in each cell crossed by the surface, and a quad across each grid edge that it cuts.
 class SurfaceNets {
  public:
   explicit SurfaceNets(double cell_m) : cell_(cell_m), size_(glm::ivec3((kBodyMax - kBodyMin) / cell_m) + 2) {}
@@ -147,8 +147,8 @@ class SurfaceNets {
     }
   }
 
-  // A square of the grid with two opposite corners inside would make an edge with four faces: the shallower corner of
-  // the two is left out. False: something was left out.
+  // Removes the shallower corner of a grid square with two opposite corners inside, which would yield an edge with four
+  // faces. Returns false if a corner was removed.
   bool settle() {
     bool settled = true;
     for (int axis = 0; axis < 3; ++axis)

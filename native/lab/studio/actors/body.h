@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The procedural actor's shape: rounded cones on a skeleton, smoothly joined, meshed, unwrapped and weighted. It stands
-// in A-pose, faces +Z with Y up, has its soles at y = 0 and is measured in metres. Nothing about it is random.
+// The procedural actor's shape: rounded cones on a skeleton, smoothly joined, meshed, unwrapped and weighted. Metres;
+// A-pose, facing +Z with Y up, soles at y = 0. Deterministic.
 #pragma once
 
 #include <array>
@@ -38,12 +38,12 @@ constexpr glm::dvec3 kPelvisRest{0, 0.95, 0}, kWaistRest{0, 1.05, 0}, kNeckRest{
 double bodyDistance(const glm::dvec3& p);
 // Smooth skinning weights at a point near the skin; sum 1.
 std::array<float, kBoneCount> boneWeights(const glm::dvec3& p);
-// The bone with the largest weight at that point.
+// Bone with the maximum weight at that point.
 Bone boneAt(const glm::dvec3& p);
-// Returns a closed and connected mesh with one atlas, whose vertices lie on the body and whose faces run
-// counter-clockwise as seen from outside. `cell_m`: length of an edge, roughly.
+// Returns a closed and connected mesh with one atlas, vertices on the body and faces counter-clockwise seen from
+// outside. `cell_m`: approximate edge length.
 RestMesh meshBody(double cell_m);
-// Splits every face into four. New vertices are moved onto the body, UVs stay in their charts.
+// Splits each face into four. New vertices are moved onto the body, UVs stay in their charts.
 RestMesh subdivideOnBody(const RestMesh& mesh);
 // The actor's clothes and skin on the mesh's atlas: plaid, weave and grain at several scales, rows of glyphs.
 Image paintBody(const RestMesh& mesh, int side);

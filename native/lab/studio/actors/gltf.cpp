@@ -103,7 +103,8 @@ class Reader {
     return t;
   }
 
-  // The values of an accessor as doubles, `components` per element; integers are normalised if the accessor says so.
+  // Reads the values of an accessor as doubles, `components` per element; normalises integers if the accessor requires
+  // it.
   Status numbers(int index, int components, const char* what, std::vector<double>& out) const {
     const Error broken = error(ErrorId::FileUnreadable, std::string(what) + " cannot be read; export it again");
     if (index < 0 || size_t(index) >= gltf_.accessors.size()) return broken;
@@ -164,7 +165,7 @@ class Reader {
       if (node.skin >= 0) {
         FOURDVT_TRY(readSkin(node.skin));
       } else {
-        out_.joints.push_back({static_cast<int>(i), glm::dmat4(1)});  // moves rigidly with its node
+        out_.joints.push_back({static_cast<int>(i), glm::dmat4(1)});  // rigidly attached to its node
       }
       for (const tinygltf::Primitive& primitive : gltf_.meshes[node.mesh].primitives)
         FOURDVT_TRY(readPrimitive(primitive, gltf_.meshes[node.mesh].name, first_joint, node.skin >= 0));
@@ -290,7 +291,7 @@ class Reader {
       for (const tinygltf::AnimationChannel& channel : source.channels)
         FOURDVT_TRY(readChannel(source, channel, animation));
       if (animation.channels.empty() || !(animation.end_s > animation.start_s))
-        continue;  // it holds a single pose, or morphs only
+        continue;  // single pose, or morphs only
       out_.animations.push_back(std::move(animation));
     }
     if (out_.animations.empty())

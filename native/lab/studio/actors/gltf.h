@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rigged glTF model in plain numbers: one welded mesh in skeleton space, one texture, nodes, animations. Private to
-// the studio. Does NOT know morph targets, cameras, lights or more than one set of four weights per vertex.
+// Rigged glTF model as plain data: one welded mesh in skeleton space, one texture, nodes, animations. Private to the
+// studio. Morph targets, cameras, lights and further sets of four weights per vertex are ignored.
 #pragma once
 
 #include <array>
@@ -37,7 +37,7 @@ struct GltfAnimation {
   std::vector<GltfChannel> channels;
 };
 
-// What a vertex follows; it follows up to four.
+// Joint of a vertex; up to four per vertex.
 struct GltfJoint {
   int node = 0;
   glm::dmat4 bind{1};  // joint from mesh

@@ -58,7 +58,7 @@ class GltfActor final : public Actor {
   }
 
  private:
-  // "Armature|walk" → "walk"; characters that a folder's name must not have become "_".
+  // "Armature|walk" → "walk"; characters invalid in a folder's name become "_".
   static std::string folderName(const std::string& name) {
     std::string out = name.substr(name.find_last_of('|') + 1);
     for (char& c : out)
@@ -156,7 +156,7 @@ class GltfActor final : public Actor {
   RestMesh rest_;
   std::vector<size_t> played_;  // [motion] animation
   std::vector<Motion> motions_;
-  std::vector<glm::dmat4> world_;  // [node], of the last pose
+  std::vector<glm::dmat4> world_;  // [node], last pose
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Paints clothes and skin on the atlas as functions of the rest pose, so that they continue across the atlas's seams.
+// Paints clothes and skin on the atlas as functions of the rest pose, continuous across the atlas's seams.
 #include <algorithm>
 #include <cmath>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The procedural actor's motion: closed-form joint curves of a phase and of a parameter, 0 = walk … 1 = run. The left
-// foot is in the middle of its stance at phase 0.25 and the right one at 0.75, however long they stand, so that a phase
-// means the same pose of the stride for every parameter; the legs are furthest apart at 0 and 0.5. Between walk and run
-// the legs take joint angles between those of both, except that a foot on the ground does not slide.
+// The procedural actor's motion: closed-form joint curves of a phase and of a parameter, 0 = walk … 1 = run. Mid-stance
+// of the left foot is at phase 0.25 and of the right one at 0.75, whatever the stance duration, so that a phase is the
+// same pose of the stride for all parameters; the legs are furthest apart at 0 and 0.5. Between walk and run the joint
+// angles of the legs are interpolated, except that a foot on the ground does not slide.
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
@@ -26,11 +26,11 @@ constexpr NamedMotion kMotions[] = {{"walk", 0}, {"jog", 0.5}, {"run", 1}};
 constexpr double kMidStance = 0.25;  // phase
 constexpr double kTakesUp =
     0.2;  // share of a swing at either end in which the foot's path changes over between the ground's and the joints'
-constexpr double kSlopeStep = 1e-4;  // of the phase
+constexpr double kSlopeStep = 1e-4;  // phase step
 constexpr double kStance_m =
     0.638;  // how far a standing foot moves back under the body; a longer way would overstretch the leg
 
-// Everything that depends on the parameter.
+// Parameter-dependent constants.
 struct Gait {
   explicit Gait(double w) : w(w) {}
   double mix(double walk, double run) const { return walk + w * (run - walk); }
@@ -61,12 +61,12 @@ FootTarget operator+(const FootTarget& a, const FootTarget& b) {
 }
 FootTarget operator*(double k, const FootTarget& a) { return {k * a.forward_m, k * a.height_m, k * a.pitch}; }
 
-// In what follows, `since` is the phase that has passed since the middle of the foot's stance, -0.5…0.5.
+// Below, `since` is the phase since mid-stance of the foot, -0.5…0.5.
 
-// A standing foot moves back at the root's speed and stays flat.
+// Stance foot: moves back at the root's speed and stays flat.
 FootTarget onGround(const Gait& gait, double since) { return {-gait.speed_mps * gait.duration_s * since, 0, 0}; }
 
-// Of walk or run.
+// Foot of walk or run.
 FootTarget memberFoot(const Gait& gait, double since) {
   if (std::abs(since) <= 0.5 * gait.stance) return onGround(gait, since);
   const double swing = 1 - gait.stance, travel = gait.speed_mps * gait.duration_s, reach = 0.5 * travel * gait.stance;
@@ -77,7 +77,7 @@ FootTarget memberFoot(const Gait& gait, double since) {
           gait.toe * lift * std::cos(kPi * t) * 2};
 }
 
-FootTarget footAt(const Gait& gait, double since);  // of any gait
+FootTarget footAt(const Gait& gait, double since);  // any gait
 
 glm::dmat4 pelvisAt(const Gait& gait, double phase) {
   const double a = 2 * kPi * phase;
@@ -155,7 +155,7 @@ class Skeleton {
   glm::dquat chest_turn_;
 };
 
-// Where joint angles between those of walk and run put the left foot; the right foot mirrors it half a cycle later.
+// Position of the left foot by interpolated joint angles of walk and run; the right foot mirrors it half a cycle later.
 FootTarget byJoints(const Gait& gait, double since) {
   static const Gait walk(0), run(1);
   const double phase = since + kMidStance;

@@ -105,13 +105,14 @@ glm::dvec3 Surface::shareRate(uint32_t f, const glm::dvec3& direction) const {
           glm::dot(n, glm::cross(b - a, direction)) / area};
 }
 
-// Steps into the face behind the edge opposite to corner `opposite` and unfolds the direction. False: the edge is open.
+// Steps into the face behind the edge opposite to corner `opposite` and unfolds the direction. Returns false for an
+// open edge.
 bool Surface::cross(SurfacePoint& at, int opposite, glm::dvec3& direction) const {
   const int next = neighbours_[at.face][opposite];
   if (next < 0) return false;
   const uint32_t a = faces_[at.face][(opposite + 1) % 3], b = faces_[at.face][(opposite + 2) % 3];
   const glm::dvec3 edge = glm::normalize(glm::dvec3(positions_[b]) - glm::dvec3(positions_[a]));
-  // In both faces the component across the edge points in the direction of travel.
+  // The component across the edge points in the direction of travel in both faces.
   const glm::dvec3 out = -glm::cross(faceNormal(at.face), edge);
   const double along = glm::dot(direction, edge), across = glm::dot(direction, out);
   SurfacePoint point{static_cast<uint32_t>(next), glm::dvec3(0)};

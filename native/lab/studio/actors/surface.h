@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points on a closed triangle surface and walks along it: how the studio lets appearance slide over a mesh.
-// Distances are those of the pose that the surface was made with. Does NOT remesh.
+// Points on a closed triangle surface and geodesic walks along it, for appearance that slides over a mesh. Distances
+// are those of the constructor's pose.
 #pragma once
 
 #include <array>
@@ -11,12 +11,12 @@ namespace fourdvt::studio {
 
 struct SurfacePoint {
   uint32_t face = 0;
-  glm::dvec3 share{1, 0, 0};  // barycentric, of the face's corners; sum 1
+  glm::dvec3 share{1, 0, 0};  // barycentric, per face corner; sum 1
 };
 
 class Surface {
  public:
-  // Copies both. Every edge has at most two faces.
+  // Copies both. An edge has at most two faces.
   Surface(std::vector<glm::uvec3> faces, Positions positions);
 
   const std::vector<glm::uvec3>& faces() const { return faces_; }
@@ -24,12 +24,12 @@ class Surface {
   const std::vector<glm::vec3>& normals() const { return normals_; }  // unit, per vertex
   glm::dvec3 faceNormal(uint32_t face) const;                         // unit
   SurfacePoint atVertex(uint32_t vertex) const;
-  // The closest point to `p` on the faces round the nearest vertex.
+  // Closest point to `p` on the faces round the nearest vertex.
   SurfacePoint nearest(const glm::dvec3& p) const;
-  // The end of the geodesic that leaves `from` in the direction of `step`, turned into the surface, and is as long as
-  // `step`. A walk that meets an open edge ends there.
+  // End of the geodesic from `from` in the direction of `step`, projected to the surface, with the length of `step`.
+  // Stops at an open edge.
   SurfacePoint walk(const SurfacePoint& from, const glm::dvec3& step) const;
-  // Where the point lies when the vertices are at `pose`.
+  // Position of the point for vertices at `pose`.
   glm::dvec3 place(const SurfacePoint& point, const Positions& pose) const;
 
  private:
