@@ -18,7 +18,7 @@ class Renderer {
   // Fixes the size of all pictures. Errors: GpuFailure.
   static Result<Renderer> create(gpu::Device& device, const RestMesh& surface, const Image& texture, int width,
                                  int height);
-  // The folds of the cloth depend on `place`, 0…1 from the first motion to the last, and on `phase`, 0…1.
+  // Sets the pose. Cloth folds depend on `place`, 0…1 from the first motion to the last, and on `phase`, 0…1.
   void setPose(const Positions& positions, double place, double phase);
   // Returns RGBA, premultiplied, on a transparent background.
   Result<Image> draw(const PinholeCamera& camera, double near_m, double far_m, const Shading& shading);

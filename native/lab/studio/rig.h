@@ -22,8 +22,8 @@ struct Rig {
 Rig makeRig(const BoundingBox& bounds, int cameras, int width, int height);
 // Cameras as found by a calibration with the errors of `knobs`.
 std::vector<PinholeCamera> miscalibrated(const std::vector<PinholeCamera>& truth, const StudioKnobs& knobs);
-// The cameras that take the plates: turned so that the picture's middle moves by knobs.plate_move_pixels in a direction
-// of each camera's own, rolled so that its corners move by a third of that, and moved by 0.2 mm a pixel.
+// Cameras of the plates: rotated so that the picture's centre moves by knobs.plate_move_pixels in a direction per
+// camera, rolled so that its corners move by a third of that, and moved by 0.2 mm a pixel.
 std::vector<PinholeCamera> plateCameras(const std::vector<PinholeCamera>& ring, const StudioKnobs& knobs);
 // Creates `folder` and writes cameras.txt and images.txt into it; positions are multiplied by `scale`; `lens`: k1, k2,
 // k3 of all cameras. Errors: WriteFailed.

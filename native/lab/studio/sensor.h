@@ -18,8 +18,8 @@ class Sensor {
   Sensor(const StudioKnobs& knobs, int camera, Image backdrop);
   // Picture of the empty studio, RGB, with this camera's gain and without noise.
   const Image& plate() const { return plate_; }
-  // RGB gain in a clip's picture beside the plates', which have 1: exposure and white balance that drift smoothly, by
-  // at most what the knobs say. `time`: 0…1 from the clip's first picture to its last.
+  // RGB gain of a clip's picture relative to the plates, which have 1: smooth drift of exposure and white balance,
+  // bounded by the knobs. `time`: 0…1 from the clip's first picture to its last.
   glm::dvec3 drift(size_t clip, double time) const;
   // Converts premultiplied RGBA to a recorded RGB picture. `shot` seeds the noise and is unique per picture of this
   // camera. `backdrop`: RGB, replaces the constructor's, e.g. with a shadow on it; null: the constructor's. `drift`:

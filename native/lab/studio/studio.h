@@ -24,8 +24,7 @@ namespace fourdvt::studio {
 struct StudioKnobs {
   uint32_t seed = 1;
   // The actor.
-  double drift_mm =
-      0;  // maximum slide of appearance over the tracked mesh between the first and last member of a class
+  double drift_mm = 0;  // maximum slide of appearance over the tracked mesh, a class's first to last member
   double wrinkles = 0;   // 0…1: contrast of cloth folds whose position depends on the motion and its phase
   double specular = 0;   // 0…1: strength of a view-dependent highlight
   double shading = 0.5;  // 0…1: strength of the studio's fixed lights; 0: unshaded texture

@@ -17,7 +17,7 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr const char* kStudyVersion = "study 7";  // change it whenever kept rows of older builds must not be reused
+constexpr const char* kStudyVersion = "study 7";  // change it to discard kept rows of older builds
 
 StudyContext resolved(const StudyContext& given) {
   StudyContext context = given;
@@ -32,7 +32,7 @@ StudyContext resolved(const StudyContext& given) {
   return context;
 }
 
-// Of the study's sequences; all its bakes share it. Kept, so that a study that was stopped goes on with the same.
+// Refinement of the study's sequences, shared by all its bakes. Kept on disk, so that a resumed study uses the same.
 Result<refine::Refinement> refineStudied(const StudyContext& context) {
   capture::Capture studied = *context.capture;
   std::erase_if(studied.sequences, [&](const capture::CaptureSequence& sequence) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `fourdvt-lab`: makes captures whose truth is known and judges methods. Nothing that a character needs.
+// `fourdvt-lab`: captures with known truth, and evaluation of methods; unnecessary for making characters.
 #include "lab/tools/commands.h"
 #include "tools/commands.h"
 

@@ -35,7 +35,7 @@ class StudyLine {
 
  private:
   using Clock = std::chrono::steady_clock;
-  // Work that earlier runs finished does not count.
+  // Estimates the remaining time; excludes work of earlier runs.
   std::string timeLeft(Clock::time_point now, double share) const {
     const double elapsed_s = std::chrono::duration<double>(now - *started_).count(), done = share - first_share_;
     if (elapsed_s < 3 || done < 0.01) return "";
@@ -49,7 +49,7 @@ class StudyLine {
   Clock::time_point last_;
 };
 
-// On a terminal, one line that is rewritten.
+// Progress line, rewritten in place on a terminal.
 class FrameLine {
  public:
   ~FrameLine() { end(); }

@@ -7,7 +7,7 @@
 namespace fourdvt::lab {
 
 using StudyRunner = Result<study::Rows> (*)(const study::StudyContext& context);
-// Returns the exit code.
+// Runs the study and returns the exit code.
 Result<int> runStudyCommand(const study::StudyOptions& options, capture::MeshNeed need, StudyRunner run);
 
 }  // namespace fourdvt::lab

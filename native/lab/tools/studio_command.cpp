@@ -30,7 +30,7 @@ std::optional<std::vector<studio::StudioClass>> parseClass(const std::string& te
   return std::vector{out};
 }
 
-// Numbers that commas separate; empty: one is none, or out of the range.
+// Parses comma-separated numbers; returns an empty list if one is invalid or out of the range.
 std::vector<double> parseNumbers(const std::string& text, double low, double high) {
   std::vector<double> out;
   for (const char* at = text.c_str();; ++at) {

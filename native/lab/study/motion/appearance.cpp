@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appearance between the members: against the studio's truth (4DVT Fig. 8), and its sharpness against the members' own.
+// Appearance between the members: against the studio's truth (Casas et al. 2014, Fig. 8), and its sharpness against the
+// members' own.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,12 +17,12 @@ namespace fourdvt::study {
 namespace {
 
 constexpr int kSharpWidth = 600, kSharpHeight = 800;
-constexpr int kEdge = 4;  // pixels along the outline where sharpness is not measured
+constexpr int kEdge = 4;  // border along the outline excluded from sharpness
 
-constexpr size_t kCameras = 3;  // of the truth: the held-out ones come first
+constexpr size_t kCameras = 3;  // truth cameras; the held-out ones come first
 
-// Both ways of aligning are measured with and without restored contrast, so that neither is judged by what only the
-// other has. OpenCV's flow is slow to read back, so it is drawn only where it matters most.
+// Selects the alignments to draw. Both are measured with and without restored contrast, for a fair comparison. OpenCV's
+// flow is slow to read back and is limited to the most relevant cases.
 std::vector<AlignMethod> shownMethods(const MotionSubject& subject, bool with_opencv) {
   std::vector<AlignMethod> methods{rows::kAlignNone, rows::kAlignBaked, rows::kFlowGpu};
   if (subject.stage.aligned()) {
@@ -114,7 +115,7 @@ struct RatioSum {
   int count = 0;
 };
 
-// Against the w-weighted mean of the members' own looks on the same mesh and view.
+// Measures sharpness against the w-weighted mean of the members' own pictures on the same mesh and view.
 Status addSharpness(const MotionSubject& subject, const PinholeCamera& camera, double w,
                     const std::array<Image, 2>& looks, std::map<AlignMethod, RatioSum>& sums) {
   for (const AlignMethod& method : shownMethods(subject, false)) {

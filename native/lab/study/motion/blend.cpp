@@ -15,7 +15,7 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr int kMostReferences = 6, kCheckWeights = 25;  // as the bake's own check
+constexpr int kMostReferences = 6, kCheckWeights = 25;  // as in the bake's own check
 constexpr int kRepeats = 31;
 
 double milliseconds(const std::function<void()>& run) {
@@ -28,7 +28,7 @@ double milliseconds(const std::function<void()>& run) {
   return median(times);
 }
 
-// What the player runs, on a frame of as many members and corrections.
+// Mesh blend of the player, on a frame of as many members and corrections.
 class RunTimeBlend {
  public:
   explicit RunTimeBlend(const std::vector<Positions>& members) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Milliseconds of drawing a blend of two members, by alignment, the variants taking turns; and how many characters with
-// baked alignment take as long as one with run-time flow.
+// Milliseconds of drawing a blend of two members, by alignment, in interleaved runs; and the number of characters with
+// baked alignment per character with run-time flow at equal time.
 
 #include "base/robust.h"
 #include "base/watch.h"
@@ -25,7 +25,7 @@ Status drawOnce(const MotionSubject& subject, const render::View& view, AlignVar
                 bool counts) {
   const Watch watch;
   FOURDVT_TRY(subject.stage.drawMany(view, variant.characters, variant.method, target));
-  uint8_t pixel[4];  // waits until everything is drawn
+  uint8_t pixel[4];  // reading it waits for all drawing
   FOURDVT_TRY(subject.context.device->readPixels(
       target, gpu::PixelFormat::RGBA8, {.x = view.width / 2, .y = view.height / 2, .width = 1, .height = 1}, pixel));
   const double time_ms = watch.ms();
@@ -45,8 +45,8 @@ Status race(const MotionSubject& subject, int width, int height, int frames, std
   return {};
 }
 
-// How many characters take `limit_ms`: interpolated between the counts drawn, extrapolated from the last two beyond
-// them. `times`: ascending.
+// Number of characters drawn in `limit_ms`: interpolated between the counts measured, extrapolated from the last two
+// beyond them. `times`: ascending.
 double charactersWithin(const std::vector<std::pair<int, double>>& times, double limit_ms) {
   size_t i = 1;
   while (i + 1 < times.size() && times[i].second < limit_ms) ++i;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Optical flow between two members' looks on the same blended mesh and view: compares the GPU's flow with OpenCV's, and
-// both of them and the baked alignment with the studio's truth.
+// Optical flow between two members' appearance on the same blended mesh and view: GPU flow against OpenCV's, and both
+// of them and the baked alignment against the studio's truth.
 #include <cmath>
 #include <map>
 
@@ -22,7 +22,7 @@ measure::FlowField stillField(const PinholeCamera& camera) {
   return {camera.width, camera.height, std::vector<glm::vec2>(size_t(camera.width) * camera.height, glm::vec2(0))};
 }
 
-// The baked displacement of every face corner on the mesh set: along the face, as texture coordinates move.
+// Baked displacement of each face corner on the mesh set: along the face, following the texture coordinates.
 std::vector<glm::vec3> bakedCorners(const MotionStage& stage, const SurfaceFrames& frames) {
   const MeshTopology& topology = stage.mesh().topology;
   const Positions& p = stage.positions();
@@ -54,8 +54,8 @@ struct TruthErrors {
   measure::ErrorSamples px, mm;
 };
 
-// At a pixel of the first look, the displacement of the surface point seen there is compared. The baked displacement
-// belongs to the place where both looks meet, half way along it.
+// Adds the displacement errors of the surface points visible in the first picture. The baked displacement is defined at
+// the common point, half way along it.
 void addTruthErrors(const measure::FlowField& truth, const measure::FlowField& found, bool half_way,
                     const measure::Mask& inside, const std::vector<float>& metres_per_pixel, TruthErrors& out) {
   for (size_t i = 0; i < inside.size(); ++i) {
@@ -95,7 +95,7 @@ class FlowPart {
   }
 
  private:
-  // corners: the truth's; null: compares with OpenCV instead.
+  // corners: those of the truth; null: compares with OpenCV instead.
   Status pair(const PinholeCamera& camera, const std::vector<glm::vec3>* corners) {
     FOURDVT_TRY(checkStop(subject_.context));
     FOURDVT_ASSIGN(auto look, stage_.draw(camera, 0, rows::kAlignNone));
@@ -149,7 +149,7 @@ class FlowPart {
   MotionStage& stage_;
   const SurfaceFrames frames_;
   std::map<AlignMethod, measure::ErrorSamples> against_;  // OpenCV's Farneback
-  measure::ErrorSamples size_;                            // of OpenCV's flow
+  measure::ErrorSamples size_;                            // magnitude of OpenCV's flow
   std::map<AlignMethod, TruthErrors> errors_;
 };
 

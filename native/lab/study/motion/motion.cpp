@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kBakeShare = 0.4;
 
-// A bake of the class's members with default settings; unless `quick`, also of the study's other sequences, for
-// transitions.
+// Options of a bake of the class's members with default settings; unless `quick`, also of the study's other sequences,
+// for transitions.
 bake::BakeOptions motionBake(const StudyContext& context, const capture::CaptureClass& motion_class) {
   bake::BakeOptions options = defaultBake(context, context.work() + "/motion/character");
   for (const capture::CaptureSequence& sequence : context.capture->sequences) {
@@ -34,12 +34,12 @@ bake::BakeOptions motionBake(const StudyContext& context, const capture::Capture
   return options;
 }
 
-// The order of vertices and the class's common time, as the bake found them.
+// Vertex order and common time of the class, as found by the bake.
 Result<MotionTruth::Baked> asBaked(const StudyContext& context, const bake::BakeOptions& options,
                                    const capture::CaptureClass& motion_class) {
   const bake::BakeEnvironment environment = bakeEnvironment(context);
   auto validated = bake::validate(options, environment);
-  platform::removeIfEmpty(options.character_folder + ".work");  // only if empty: no bake is under way there
+  platform::removeIfEmpty(options.character_folder + ".work");  // removed only if empty: no bake is in progress there
   if (!validated) return validated.error();
   bake::BakeRun run(validated.take(), environment);
   FOURDVT_TRY(bake::refineJob(run));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The step "motion": blend, alignment and transitions of motion classes (4DVT 5-6), and the parts that it consists of.
+// The step "motion" and its parts: blend, alignment and transitions of motion classes (Casas et al. 2014, 5-6).
 #pragma once
 
 #include "lab/study/motion/stage.h"
@@ -8,7 +8,7 @@
 
 namespace fourdvt::study {
 
-// The step. Sequences without a class have no rows.
+// Runs the step. Sequences without a class have no rows.
 Result<Rows> runMotion(const StudyContext& context);
 
 struct MotionSubject {
@@ -20,17 +20,17 @@ struct MotionSubject {
   bool quick() const { return context.options.quick; }
   // Evenly spread phases of the class.
   std::vector<uint32_t> phases(size_t count) const;
-  // kAlign… of the product, in the tables' order; baked only where the stream is aligned.
+  // The product's kAlign…, in the tables' order; baked only if the stream is aligned.
   std::vector<AlignMethod> methods(const std::vector<AlignMethod>& wanted) const;
 };
 
 Result<Rows> measureBlend(const MotionSubject& subject);        // blend.cpp: mm and ms of the mesh blend
 Result<Rows> measureFlow(const MotionSubject& subject);         // flow.cpp: against OpenCV, against truth
-Result<Rows> measureAppearance(const MotionSubject& subject);   // appearance.cpp: 4DVT Fig. 8, sharpness
+Result<Rows> measureAppearance(const MotionSubject& subject);   // appearance.cpp: Casas et al. 2014 Fig. 8, sharpness
 Result<Rows> measureCost(const MotionSubject& subject);         // cost.cpp: ms a frame, characters
 Result<Rows> measureTransitions(const MotionSubject& subject);  // transitions.cpp: with the real player
-Result<Rows> measureSkate(const MotionSubject& subject);        // the same file
-Result<Rows> drawMotionPictures(const MotionSubject& subject);  // pictures.cpp: 4DVT Fig. 7-8
+Result<Rows> measureSkate(const MotionSubject& subject);        // transitions.cpp
+Result<Rows> drawMotionPictures(const MotionSubject& subject);  // pictures.cpp: Casas et al. 2014 Fig. 7-8
 
 // Azimuths of a ring, between the cameras rather than on them.
 std::vector<double> motionAzimuths_deg(size_t count);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of the step "motion": columns of w from one member to the other (4DVT Fig. 7-8), crops half way between
-// them, a transition tick by tick.
+// Pictures of the step "motion": columns of w from one member to the other (Casas et al. 2014, Fig. 7-8), crops half
+// way between them, a transition tick by tick.
 #include "lab/study/motion/motion.h"
 #include "lab/study/motion/player.h"
 #include "lab/study/run/picture_parts.h"
@@ -92,7 +92,7 @@ Status PicturePart::columns(uint32_t phase, double azimuth, int number) {
               rows::kPictureMotionCrops);
 }
 
-// At the truth's step nearest to the middle, on its mesh, beside what was rendered.
+// Draws crops at the truth's step nearest to the middle, on its mesh, beside the rendered ones.
 Status PicturePart::truthCrops() {
   const MotionTruth& truth = *subject_.truth;
   const MotionTruth::Instant instant = truth.instants()[truth.instants().size() / 2];
@@ -120,13 +120,13 @@ Status PicturePart::truthCrops() {
               rows::kPictureMotionCrops);
 }
 
-// From the first member's own sequence to the last one's.
+// Draws the transition from the first member's own sequence to the last one's.
 Status PicturePart::transition() {
   const package::Character& character = stage_.character();
   const std::string from = subject_.motion().members.front().name;
   std::string to = subject_.motion().members.back().name;
   for (const package::Sequence& sequence : character.sequences)
-    if (!sequence.isClass() && !sequence.loop) to = sequence.name;  // more to see
+    if (!sequence.isClass() && !sequence.loop) to = sequence.name;  // larger visible change
   if (character.graph_uri.empty() || !character.find(from) || !character.find(to)) return {};
   FOURDVT_ASSIGN(auto watched, WatchedPlayer::open(*subject_.context.device, subject_.folder, false));
   FOURDVT_TRY(watched->start(from, 0, std::nan("")));

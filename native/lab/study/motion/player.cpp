@@ -9,9 +9,9 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr int kComparedWidth = 240, kComparedHeight = 320;  // of the pictures compared
+constexpr int kComparedWidth = 240, kComparedHeight = 320;  // size of the compared pictures
 
-// The mesh that is drawn, from the table on the GPU: two texels a vertex.
+// Reads the drawn mesh back from the table on the GPU: two texels a vertex.
 Result<Positions> shownPositions(gpu::Device& device, const render::CharacterModel& model) {
   constexpr int kWidthOfTable = render::CharacterModel::kTableWidth;
   const int height = (2 * static_cast<int>(model.vertex_count) + kWidthOfTable - 1) / kWidthOfTable;
@@ -23,7 +23,7 @@ Result<Positions> shownPositions(gpu::Device& device, const render::CharacterMod
   Positions out;
   for (uint32_t v = 0; v < model.vertex_count; ++v) {
     const int row = static_cast<int>(2 * v) / kWidthOfTable, column = static_cast<int>(2 * v) % kWidthOfTable;
-    out.push_back(glm::vec3(table[size_t(height - 1 - row) * kWidthOfTable + column]));  // read top row first
+    out.push_back(glm::vec3(table[size_t(height - 1 - row) * kWidthOfTable + column]));  // row 0 is the top row
   }
   return out;
 }

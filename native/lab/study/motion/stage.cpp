@@ -13,7 +13,7 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr float kApart_m = 0.002f;  // figures of drawMany
+constexpr float kApart_m = 0.002f;  // spacing of drawMany's figures
 
 bool byOpencv(const AlignMethod& method) { return method == rows::kFlowOpencv || method == rows::kOpencvDis; }
 
@@ -29,8 +29,8 @@ double lumaAt(const Image& rgba, int x, int y) {
   return 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2];
 }
 
-// Restores contrast in the picture as the renderer does in the texture of a baked blend (render/layered_pass.cpp): luma
-// against its neighbours on both diagonals, where all of them are covered.
+// Restores contrast in the picture, as the renderer does in the texture of a baked blend (render/layered_pass.cpp):
+// luma against its neighbours on both diagonals, if all of them are covered.
 void putBackDetail(Image& rgba, double lost) {
   constexpr int kReach = 3;  // pixels
   const Image before = rgba;
@@ -49,15 +49,14 @@ void putBackDetail(Image& rgba, double lost) {
     }
 }
 
-// As in the renderer: by what share the contrast that is left in a mean of these weights is raised, so that detail of
-// this correlation keeps its own.
+// Gain, as in the renderer, that restores the contrast lost in a mean of these weights for detail of this correlation.
 double lostDetail(const std::vector<float>& weights, double correlation) {
   double squares = 0;
   for (float w : weights) squares += w * w;
   return 1 / std::sqrt(squares + correlation * (1 - squares)) - 1;
 }
 
-// The samples in which only the first two members have weight, ordered by the second one's.
+// Samples in which only the first two members have weight, sorted by the second one's.
 std::vector<const package::ParameterSample*> samplesBetween(const package::ParameterSpace& space) {
   std::vector<const package::ParameterSample*> out;
   for (const package::ParameterSample& sample : space.samples)
@@ -66,7 +65,7 @@ std::vector<const package::ParameterSample*> samplesBetween(const package::Param
   return out;
 }
 
-// The references' coefficients at w, between the table's samples.
+// Coefficients of the references at w, interpolated between the table's samples.
 std::vector<float> offsetsAt(const package::Sequence& motion, float w) {
   std::vector<float> offsets(motion.reference_count, 0.0f);
   const auto samples = samplesBetween(motion.space);
@@ -235,7 +234,7 @@ Result<measure::FlowField> MotionStage::flow(const PinholeCamera& camera, const 
   const auto format = byOpencv(method) ? gpu::PixelFormat::RG32F : gpu::PixelFormat::RG16F;
   FOURDVT_TRY(device_.readPixels(target.id(), format, {.width = camera.width, .height = camera.height},
                                  out.displacement.data()));
-  for (glm::vec2& f : out.displacement) f.y = -f.y;  // counted along GL rows
+  for (glm::vec2& f : out.displacement) f.y = -f.y;  // GL row order
   return out;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One motion class of a baked character, held still: any phase, any share of its first two members, any mesh, drawn
-// with every way of bringing the members' appearance together. Does NOT play and does NOT measure.
+// Static view of one motion class of a baked character: any phase, any share of its first two members, any mesh, drawn
+// with each alignment of the members' appearance.
 #pragma once
 
 #include <map>
@@ -18,11 +18,12 @@
 
 namespace fourdvt::study {
 
-// As a row of the tables names it (rows.h: kAlign…). kOpencvDis is no product setting, only a baseline of flow-dis.
+// Row name of an alignment in the tables (rows.h: kAlign…). kOpencvDis is no product setting, only a baseline of
+// flow-dis.
 using AlignMethod = std::string;
 render::Align alignOf(const AlignMethod& method);
 
-constexpr double kFirstAzimuth_deg = 25;  // of the views around a motion
+constexpr double kFirstAzimuth_deg = 25;  // views around a motion
 
 class MotionStage {
  public:
@@ -34,11 +35,11 @@ class MotionStage {
   const package::BaseMesh& mesh() const { return stream_.mesh; }
   bool aligned() const { return stream_.index.alignment_count > 0; }
 
-  // Chooses the phase whose pictures, labels and meshes are used from now on, and sets its mesh at equal weights.
+  // Selects the phase of pictures, labels and meshes, and sets its mesh at equal weights.
   Status show(uint32_t phase);
   std::vector<Positions> members() const;  // meshes of the phase
-  Positions blended(double w) const;       // as the player blends: w of the second member
-  // The same between two phases, as a class of more frames would have it; a loop goes on at its start.
+  Positions blended(double w) const;       // as blended by the player: w of the second member
+  // Blend between two phases, as for a class of more frames; a loop wraps to its start.
   Result<Positions> blendedAt(double w, double phase);
   const std::vector<glm::vec2>& alignment() const { return alignment_; }  // [member - 1][vertex], metres
   void setMesh(Positions positions);
@@ -46,15 +47,15 @@ class MotionStage {
 
   // Premultiplied, into a target of the view's size.
   Status drawInto(const render::View& view, double w, const AlignMethod& method, gpu::TargetId target);
-  // `count` figures in the same place, each a little nearer than the one before: every one is shaded.
+  // Draws `count` figures in the same place, each slightly nearer than the one before, so that each is shaded.
   Status drawMany(const render::View& view, int count, const AlignMethod& method, gpu::TargetId target);
-  // RGBA straight alpha, top row first. w: 0 and 1 show one member's own look. Knows kFlowGpuDetail too: the flow's
-  // picture with as much contrast put back as a baked blend of the same weights gets.
+  // RGBA straight alpha, top row first. w: 0 and 1 are one member's own appearance. Accepts kFlowGpuDetail too: the
+  // flow's picture with the contrast gain of a baked blend of the same weights.
   Result<Image> draw(const PinholeCamera& camera, double w, const AlignMethod& method);
-  // From the first member's look to the second's, on the mesh set; one of the flow methods.
+  // Flow from the first member's appearance to the second's, on the mesh set; one of the flow methods.
   Result<measure::FlowField> flow(const PinholeCamera& camera, const AlignMethod& method);
 
-  // The distance from which the whole motion is in the picture on every side.
+  // Orbit camera at the minimum distance that keeps the whole motion inside the picture.
   PinholeCamera orbit(double azimuth_deg, int width, int height) const;
 
  private:

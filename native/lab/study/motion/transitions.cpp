@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Transitions as the player makes them: the waits and fits that the motion graph plans, and the largest change from
-// tick to tick beside that of the two motions themselves. Also how far feet slide while the character travels.
+// Transitions of the player: the waits and fits planned by the motion graph, and the maximum change per tick beside
+// that of the two motions themselves. Also the sliding of feet while the character travels.
 #include <cmath>
 #include <map>
 
@@ -19,8 +19,8 @@ namespace {
 
 constexpr double kLatency_s = 0.4;
 constexpr int kMostTicks = 75, kTicksAfter = 6;
-constexpr int kPasses = 2;     // of a loop, for the skate
-constexpr int kOwnPasses = 8;  // of a class, whose frames meet the ticks differently in every pass
+constexpr int kPasses = 2;     // passes of a loop, for the skate
+constexpr int kOwnPasses = 8;  // passes of a class, whose frames fall on different ticks in each pass
 
 struct Largest {
   double step_m = 0, levels = 0;
@@ -31,7 +31,7 @@ struct Largest {
   void add(const Largest& other) { add(TickChange{other.step_m, other.levels}); }
 };
 
-struct Waits {  // from the request to the first tick that shows the target
+struct Waits {  // from the request to the first tick of the target
   int count = 0;
   double sum_s = 0, max_s = 0;
   void add(double wait_s) {
@@ -90,7 +90,7 @@ Status TransitionPart::play(const package::Sequence& state, double parameter, La
   return {};
 }
 
-// The largest changes of the motion by itself; for a class, at both ends of the parameter and in the middle.
+// Maximum changes of the motion by itself; for a class, at both ends of the parameter and in the middle.
 Status TransitionPart::ownPace(const package::Sequence& state) {
   Largest& own = own_[state.name];
   if (!state.isClass()) return play(state, std::nan(""), own);
@@ -107,7 +107,7 @@ std::vector<uint32_t> TransitionPart::startFrames(const package::Sequence& state
   return out;
 }
 
-// As the graph's tables plan it, from every frame.
+// Waits and fits by the graph's tables, from each frame.
 void TransitionPart::planned(size_t from, size_t to, const RowWriter& row) const {
   const package::Sequence& source = character_.sequences[from];
   std::vector<float> weights{1};
@@ -155,7 +155,7 @@ Status TransitionPart::pair(size_t from, size_t to) {
   return {};
 }
 
-// From the request until shortly after the target has taken over.
+// Simulates from the request until shortly after the target has taken over.
 Status TransitionPart::simulate(const package::Sequence& from, const package::Sequence& to, uint32_t frame,
                                 Largest& changes, Waits& waits) {
   if (to.isClass())
@@ -193,7 +193,7 @@ Result<bake::FootSkate> skateOf(const MotionSubject& subject, WatchedPlayer& wat
   world.fps = 1 / kTick_s;
   capture::CaptureSequence walked;
   walked.frame_count = static_cast<uint32_t>(shown.size());
-  const std::vector<glm::vec3> no_track(shown.size() + 1, glm::vec3(0));  // it has travelled already
+  const std::vector<glm::vec3> no_track(shown.size() + 1, glm::vec3(0));  // travel is already in the positions
   return bake::footSkate(world, walked, no_track,
                          [&](const capture::CaptureSequence&, uint32_t t) -> Result<Positions> { return shown[t]; });
 }

@@ -18,7 +18,7 @@ constexpr size_t kAlignmentBytes = 12;
 
 std::string at(const std::string& list, size_t i) { return list + "/" + std::to_string(i); }
 
-// The pattern's "%04d" by a number.
+// Replaces "%04d" in the pattern by a number.
 std::string numbered(std::string pattern, uint32_t number) {
   const std::string digits = printed("%04u", number);
   const size_t place = pattern.find("%04d");
@@ -45,7 +45,7 @@ Result<std::unique_ptr<MotionTruth>> MotionTruth::open(const StudyContext& conte
 }
 
 Status MotionTruth::read(const FlatJson& json, const package::Sequence& motion) {
-  size_t member_of[2] = {};  // the class's members among the truth's
+  size_t member_of[2] = {};  // indices of the class's members among the truth's
   std::vector<std::string> names;
   for (size_t i = 0; json.has(at("/members", i)); ++i) names.push_back(json.string(at("/members", i)).value_or(""));
   for (size_t m = 0; m < 2; ++m) {

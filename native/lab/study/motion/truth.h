@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The truth between a class's members, where the capture comes from the virtual studio (lab/studio/truth.h), in
-// the vertex order of the baked character. A class's time is its members' common time, the studio's the phase of its
-// actor. Which moments are the same follows from the members' frames alone (classPhase).
+// Ground truth between a class's members for captures of the virtual studio (lab/studio/truth.h), in the vertex order
+// of the baked character. A class's time is its members' common time, the studio's the phase of its actor. The members'
+// frames alone determine their correspondence (classPhase).
 #pragma once
 
 #include <memory>
@@ -20,33 +20,34 @@ namespace fourdvt::study {
 class MotionTruth {
  public:
   struct Step {
-    double w = 0;  // of the second member
+    double w = 0;  // the second member's weight
     std::string pictures, positions;
   };
   struct Instant {
-    uint32_t number = 0;  // of the truth's files
-    double phase = 0;     // 0…1, of every member's motion
+    uint32_t number = 0;  // number of the truth's files
+    double phase = 0;     // 0…1, of all members' motion
   };
-  // What is known from the character's bake.
+  // Inputs from the character's bake.
   struct Baked {
     package::EncodedBaseMesh mesh;
-    std::vector<std::vector<double>> passed;  // [member][frame of the class], as of commonFrame
+    std::vector<std::vector<double>> passed;  // [member][frame of the class], see commonFrame
   };
-  // Null: the capture has none, or the class has more than two members. Errors: FileUnreadable (a damaged truth).
+  // Returns null if the capture has none, or if the class has more than two members. Errors: FileUnreadable (a damaged
+  // truth).
   static Result<std::unique_ptr<MotionTruth>> open(const StudyContext& context, const package::Sequence& motion,
                                                    Baked baked);
   const std::vector<Step>& steps() const { return steps_; }
   const std::vector<Instant>& instants() const { return instants_; }
   const std::vector<PinholeCamera>& cameras() const { return cameras_; }
-  // The fractional frame of the class that shows the instant (commonFrame).
+  // Fractional frame of the class at the instant (commonFrame).
   double classPhase(double w, const Instant& instant) const;
-  // The class's whole frame nearest to the instant.
+  // Nearest whole frame of the class at the instant.
   uint32_t classFrame(double w, const Instant& instant) const;
   bool isAligned() const { return !alignment_.empty(); }
 
   Result<Image> picture(const Step& step, const PinholeCamera& camera, const Instant& instant) const;
   Result<Positions> mesh(const Step& step, const Instant& instant) const;
-  // [vertex] the point of `mesh` where the second member shows what the first one shows at the vertex.
+  // [vertex] point of `mesh` at which the second member has the first one's appearance at the vertex.
   Result<Positions> moved(const Instant& instant, const Positions& mesh) const;
 
  private:
@@ -62,7 +63,7 @@ class MotionTruth {
   std::vector<Step> steps_;
   std::vector<Instant> instants_;
   std::vector<PinholeCamera> cameras_;
-  std::string alignment_;  // pattern of the files
+  std::string alignment_;  // file name pattern
 };
 
 }  // namespace fourdvt::study

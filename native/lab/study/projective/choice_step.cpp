@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bake's choice of a method (bake/method/method_trial.h) under every condition: from the input cameras alone, on
-// the frames that the condition is measured on.
+// The bake's choice of a method (bake/method/method_trial.h) under each condition: from the input cameras alone, on the
+// condition's measured frames.
 #include "bake/method/method_choice.h"
 #include "bake/method/method_trial.h"
 #include "lab/study/projective/projective_study.h"
@@ -20,7 +20,7 @@ std::vector<Condition> allConditions(bool quick) {
   return out;
 }
 
-// Those of the study within the rule's cost on such a surface.
+// Methods of the study within the rule's cost on such a surface.
 std::vector<std::string> candidates(const ProjectiveSetup& setup, size_t faces, const bake::ChoiceRule& rule) {
   std::vector<std::string> out;
   for (const std::string& name : bake::methodCandidates())
@@ -51,7 +51,7 @@ Status tryFrame(ProjectiveSetup& setup, const Condition& condition, const FrameS
   FOURDVT_TRY(setup.show(condition, scene, cameras[0]));
   const auto left_out = bake::trialCameras({cameras, scene.surface, scene.pictures});
   if (!scene.plane) return tryOn(scene.surface, left_out);
-  for (const size_t camera : left_out) {  // each sees a plane of its own
+  for (const size_t camera : left_out) {  // each has a plane of its own
     FOURDVT_TRY(setup.show(condition, scene, cameras[camera]));
     FOURDVT_TRY(tryOn(facingPlane(scene.surface.positions, cameras[camera]), {&camera, 1}));
   }
@@ -86,7 +86,7 @@ Result<Rows> tryCondition(ProjectiveSetup& setup, const Condition& condition, co
   const bool few = options.axis_frames > 0 && !condition.all_methods;
   Tried tried;
   for (const auto* sequence : sequences) {
-    if (few && sequence != sequences.front()) break;  // as its rows at the held-out cameras
+    if (few && sequence != sequences.front()) break;  // matches its rows at the held-out cameras
     FrameWindow frames(*setup.context().capture, *sequence, setup.context().open_video);
     for (const uint32_t frame : spreadTestFrames(*sequence, few ? options.axis_frames : options.test_frames)) {
       FOURDVT_TRY(checkStop(setup.context()));

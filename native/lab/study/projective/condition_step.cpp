@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every condition with its methods: at the held-out cameras, and on a run of frames at an input camera that is left
+// Scores each condition's methods: at the held-out cameras, and on consecutive frames at an input camera that is left
 // out.
 #include <algorithm>
 #include <cmath>
@@ -17,14 +17,14 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr size_t kRunCamera = 0;  // of the capture's; the run is seen from it
+constexpr size_t kRunCamera = 0;  // index among the capture's; viewpoint of the run
 
 struct RunValues {
   std::vector<double> flicker, seconds;
   double view_s = std::nan("");
 };
 
-// Where a visitor looks from a moment later.
+// Viewpoint of a visitor a moment later.
 PinholeCamera movedABit(PinholeCamera view) {
   view.cam_from_world[3].x -= 0.02;
   return view;
@@ -38,7 +38,7 @@ double mean(const std::vector<double>& values) {
   return count ? sum / double(count) : std::nan("");
 }
 
-// Other work of the machine lengthens single frames.
+// Median: other load of the machine lengthens single frames.
 double usual(const std::vector<double>& values) { return median(values, std::nan("")); }
 
 class ConditionPart {
@@ -54,7 +54,7 @@ class ConditionPart {
   }
 
  private:
-  // A choice of the method is made on it.
+  // Returns true if the method is chosen on it.
   bool isJudged() const {
     const auto& judged = judgedProxies();
     return condition_.axis == rows::kAxisProxy &&
@@ -122,7 +122,7 @@ Status ConditionPart::consecutive() {
       mesh_before = std::move(mesh);
     }
     for (const std::string& name : names_) {
-      setup_.stage().leaveOut({&kRunCamera, 1});  // as a new frame: what methods keep of the last one is not reused
+      setup_.stage().leaveOut({&kRunCamera, 1});  // a new frame: clears the methods' temporal state
       const float elapsed_s = f == first ? kStill : float(1 / context.capture->fps);
       const Watch watch;
       FOURDVT_ASSIGN(auto picture, setup_.draw(methods_[name], condition_, scene, view, truth, elapsed_s));
@@ -183,7 +183,7 @@ Result<Rows> measureAll(const StudyContext& context, const std::vector<Condition
   for (const auto* sequence : sequences) {
     FrameWindow frames(*context.capture, *sequence, context.open_video);
     for (const Condition& condition : conditions) {
-      // Cameras and calibration take most of the time, and no choice is made on them.
+      // Limits cameras and calibration, which take most of the time and decide no choice.
       if (context.options.axis_frames > 0 && !condition.all_methods && sequence != sequences.front()) continue;
       if (context.progress)
         context.progress(

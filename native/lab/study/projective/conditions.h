@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the study varies: methods by name, and conditions, which are everything but the method. Does NOT measure.
+// Variables of the study: methods by name, and conditions, which are all other settings.
 #pragma once
 
 #include <string>
@@ -18,8 +18,8 @@ struct Condition {
   std::string axis = rows::kAxisProxy, at = rows::kProxyGiven;
   std::string proxy = rows::kProxyGiven;
   int closest = rows::kClosest;
-  studio::StudioKnobs errors;  // of calibration and gain: their seed is fixed; proxy_mm: of the surface
-  bool all_methods = true;     // else those of axisMethods
+  studio::StudioKnobs errors;  // calibration and gain, with a fixed seed; proxy_mm: surface
+  bool all_methods = true;     // false: those of axisMethods
 
   std::string setting() const;  // "axis=… at=… proxy=… closest=…"
   std::string name() const;     // for files: "rotation-0.1"
@@ -27,18 +27,18 @@ struct Condition {
 
 // Surfaces against each other, all methods.
 std::vector<Condition> proxyConditions(bool quick);
-// One axis at a time away from the base, axisMethods only.
+// Variations of one axis at a time from the base, axisMethods only.
 std::vector<Condition> cameraConditions(bool quick);
 std::vector<Condition> calibrationConditions(bool quick);
 
 // All methods of the study in the report's order.
 const std::vector<std::string>& allMethods();
-// What the axes are measured with, so that they take bounded time.
+// Methods measured on the axes, which bounds the time.
 const std::vector<std::string>& axisMethods();
 
-// The cameras as this calibration has them: the virtual studio's errors (lab/studio/rig.h).
+// Cameras under this calibration: the virtual studio's errors (lab/studio/rig.h).
 std::vector<PinholeCamera> miscalibrated(const std::vector<PinholeCamera>& cameras, const Condition& condition);
-// The pictures as cameras with such gains take them: per camera and channel, as the virtual studio's.
+// Pictures with the condition's gains per camera and channel, as in the virtual studio.
 std::vector<Image> withGains(std::vector<Image> pictures, const Condition& condition);
 
 }  // namespace fourdvt::study

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Montage4D's cross-validation (M4D Table 2): every input camera's view, drawn without its picture and with it, against
-// that picture. Surfaces from pictures are made from all cameras, the left-out one's matte included, as the paper's
-// are.
+// Cross-validation of Montage4D (Du et al. 2019, Table 2): each input camera's view, drawn without its picture and with
+// it, against that picture. Surfaces from pictures are made from all cameras, the left-out one's matte included, as in
+// the paper.
 #include <limits>
 
 #include "lab/measure/appearance_score.h"

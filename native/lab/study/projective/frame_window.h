@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The captured frames that a study looks at, a few at a time: what it asked for last stays in memory, so that memory
-// does not grow with the capture. Does NOT change pictures.
+// Window over the captured frames of a study: keeps the latest requests in memory, so that memory is independent of the
+// capture's length.
 #pragma once
 
 #include <deque>
@@ -20,14 +20,14 @@ class FrameWindow {
   Result<const mattes::CaptureFrame*> at(uint32_t frame);
 
  private:
-  static constexpr size_t kKept = 8;  // more than a run of frames
+  static constexpr size_t kKept = 8;  // exceeds a run of frames
 
   const capture::Capture& capture_;
   const capture::CaptureSequence& sequence_;
   const OpenVideo open_video_;
   std::unique_ptr<mattes::FrameReader> reader_;
-  uint32_t next_ = 0;                      // what the reader gives next
-  std::deque<mattes::CaptureFrame> kept_;  // the newest last
+  uint32_t next_ = 0;                      // next frame of the reader
+  std::deque<mattes::CaptureFrame> kept_;  // newest last
 };
 
 // `count` of the sequence's test frames, spread over them.

@@ -13,7 +13,7 @@
 namespace fourdvt::study {
 namespace {
 
-// Of one method on one sequence.
+// Scores of one method on one sequence.
 struct SequenceLanes {
   measure::ScoreLane held_out, left_one_out;
   double seconds = 0;
@@ -42,7 +42,7 @@ Result<std::vector<MethodScore>> scoreMethods(gpu::Device& device, const capture
         FOURDVT_ASSIGN(auto method, render::makeCameraMethod(device, options.methods[m]));
         stage->setMethod(std::move(method));
         stage->leaveOut({});
-        FOURDVT_TRY(stage->render(test_cameras[0], options.method));  // makes programs and targets, untimed
+        FOURDVT_TRY(stage->render(test_cameras[0], options.method));  // creates programs and targets, untimed
         for (const PinholeCamera& camera : test_cameras) {
           FOURDVT_ASSIGN(auto truth, measure::heldOutTruth(sequence, camera, frame));
           const Watch watch;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Methods of texturing from cameras on a capture's own surfaces, before the codec: at the held-out cameras, and at the
-// input cameras, each left out (M4D Table 2). On the capture's test frames.
+// Camera-based texturing methods on a capture's own surfaces, before the codec: at the held-out cameras, and at the
+// input cameras, each left out (Montage4D, Du et al. 2019, Table 2). On the capture's test frames.
 #pragma once
 
 #include <functional>
@@ -18,9 +18,9 @@ struct MethodScore {
   std::string method, sequence;
   size_t views = 0;
   measure::PictureScore held_out;      // means
-  measure::PictureScore left_one_out;  // at the input cameras, each without its own picture; NaN: not asked for
-  double rmse_left_one_out = 0;        // of RGB on the foreground, 0…1
-  double picture_s = 0;                // of one held-out picture, read-back included
+  measure::PictureScore left_one_out;  // at the input cameras, each without its own picture; NaN: not measured
+  double rmse_left_one_out = 0;        // RGB on the foreground, 0…1
+  double picture_s = 0;                // per held-out picture, read-back included
 };
 
 struct MethodScoreOptions {
@@ -30,7 +30,7 @@ struct MethodScoreOptions {
   bool quick = false;  // one test frame per sequence
 };
 
-// Errors: those of captures and pictures, of makeCameraMethod; FileMissing where no sequence has test frames.
+// Errors: those of captures and pictures, of makeCameraMethod; FileMissing if no sequence has test frames.
 Result<std::vector<MethodScore>> scoreMethods(gpu::Device& device, const capture::Capture& capture,
                                               const OpenVideo& open_video, const MethodScoreOptions& options,
                                               const std::function<void(const std::string&, uint32_t)>& on_frame = {});

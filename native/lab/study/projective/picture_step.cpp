@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contact sheets: methods side by side on the given mesh, on hulls and with cameras out of place, whole and close up
-// (FT Fig. 8); every method's worst held-out view; and what Montage4D's cross-validation compares.
+// Contact sheets: methods side by side on the given mesh, on hulls and with camera errors, whole and close up (Floating
+// Textures, Eisemann et al. 2008, Fig. 8); each method's worst held-out view; and the pictures of Montage4D's
+// cross-validation.
 #include <algorithm>
 #include <cmath>
 
@@ -17,7 +18,7 @@ namespace {
 
 constexpr int kBody_px = 400, kCloseUp_px = 300, kMargin_px = 12;
 
-// The held-out camera farthest in angle from the input cameras, as FT chose its viewpoints.
+// Held-out camera farthest in angle from the input cameras, as the viewpoints of Eisemann et al. 2008.
 const PinholeCamera& farthestView(const std::vector<PinholeCamera>& test, const std::vector<PinholeCamera>& inputs) {
   const PinholeCamera* best = &test.front();
   double least = 2;  // cosine to the nearest input
@@ -35,7 +36,7 @@ Image wholeCell(const Image& rgba, const std::array<int, 4>& box) {
   return report::scaledTo(part, std::max(1, part.width * kBody_px / part.height), kBody_px);
 }
 
-// Head and shoulders: the upper part of the body's box.
+// Head and shoulders: upper part of the body's box.
 Image closeUpCell(const Image& rgba, const std::array<int, 4>& box) {
   const int side = std::min(box[2], box[3] / 3);
   const Image part = report::overGrey(report::cropped(rgba, box[0] + (box[2] - side) / 2, box[1], side, side));
@@ -157,7 +158,7 @@ Status MethodSheets::worst(FrameWindow& frames, const Condition& condition, cons
               rows::kPictureWorstViews);
 }
 
-// The first input camera's view, drawn without its picture and with it.
+// Draws the first input camera's view without its picture and with it.
 Status MethodSheets::crossValidation(FrameWindow& frames) {
   std::vector<std::string> names;
   for (const char* name : {rows::kMethodHoloportation, rows::kMethodMontage})

@@ -13,7 +13,7 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr const char* kVersion = "projective 4";  // change it whenever kept rows of older builds must not be reused
+constexpr const char* kVersion = "projective 4";  // change it to discard kept rows of older builds
 
 // Facts for the report's last section.
 Result<Rows> runAbout(const StudyContext& context) {
@@ -70,7 +70,7 @@ std::vector<const capture::CaptureSequence*> projectiveSequences(const StudyCont
 uint32_t runFrames(const StudyOptions& options) { return options.quick ? 3 : 4; }
 
 uint32_t crossFrames(const StudyOptions& options) {
-  constexpr uint32_t kTestFrames = 3;  // one alone decides by chance between methods that are close
+  constexpr uint32_t kTestFrames = 3;  // a single frame cannot separate close methods
   if (options.quick) return 1;
   return options.axis_frames > 0 ? std::min(kTestFrames, options.test_frames) : kTestFrames;
 }

@@ -25,7 +25,7 @@ reconstruct::ReconstructOptions hullOptions(double tolerance_px) {
   return options;
 }
 
-// Nothing where the proxy is not made from pictures.
+// Reconstruction options of a proxy; nullopt if it is not made from pictures.
 std::optional<reconstruct::ReconstructOptions> optionsOf(const std::string& proxy) {
   if (proxy == rows::kProxyRefined) return reconstruct::ReconstructOptions{};
   if (proxy == rows::kProxyHull) return hullOptions(1);
@@ -79,7 +79,7 @@ TriangleMesh facingPlane(const Positions& surface, const PinholeCamera& view) {
   const glm::dvec3 towards = glm::normalize(view.centreInWorld() - middle);
   const glm::dvec3 upright = std::abs(towards.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
   const glm::dvec3 right = glm::normalize(glm::cross(upright, towards)), up = glm::cross(towards, right);
-  // A point nearer to the view than the plane is covers a place further out on it.
+  // Points nearer to the view than the plane project further out on it.
   double across = 0, along = 0;
   for (const glm::vec3& p : surface) {
     const glm::dvec3 d = glm::dvec3(p) - middle;

@@ -5,7 +5,7 @@
 //   hull            from the mattes alone: polyhedral, outlines to 1 px; hull-2px, hull-4px: coarser outlines
 //   refined         the hull with its surface found by stereo: what `fourdvt reconstruct` makes by default
 //   plane           a plane through the body's middle that faces the view (for light fields)
-// Surfaces from pictures are kept in a folder. Does NOT draw.
+// Surfaces from pictures are cached in a folder.
 #pragma once
 
 #include <map>
@@ -20,14 +20,14 @@ namespace fourdvt::study {
 
 class Proxies {
  public:
-  // `folder`: where surfaces from pictures are kept. `device`: for stereo.
+  // `folder`: cache of surfaces from pictures. `device`: for stereo.
   Proxies(const capture::Capture& capture, gpu::Device& device, std::string folder)
       : capture_(capture), device_(device), folder_(std::move(folder)) {}
   // All but "plane". Errors: InvalidArgument (no such proxy), those of captures and of SurfaceMaker.
   Result<TriangleMesh> surface(const std::string& proxy, FrameWindow& frames, uint32_t frame);
 
  private:
-  // Reconstruction that goes on from frame to frame of one sequence.
+  // Reconstruction that continues from frame to frame of one sequence.
   struct Maker {
     reconstruct::SurfaceMaker surfaces;
     std::string sequence;
@@ -41,10 +41,10 @@ class Proxies {
   std::map<std::string, Maker> makers_;  // by proxy
 };
 
-// Through the middle of the surface's box, facing the view, as large as the box needs; a grid of 32 × 32 quads.
+// Grid of 32 × 32 quads through the centre of the surface's box, facing the view and covering the box.
 TriangleMesh facingPlane(const Positions& surface, const PinholeCamera& view);
 
-// The surface with its vertices moved along their normals by up to `largest_mm`, smoothly over about 0.3 m.
+// Displaces the surface's vertices along their normals by up to `largest_mm`, smoothly over about 0.3 m.
 TriangleMesh stoodOff(TriangleMesh surface, double largest_mm);
 
 }  // namespace fourdvt::study

@@ -9,7 +9,7 @@
 namespace fourdvt::study {
 namespace {
 
-// For the stage, which owns what it draws with.
+// Borrowed method for the stage, which owns its methods.
 class Borrowed final : public render::Method {
  public:
   explicit Borrowed(std::shared_ptr<render::Method> method) : method_(std::move(method)) {}
@@ -86,7 +86,7 @@ Result<FrameScene> ProjectiveSetup::scene(const Condition& condition, FrameWindo
 }
 
 Status ProjectiveSetup::show(const Condition& condition, const FrameScene& scene, const PinholeCamera& view) {
-  // A surface that keeps its topology stays the same model, as it does while a character plays.
+  // Keeps the model while the surface keeps its topology, as in playback.
   if (shown_ != condition.name()) stage_->setCameras(miscalibrated(cameras_, condition));
   shown_ = condition.name();
   return stage_->setFrame(scene.plane ? facingPlane(scene.surface.positions, view) : scene.surface, scene.pictures);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every step of the projective study works with: the methods that there are, the cameras, a stage that draws, and
-// what a condition shows of a frame. Does NOT measure.
+// Shared setup of the projective study's steps: available methods, cameras, a drawing stage, and a frame's scene under
+// a condition.
 #pragma once
 
 #include <limits>
@@ -14,37 +14,37 @@
 
 namespace fourdvt::study {
 
-constexpr float kStill = std::numeric_limits<float>::infinity();  // elapsed seconds: no earlier frame counts
+constexpr float kStill = std::numeric_limits<float>::infinity();  // elapsed seconds: ignores earlier frames
 
 // One frame under a condition.
 struct FrameScene {
-  TriangleMesh surface;         // of a plane: the body that it stands for
+  TriangleMesh surface;         // for a plane: the body that it replaces
   std::vector<Image> pictures;  // one per camera, RGBA
-  bool plane = false;           // the surface shown depends on the view
+  bool plane = false;           // view-dependent surface
 };
 
 class ProjectiveSetup {
  public:
-  // `device`: where methods draw, the context's or one that stands before it. Errors: those of captures, GpuFailure.
+  // `device`: drawing device of the methods, the context's or a wrapper of it. Errors: those of captures, GpuFailure.
   static Result<std::unique_ptr<ProjectiveSetup>> create(const StudyContext& context, gpu::Device& device);
 
   const StudyContext& context() const { return context_; }
   bake::FrameDrawing& stage() { return *stage_; }
   const std::vector<PinholeCamera>& cameras() const { return cameras_; }
   const std::vector<PinholeCamera>& testCameras() const { return test_cameras_; }
-  // Those of the condition that this device can draw.
+  // Methods of the condition supported by this device.
   std::vector<std::string> methodsOf(const Condition& condition) const;
   const std::vector<std::string>& methods() const { return methods_; }
 
   // Errors: those of captures and proxies.
   Result<FrameScene> scene(const Condition& condition, FrameWindow& frames, uint32_t frame);
-  // Puts it on the stage, with the cameras as the condition has them.
+  // Sets the scene on the stage, with the condition's cameras.
   Status show(const Condition& condition, const FrameScene& scene, const PinholeCamera& view);
 
-  // Lives on while the stage draws with others.
+  // Shared, so that a method survives while the stage draws with others.
   using Shared = std::shared_ptr<render::Method>;
   Result<std::map<std::string, Shared>> make(const std::vector<std::string>& names);
-  // Of a plane only what the truth shows is kept: it has no outline of its own.
+  // Masks a plane's picture by the truth: a plane has no outline of its own.
   Result<Image> draw(const Shared& method, const Condition& condition, const FrameScene& scene,
                      const PinholeCamera& view, const Image& truth, float elapsed_s);
 
@@ -60,15 +60,15 @@ class ProjectiveSetup {
   Proxies proxies_;
 };
 
-// The methods that this device can draw, of those asked for or of all; with why the others are left out.
+// Requested methods supported by this device, and the reasons for leaving out others.
 struct MethodChoice {
   std::vector<std::string> methods;
   std::vector<std::string> left_out;  // "sweep: the device has no …"
 };
-// Errors: InvalidArgument where there is no such method.
+// Errors: InvalidArgument (unknown method).
 Result<MethodChoice> chooseMethods(gpu::Device& device, const std::vector<std::string>& asked);
 
-// The picture of an input camera as a truth: without the backdrop in its matte's edges.
+// Ground truth from an input camera's picture: removes the backdrop from its matte's edges.
 Image inputTruth(Image picture);
 
 }  // namespace fourdvt::study

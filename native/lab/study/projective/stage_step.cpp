@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Time per stage of a new frame (M4D Table 3), on the given mesh, seen from the first held-out camera.
+// Time per stage of a new frame (Montage4D, Du et al. 2019, Table 3), on the given mesh, in the first held-out camera.
 #include <algorithm>
 #include <limits>
 
@@ -28,7 +28,7 @@ Result<Rows> timeStages(const StudyContext& context, const std::string& name) {
   for (uint32_t f = 0; f < count; ++f) {
     FOURDVT_TRY(checkStop(context));
     FOURDVT_ASSIGN(const FrameScene scene, setup->scene(base, frames, f));
-    if (f == 1) clock.forget();  // the first frame made programs
+    if (f == 1) clock.forget();  // the first frame creates programs
     FOURDVT_TRY(setup->show(base, scene, view));
     const float elapsed_s = f ? float(1 / context.capture->fps) : std::numeric_limits<float>::infinity();
     FOURDVT_ASSIGN(const Image drawn, setup->draw(methods[name], base, scene, view, {}, elapsed_s));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts of the sheets that study/steps/pictures.cpp makes. Does NOT draw characters.
+// Parts of the sheets of study/steps/pictures.cpp.
 #pragma once
 
 #include <array>
@@ -17,15 +17,15 @@ namespace fourdvt::study {
 
 constexpr int kCell = 320, kBodyHeight = 520;  // pixels of a sheet's cells
 
-// Azimuths midway between neighbouring cameras, degrees, as OrbitView's.
+// Azimuths midway between neighbouring cameras, degrees, as in OrbitView.
 std::vector<double> middleAzimuths_deg(const std::vector<PinholeCamera>& cameras);
-// Layer l's share of the blend, from the three shares that DebugView::Weights shows; layer 3 has the rest.
+// Blend weight of layer l, from the three weights of DebugView::Weights; layer 3 has the rest.
 std::vector<uint8_t> shareOf(const Image& shares, int layer);
-// The box (x, y, width, height) of a picture of the body, as large as a cell holds.
+// Crops a body picture to the box (x, y, width, height), scaled to fit a cell.
 Image bodyCell(const Image& rgb, const std::array<int, 4>& box);
-// The box of a view, and three enlarged parts of it: head, trunk, legs.
+// Crops a view to its box, and adds three enlarged parts: head, trunk, legs.
 std::vector<Image> viewWithCrops(const Image& picture, const std::array<int, 4>& box);
-// Mean colour of the first camera's plate; nothing where the capture has none.
+// Mean colour of the first camera's plate; nullopt if the capture has none.
 std::optional<glm::dvec3> backdropColour(const capture::Capture& capture);
 
 // Rows of table "seams": means over the pictures added, weighted by their seam samples.

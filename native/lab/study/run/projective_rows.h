@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The vocabulary of projective.csv: what the steps of `fourdvt-lab methods` write and what its report reads. Columns
-// and settings are those of evaluate.csv (rows.h).
+// Vocabulary of projective.csv, shared by the steps of `fourdvt-lab methods` and its report. Columns and settings are
+// those of evaluate.csv (rows.h). M4D is Montage4D (Du et al. 2019), FT Floating Textures (Eisemann et al. 2008); full
+// citations are in projective_study.h.
 //
 // A condition is everything but the method: an axis and the place on it. Axes change one thing at a time from the base,
 // which is the capture's own surface, its own calibration and kClosest cameras.
@@ -10,7 +11,7 @@
 // condition   one of methods  axis=A at=PLACE proxy=P       means over the held-out views of the measured frames:
 //                             closest=M views=N             kPsnrFgDb, kSsimFg, kPsnrCommonDb, kRmse, kGradientRatio,
 //                                                           kShiftTolerantDb; of a run of consecutive frames at an
-//                                                           input camera that is left out: kFlickerLevels (with meshes
+//                                                           omitted input camera: kFlickerLevels (with meshes
 //                                                           of constant topology), kFrameS (median: all that a new
 //                                                           frame needs, read-back included), kRatioToFvvr, kViewS
 //                                                           (axis proxy: of another view of the same frame)
@@ -54,15 +55,15 @@ inline constexpr const char* kAxisGain = "gain";                // at: σ in per
 inline constexpr const char* kAxisStandoff = "standoff";        // at: largest distance from the given mesh, mm
 inline constexpr const char* kAxisMixed = "mixed";              // at: 1
 
-// Proxies. The base, and the surfaces that are made from pictures alone.
+// Proxies: the base, and the surfaces made from pictures alone.
 inline constexpr const char* kProxyGiven = "given";
 inline constexpr const char* kProxyHull = "hull";
 inline constexpr const char* kProxyRefined = "refined";
 inline constexpr const char* kProxyPlane = "plane";
 
-inline constexpr int kClosest = 4;  // cameras that a picture is drawn from at the base
+inline constexpr int kClosest = 4;  // cameras per picture at the base
 
-// Methods that the axes and the goals name; conditions.h has all.
+// Methods of the axes and the goals; conditions.h has all.
 inline constexpr const char* kMethodLinear = "linear";
 inline constexpr const char* kMethodFloating = "floating";
 inline constexpr const char* kMethodFloatingPairs = "floating-pairs";

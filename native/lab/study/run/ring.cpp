@@ -33,7 +33,7 @@ std::vector<RigPoint> rigPoints(std::span<const PinholeCamera> cameras, const gl
   return points;
 }
 
-// Linear in azimuth between the two neighbouring cameras.
+// Interpolates linearly in azimuth between the two neighbouring cameras.
 RigPoint rigAt(const std::vector<RigPoint>& rig, double azimuth_deg) {
   for (size_t i = 0; i < rig.size(); ++i) {
     const RigPoint &a = rig[i], &b = rig[(i + 1) % rig.size()];
@@ -52,7 +52,7 @@ int rounded16(double pixels, int largest) {
   return std::min(up, largest / 2 * 2);
 }
 
-// Side lengths of the picture that holds the box from everywhere, pixels.
+// Side lengths of the picture that contains the box in all views, pixels.
 glm::ivec2 pictureSize(std::span<const PinholeCamera> cameras, const BoundingBox& bounds,
                        const std::vector<RigPoint>& rig, double focal) {
   const glm::dvec3 half = 0.5 * glm::dvec3(bounds.max - bounds.min);

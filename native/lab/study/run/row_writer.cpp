@@ -74,7 +74,7 @@ std::string rowsCsv(const Rows& rows) {
 
 std::string rowsJson(const Rows& rows, const StudyOptions& options, const std::string& capture_name) {
   using Json = nlohmann::ordered_json;
-  const auto replaced = Json::error_handler_t::replace;  // of bytes that are not UTF-8
+  const auto replaced = Json::error_handler_t::replace;  // replaces bytes that are not UTF-8
   const Json run = {{"generator", options.generator},
                     {"capture", capture_name},
                     {"quick", options.quick},

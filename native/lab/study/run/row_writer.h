@@ -13,13 +13,13 @@
 namespace fourdvt::study {
 
 std::string rowsCsv(const Rows& rows);
-// evaluate.json: what was run and the same rows, {"generator", "capture", "quick", "sequences", "jobs",
-// "rows": [{"table", "sequence", "method", "setting", "quantity", "value", "unit"}, …]}. A value that is not finite is
-// null; "text=…" settings of table "about" stay as they are.
+// Text of evaluate.json: settings of the run and the rows, {"generator", "capture", "quick", "sequences", "jobs",
+// "rows": [{"table", "sequence", "method", "setting", "quantity", "value", "unit"}, …]}. A non-finite value is null;
+// "text=…" settings of table "about" are unchanged.
 std::string rowsJson(const Rows& rows, const StudyOptions& options, const std::string& capture_name);
 Result<Rows> parseRowsCsv(const std::string& text, const std::string& path);
 
-// Appends rows with table, sequence, method and setting in common.
+// Appends rows with common table, sequence, method and setting.
 class RowWriter {
  public:
   RowWriter(Rows& out, std::string table, std::string sequence, std::string method, std::string setting)
@@ -37,18 +37,18 @@ class RowWriter {
   Row row_;
 };
 
-// Rows ssim_fg, ssim_full, ssim_box, psnr_fg_db, psnr_full_db, psnr_box_db, psnr_common_db, none without scores; from
-// two scores on also the standard errors of the means psnr_fg_db and ssim_fg.
+// Writes rows ssim_fg, ssim_full, ssim_box, psnr_fg_db, psnr_full_db, psnr_box_db, psnr_common_db, none without scores;
+// from two scores on also the standard errors of the means psnr_fg_db and ssim_fg.
 void writeScores(const RowWriter& row, const measure::MeanScores& scores);
 
 struct RatePoint {
-  double bytes = 0, quality = 0;  // dB or SSIM: more is better
+  double bytes = 0, quality = 0;  // dB or SSIM: larger is better
 };
-// Bytes at a quality: the logarithm of the bytes is linear between points of neighbouring quality. Nothing is
-// extrapolated: bytes is empty outside of the range of the points, and `beyond` says on which side. Any order.
+// Bytes at a quality, by linear interpolation of log bytes between points of neighbouring quality. No extrapolation:
+// bytes is empty outside the points' range, and `beyond` is the side. Points in any order.
 struct BytesAtQuality {
   std::optional<double> bytes;
-  int beyond = 0;  // 1: better than every point, -1: worse than every point, 0: within the range, or unknown
+  int beyond = 0;  // 1: better than all points, -1: worse than all points, 0: within the range, or unknown
 };
 BytesAtQuality bytesAtQuality(std::vector<RatePoint> points, double quality);
 

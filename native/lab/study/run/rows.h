@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The vocabulary of evaluate.csv: what the steps write and what the report reads. A row that is missing leaves its part
-// of the report out; a row that is not listed here stays in the CSV only.
+// Vocabulary of evaluate.csv, shared by the steps and the report. A missing row removes its part of the report; rows
+// not listed here stay in the CSV only. LVDT is Volino and Hilton 2013, 4DVT Casas et al. 2014; full citations are in
+// study.h.
 //
-// `setting` is "key=value key=value"; keys in any order. `sequence` is empty where a row is over all sequences.
-// Percentages are 0..100 with unit "percent", rates are bits (not bytes) per second with unit "bit/s",
-// times "s" or "ms".
+// `setting` is "key=value key=value"; keys in any order. `sequence` is empty for a row over all sequences. Percentages
+// are 0..100 with unit "percent", rates are bits (not bytes) per second with unit "bit/s", times "s" or "ms".
 //
 // table         method            setting                          quantities
 // ------------  ----------------  -------------------------------  ---------------------------------------------------
@@ -126,15 +126,15 @@ inline constexpr const char* kMotionSkate = "motion-skate";
 inline constexpr const char* kFvvr = "fvvr";
 inline constexpr const char* kFvvrGiven = "fvvr-as-given";   // on mesh and cameras before refinement
 inline constexpr const char* kFvvrClosest = "fvvr-closest";  // from the kClosestCameras nearest to the view
-inline constexpr int kClosestCameras = 3;                    // M: as many cameras as layers
+inline constexpr int kClosestCameras = 3;                    // M: equal to the number of layers
 inline constexpr const char* kNaive = "naive";
 inline constexpr const char* kSpatial = "spatial";
 inline constexpr const char* kTemporalPaper = "temporal-paper";
-inline constexpr const char* kPerTexel = "per-texel";  // texels chosen per texel, weighted per face: not LVDT's
+inline constexpr const char* kPerTexel = "per-texel";  // texels chosen per texel, weighted per face, unlike LVDT
 inline constexpr const char* kJoint = "joint";
 inline constexpr const char* kJointDefault = "joint-default";
-inline constexpr const char* kJointNoUnseen = "joint-no-unseen";    // faces that no camera sees stay empty
-inline constexpr const char* kJointNoPartial = "joint-no-partial";  // without cameras that see a face in part
+inline constexpr const char* kJointNoUnseen = "joint-no-unseen";    // faces visible in no camera stay empty
+inline constexpr const char* kJointNoPartial = "joint-no-partial";  // without cameras in which a face is partly visible
 inline constexpr const char* kJointNeither = "joint-neither";
 inline constexpr const char* kMethodMultiview = "multiview";
 inline constexpr const char* kMethodLayered = "layered";
@@ -143,15 +143,15 @@ inline constexpr const char* kHybrid = "hybrid";
 inline constexpr const char* kNonlinear = "nonlinear";
 inline constexpr const char* kAlignNone = "none";
 inline constexpr const char* kAlignBaked = "baked";
-inline constexpr const char* kAlignBakedMean = "baked-mean";      // contrast lost in the mean is not put back
+inline constexpr const char* kAlignBakedMean = "baked-mean";      // without restored contrast
 inline constexpr const char* kFlowGpu = "flow-gpu";               // Farneback
-inline constexpr const char* kFlowGpuDetail = "flow-gpu-detail";  // its contrast put back in the picture; study only
+inline constexpr const char* kFlowGpuDetail = "flow-gpu-detail";  // with restored contrast in the picture; study only
 inline constexpr const char* kFlowDis = "flow-dis";
 inline constexpr const char* kFlowOpencv = "flow-opencv";  // Farneback
 inline constexpr const char* kOpencvDis = "opencv-dis";
 
 // Quantities.
-inline constexpr const char* kLoadingS = "loading_s";  // from nothing to the first picture
+inline constexpr const char* kLoadingS = "loading_s";  // from start to the first picture
 inline constexpr const char* kLoadingAllS =
     "loading_all_s";  // the whole sequence decoded and uploaded, as in the papers
 inline constexpr const char* kTotalBytes = "total_bytes";
@@ -186,7 +186,7 @@ inline constexpr const char* kRatioToFvvr = "ratio_to_fvvr";
 inline constexpr const char* kDrawRatioToFvvr = "draw_ratio_to_fvvr";  // depth maps and shading; no upload, no geometry
 inline constexpr const char* kSeamPercent = "seam_percent";
 inline constexpr const char* kFlipPercent = "flip_percent";
-inline constexpr const char* kSeenSeamPercent = "seen_seam_percent";  // over faces that a camera sees
+inline constexpr const char* kSeenSeamPercent = "seen_seam_percent";  // over faces visible in a camera
 inline constexpr const char* kSeenFlipPercent = "seen_flip_percent";
 inline constexpr const char* kMeanPenalty = "mean_penalty";
 inline constexpr const char* kEnergy = "energy";
@@ -238,13 +238,13 @@ inline constexpr const char* kPictureMotionColumns = "motion_columns";  // w = 0
 inline constexpr const char* kPictureMotionCrops = "motion_crops";      // half way, one row per method; frame= view=
 inline constexpr const char* kPictureTransition = "motion_transition";  // tick by tick; from= to=
 
-// Facts (table "about"): any quantity name is printed as it is; these come first.
+// Facts (table "about"): any quantity name is printed verbatim; these come first.
 inline constexpr const char* kAboutCommand = "command";
 inline constexpr const char* kAboutDevice = "device";    // GL renderer
 inline constexpr const char* kAboutEncoder = "encoder";  // library and version
 
-// The value of `key` in a setting; empty where there is none. "text", "pass" and "stage" reach to the end: spaces are
-// allowed in them, and they come last.
+// Value of `key` in a setting; empty if absent. "text", "pass" and "stage" extend to the end and come last, as they may
+// contain spaces.
 inline std::string settingText(const std::string& setting, const std::string& key) {
   const std::string padded = " " + setting + " ", wanted = " " + key + "=";
   const size_t at = padded.find(wanted);
@@ -253,7 +253,7 @@ inline std::string settingText(const std::string& setting, const std::string& ke
   if (key == "text" || key == "pass" || key == "stage") return setting.substr(start - 1);
   return padded.substr(start, padded.find(' ', start) - start);
 }
-// NaN where there is none.
+// Value of `key` as a number; NaN if absent.
 inline double settingNumber(const std::string& setting, const std::string& key) {
   const std::string text = settingText(setting, key);
   return text.empty() ? std::numeric_limits<double>::quiet_NaN() : std::strtod(text.c_str(), nullptr);

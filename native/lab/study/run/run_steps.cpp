@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kStems[] = {"evaluate", "projective"};  // StudyOptions::stem of every kind of study
+constexpr const char* kStems[] = {"evaluate", "projective"};  // StudyOptions::stem of each kind of study
 
 std::string keyPath(const std::string& folder) { return folder + "/steps/key.txt"; }
 
@@ -24,7 +24,7 @@ std::string readText(const std::string& path) {
   return text ? text.take() : std::string();
 }
 
-// Path below the folder, size and time of every file, except for those in `except`.
+// Lists path below the folder, size and time of each file, except for those in `except`.
 void listFiles(const fs::path& folder, const fs::path& except, std::vector<std::string>& lines) {
   std::error_code error;
   fs::recursive_directory_iterator it(folder, error), end;
@@ -58,7 +58,7 @@ std::optional<Rows> keptRows(const std::string& path) {
   return rows.take();
 }
 
-// The context that a step gets: its progress counts as its own share of the study's.
+// Context of a step: maps the step's progress to its share of the study.
 StudyContext contextOfStep(const StudyContext& context, const StudyStep& step, double before, double weight) {
   StudyContext inner = context;
   inner.progress = [&context, name = std::string(step.name), before, weight](const StudyProgress& p) {

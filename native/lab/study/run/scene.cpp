@@ -149,7 +149,7 @@ Result<std::unique_ptr<SurveyedJob>> surveyOnly(const StudyContext& context, con
   auto out = std::make_unique<SurveyedJob>(std::move(job), environment);
   const Status refined = bake::refineJob(out->run);
   auto survey = refined.ok() ? bake::Survey::make(out->run) : Result<bake::Survey>(refined.error());
-  platform::removeIfEmpty(out->job.workFolder());  // only if empty: no bake is under way there
+  platform::removeIfEmpty(out->job.workFolder());  // removed only if empty: no bake is in progress there
   if (!survey) return survey.error();
   out->survey = std::make_unique<bake::Survey>(survey.take());
   return out;

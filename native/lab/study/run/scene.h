@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the steps read: frames of the capture, FVVR's pictures, held-out truth, plans of bakes, baked characters.
+// Inputs of the steps: frames of the capture, FVVR's pictures, held-out truth, plans of bakes, baked characters.
 #pragma once
 
 #include <functional>
@@ -25,20 +25,20 @@ std::string viewSetting(const PinholeCamera& camera, uint32_t frame);
 std::vector<PinholeCamera> captureCameras(const StudyContext& context);
 // The sequences of this study, in the capture's order.
 std::vector<const capture::CaptureSequence*> studySequences(const StudyContext& context);
-// The sequence with the fewest frames; used by whatever is measured on one sequence only.
+// Sequence with the minimum number of frames, for measures on one sequence only.
 const capture::CaptureSequence& shortestSequence(const StudyContext& context);
 
 // Views of a sequence in this study: 36, or 8 with `quick`. Reads all meshes for their bounds.
 Result<std::vector<RingView>> studyRing(const StudyContext& context, const capture::CaptureSequence& sequence);
 
-// The path of a picture that runReference writes (RGBA PNG): FVVR on the ring, or at a held-out camera.
+// Path of a picture of runReference (RGBA PNG): FVVR on the ring, or at a held-out camera.
 std::string referencePath(const StudyContext& context, const std::string& sequence, const RingView& view);
 std::string referencePath(const StudyContext& context, const std::string& sequence, const std::string& camera,
                           uint32_t frame);
-// Reads such a picture. If it is missing, the error says to delete the report folder.
+// Reads such a picture. The error for a missing one suggests deleting the report folder.
 Result<Image> readReference(const std::string& path);
 
-// capture::readTestCameras; empty if no sequence of the study has held-out frames.
+// Returns capture::readTestCameras; empty if no sequence of the study has held-out frames.
 Result<std::vector<PinholeCamera>> heldOutCameras(const StudyContext& context);
 
 // Runs bake::replaceEdgeColours on all pictures in parallel.
@@ -48,7 +48,7 @@ Result<mattes::CaptureFrame> nextCleanFrame(mattes::FrameReader& reader);
 
 Result<std::unique_ptr<render::Fvvr>> makeFvvr(const StudyContext& context);
 
-// LVDT's own size, as in the tables.
+// Layer size and number of Volino and Hilton 2013, as in the tables.
 constexpr int kPaperTexture = 512, kPaperLayers = 3, kStudyCrf = 23, kStudyGop = 20;
 
 // Default settings for a bake of the study's capture into `character_folder`, with the study's refinement.
@@ -56,31 +56,31 @@ bake::BakeOptions defaultBake(const StudyContext& context, const std::string& ch
 // Options of a bake into work()/methods/NAME that shares its survey with the study's other bakes.
 bake::BakeOptions studyBake(const StudyContext& context, const std::string& name);
 bake::BakeEnvironment bakeEnvironment(const StudyContext& context);
-// `tell` hears the name of the bake's stage and the share of the whole bake.
+// Receives the name of the bake's stage and the share of the whole bake.
 using TellBake = std::function<void(const std::string& stage, double share)>;
 Result<bake::BakeReport> runBake(const StudyContext& context, const bake::BakeOptions& options, const TellBake& tell);
 bool isCharacter(const std::string& folder);
-// runBake, unless the folder holds a character already.
+// Runs runBake, unless the folder contains a character.
 Status bakeOnce(const StudyContext& context, const bake::BakeOptions& options, const TellBake& tell);
 
-// The plan and the survey of a bake that is not run: labels and colour maps for layers without a codec.
+// Plan and survey of a bake that is not run: labels and colour maps for layers without a codec.
 struct SurveyedJob {
   SurveyedJob(bake::Job validated, const bake::BakeEnvironment& environment)
       : run(std::move(validated), environment), job(run.job) {}
   bake::BakeRun run;
-  const bake::Job& job;                  // the run's
+  const bake::Job& job;                  // owned by the run
   std::unique_ptr<bake::Survey> survey;  // borrows the job
 };
 Result<std::unique_ptr<SurveyedJob>> surveyOnly(const StudyContext& context, const bake::BakeOptions& options);
 
-// The options that the bake itself would give to its FrameBaker; a FrameBaker for the job's cameras and mesh; the step
-// that gives it a captured frame.
+// Options of the bake's FrameBaker; a FrameBaker for the job's cameras and mesh; the step that passes it a captured
+// frame.
 bake::FrameBakerOptions bakerOptions(const SurveyedJob& surveyed);
 Result<std::unique_ptr<bake::FrameBaker>> makeBaker(const StudyContext& context, const bake::Job& job,
                                                     const bake::FrameBakerOptions& options);
 void setBakerFrame(bake::FrameBaker& baker, const bake::Job& job, const mattes::CaptureFrame& frame);
 
-// No shadow, transparent background.
+// Recipe without shadow, with a transparent background.
 render::RecipeOptions studyRecipe();
 
 }  // namespace fourdvt::study

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Codes pictures and videos in memory, to learn how large they become and how much quality is left.
+// In-memory coding of pictures and videos, for size and quality.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,7 @@
 
 namespace fourdvt::study {
 
-// RGB(A) → PNG of zlib level 6 with adaptive filters, or JPEG of this quality. Errors: Internal.
+// Encodes RGB(A) as PNG of zlib level 6 with adaptive filters, or JPEG of this quality. Errors: Internal.
 Result<std::vector<uint8_t>> encodePng(const Image& image);
 Result<std::vector<uint8_t>> encodeJpeg(const Image& image, int quality);
 
@@ -20,18 +20,18 @@ Result<std::vector<uint8_t>> encodeJpeg(const Image& image, int quality);
 void fillI420(const Image& image, encode::I420Picture& out);
 
 uint64_t gopBytes(const encode::EncodedGop& gop);
-// H.264 only. Pictures in presentation order. Errors: VideoInvalid and those of `on_picture`.
+// Decodes H.264 only. Pictures in presentation order. Errors: VideoInvalid and those of `on_picture`.
 Status decodeGop(const encode::EncodedGop& gop,
                  const std::function<Status(uint32_t frame, const I420View&)>& on_picture);
 
-// Sum of squared differences over RGB of the pixels inside; PSNR of what was added.
+// Sum of squared differences over RGB of the pixels inside, and its PSNR.
 struct SquaredError {
   double squares = 0;
   uint64_t samples = 0;
-  // Both 3 or 4 channels and of one size; `inside`: width × height, non-zero: counts.
+  // Requires both pictures of one size with 3 or 4 channels; `inside`: width × height, non-zero: counts.
   void add(const Image& a, const Image& b, const std::vector<uint8_t>& inside);
   void add(const SquaredError& other) { squares += other.squares, samples += other.samples; }
-  double psnr_db() const;  // infinity for equal pictures, NaN where nothing was added
+  double psnr_db() const;  // infinity for equal pictures, NaN without pixels
 };
 
 }  // namespace fourdvt::study

@@ -21,7 +21,7 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr uint32_t kDistinctFrames = 4;  // kept in memory; the measured frames go through them in turn
+constexpr uint32_t kDistinctFrames = 4;  // kept in memory; the measured frames cycle through them
 constexpr int kWarmUp = 3;
 
 // A decoded frame of the character.
@@ -111,7 +111,7 @@ Result<LoadedCharacter> loadCharacter(const std::filesystem::path& folder, const
   return out;
 }
 
-// The same frames of the capture, with clean matte edges.
+// Captured frames of the same numbers, with clean matte edges.
 Result<std::vector<mattes::CaptureFrame>> readCapturedFrames(const capture::Capture& capture,
                                                              const OpenVideo& open_video,
                                                              const LoadedCharacter& character) {
@@ -129,7 +129,7 @@ Result<std::vector<mattes::CaptureFrame>> readCapturedFrames(const capture::Capt
   return frames;
 }
 
-// Waits until all GPU work so far is done: the GPU works in order, and this is the last piece.
+// Waits for all GPU work so far, by a last command in order.
 class Drain {
  public:
   Status prepare(gpu::Device& device) {
@@ -158,7 +158,7 @@ PassTimes medians(const Samples& s) {
           median(s.depth_maps), median(s.shading), median(s.readback)};
 }
 
-// Both renderers on one device, with the frames they show.
+// Both renderers on one device, with their frames.
 class Race {
  public:
   Race(gpu::Device& device, const LoadedCharacter& loaded, const std::vector<mattes::CaptureFrame>& captured,

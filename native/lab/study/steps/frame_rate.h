@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// LVDT 4.4: frame rate of the layered character against free-viewpoint rendering (FVVR), in one run, on the same
-// frames, views and picture sizes, with the methods taking turns. A frame is everything that playing does with a
-// decoded picture: upload, geometry, depth maps (FVVR), drawing. FVVR is timed with all N cameras and with the M
-// nearest to the view, each time with the uploads and depth maps of the cameras that it uses and no others. Decoding is
-// left out for both (one video here, one video per camera there). Does NOT bake.
+// Frame rate of the layered character against free-viewpoint rendering, FVVR (Volino and Hilton 2013, 4.4), in one run,
+// on the same frames, views and picture sizes, with interleaved methods. A frame is all playback work after decoding:
+// upload, geometry, depth maps (FVVR), drawing. FVVR is timed with all N cameras and with the M nearest to the view,
+// each time with the uploads and depth maps of the used cameras only. Decoding is excluded for both (one video here,
+// one video per camera there).
 #pragma once
 
 #include <atomic>
@@ -20,12 +20,12 @@ struct FrameRateOptions {
   std::string sequence;  // empty: the character's first
   std::vector<std::pair<int, int>> sizes = {{512, 512}, {720, 960}};
   int frames = 16;                 // measured per size, each at another azimuth
-  std::vector<int> closest{0, 3};  // the values of M measured for FVVR; 0, or N and above: all cameras
+  std::vector<int> closest{0, 3};  // values of M measured for FVVR; 0, or N and above: all cameras
   const std::atomic<bool>* stop = nullptr;
 };
 
-// Medians in milliseconds. `frame_ms` is one undisturbed frame; the parts are timed apart, with the GPU drained between
-// them, and add up to more. Reading the picture back is not part of a frame.
+// Medians in milliseconds. `frame_ms` is one undisturbed frame; the parts are timed separately, with the GPU drained
+// between them, and their sum exceeds it. Read-back is excluded.
 struct PassTimes {
   double frame_ms = 0;
   double upload_ms = 0;      // decoded pictures into textures (FVVR: cropped round the mesh and premultiplied)
@@ -45,8 +45,10 @@ struct FvvrRate {
 struct FrameRate {
   int width = 0, height = 0;
   PassTimes layered;
-  std::vector<FvvrRate> fvvr;  // as FrameRateOptions::closest
-  double ratio(const PassTimes& theirs) const { return theirs.frame_ms / layered.frame_ms; }  // of the frame rates
+  std::vector<FvvrRate> fvvr;  // in the order of FrameRateOptions::closest
+  double ratio(const PassTimes& theirs) const {
+    return theirs.frame_ms / layered.frame_ms;
+  }  // ratio of the frame rates
   double drawRatio(const PassTimes& theirs) const {
     return (theirs.depth_maps_ms + theirs.shading_ms) / layered.shading_ms;
   }

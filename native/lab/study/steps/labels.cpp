@@ -15,7 +15,7 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr size_t kHysteresisFrames = 2;  // to each side, as the bake's survey
+constexpr size_t kHysteresisFrames = 2;  // on each side, as in the bake's survey
 
 struct Measured {
   std::vector<std::vector<float>> fractions;  // per frame: [camera][face]
@@ -48,7 +48,7 @@ bake::FaceCosts costsOf(const Measured& measured, const bake::Job& job, uint32_t
                                 bake::steadyFractions(window, frame - first, options));
 }
 
-// The labelling problem of a sequence's first frames.
+// Labelling problem of a sequence's first frames.
 struct LabelProblem {
   const StudyContext& context;
   const bake::Job& job;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// LVDT Fig. 5-7, 4DVT Fig. 9: fidelity to FVVR, storage and GPU memory against the number of layers and their size,
-// from layers of equal size, on the shortest sequence (colours calibrated on it alone). `joint` is solved anew for
-// every number of layers. `naive` needs only one solve, because its first layers do not depend on that number. Fidelity
-// is measured before any codec. Memory: one frame of pictures, the 4:2:0 layers of one GOP (2.6 GB at 2048 texels), and
-// the FVVR pictures of the views (36 at most).
+// Volino and Hilton 2013 Fig. 5-7, Casas et al. 2014 Fig. 9: fidelity to FVVR, storage and GPU memory against the
+// number of layers and their size, for layers of equal size, on the shortest sequence (colours calibrated on it alone).
+// `joint` is solved per number of layers. `naive` is solved once, because its first layers are independent of that
+// number. Fidelity is measured before any codec. Memory: one frame of pictures, the 4:2:0 layers of one GOP (2.6 GB at
+// 2048 texels), and the FVVR pictures of the views (36 at most).
 #include <algorithm>
 #include <cmath>
 #include <future>
@@ -26,18 +26,18 @@ namespace {
 
 constexpr int kJpegQuality = 95, kErrorMapLayers = 3;
 
-// A point of a curve: labels of one method for one number of layers.
+// Point of a curve: labels of one method for one number of layers.
 struct LayerVariant {
   std::string method;
   int layers = 0;
   const SurveyedJob* labels = nullptr;
-  bool stored = false;  // also as pictures and video
+  bool stored = false;  // also stored as pictures and video
   std::string setting(int size) const { return "layers=" + std::to_string(layers) + " size=" + std::to_string(size); }
 };
 
 struct Plan {
-  int frames = 6, views = 6;  // frames that are drawn, views of each; 0 frames: only encodes
-  uint32_t video_frames = 0;  // frames encoded as video; 0: only draws
+  int frames = 6, views = 6;  // frames drawn, views of each; 0 frames: encoding only
+  uint32_t video_frames = 0;  // frames encoded as video; 0: drawing only
   int max_layers = 6;
   std::vector<int> sizes{256, 512, 1024, 2048};
 };
@@ -60,7 +60,7 @@ Plan planFor(const StudyContext& context, uint32_t frame_count, LayerOutput outp
   return plan;
 }
 
-// Bytes of one variant's layers, summed over the frames that were encoded.
+// Bytes of one variant's layers, summed over the encoded frames.
 struct Stored {
   uint64_t png = 0, jpeg = 0, video = 0;
   uint32_t pictures_of = 0;  // frames
@@ -99,12 +99,12 @@ class LayerStudy {
   const StudyContext& context_;
   const capture::CaptureSequence& sequence_;
   Plan plan_;
-  const std::string name_;  // of the step
+  const std::string name_;  // step name
   std::unique_ptr<SurveyedJob> naive_;
   std::map<int, std::unique_ptr<SurveyedJob>> joint_;     // by number of layers
   std::map<uint32_t, std::vector<PinholeCamera>> views_;  // by frame
-  std::map<uint32_t, std::vector<Image>> references_;     // the same
-  // Of the size at hand, by variant.
+  std::map<uint32_t, std::vector<Image>> references_;     // by frame
+  // State of the current size, by variant.
   std::map<std::string, Shown> shown_;
   std::map<std::string, std::vector<std::vector<encode::I420Picture>>> gop_;  // [layer][frame]
   std::unique_ptr<LayerDrawing> drawing_;
@@ -133,7 +133,7 @@ Status LayerStudy::survey() {
   return {};
 }
 
-// Views j, j + n, j + 2n … of the ring for the j-th drawn frame: all frames together go round once.
+// Draws views j, j + n, j + 2n … of the ring for the j-th drawn frame: all frames together cover the ring once.
 Status LayerStudy::drawReferences() {
   FOURDVT_ASSIGN(auto ring, studyRing(context_, sequence_));
   for (int j = 0; j < plan_.frames; ++j) {
@@ -165,7 +165,7 @@ std::vector<LayerVariant> LayerStudy::variantsOf(int size) const {
   return out;
 }
 
-// As many layers as the baker has; those that the variant lacks are empty.
+// Labels for as many layers as the baker has; layers absent from the variant are empty.
 Result<std::vector<uint8_t>> LayerStudy::labelsOf(const LayerVariant& variant, uint32_t frame) const {
   const bake::Job& own = variant.labels->job;
   FOURDVT_ASSIGN(auto labels, variant.labels->survey->labels(*own.capture.find(sequence_.name), frame));

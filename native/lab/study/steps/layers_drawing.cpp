@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kGain = 4, kMargin = 8;
 
-// Black, red, yellow, white.
+// Colour map of black, red, yellow, white.
 void heat(double value, uint8_t* rgb) {
   for (int c = 0; c < 3; ++c) rgb[c] = static_cast<uint8_t>(std::clamp(3 * value - 255.0 * c, 0.0, 255.0));
 }
@@ -29,7 +29,7 @@ package::Rect rectOf(int layer, int size) {
   return {layer % kLayerColumns * size, layer / kLayerColumns * size, size, size};
 }
 
-// A grid of three columns.
+// Layout of layers in a grid of three columns.
 package::Rendition gridOf(int size, int max_layers, int layers) {
   package::Rendition rendition;
   rendition.width = std::min(kLayerColumns, max_layers) * size;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws layers that were never encoded: all of one size, side by side in one RGBA picture.
+// Draws layers without encoding: all of one size, side by side in one RGBA picture.
 #pragma once
 
 #include <map>
@@ -19,11 +19,11 @@ class LayerDrawing {
                                                       int max_layers);
   // Sets the geometry and the labels, [layer][face] for exactly `layers` layers. Vertices in decoded order.
   Status setGeometry(const Positions& positions, const std::vector<uint8_t>& labels, int layers);
-  // Layers 0..n-1, RGBA or RGB of `size`².
+  // Sets layers 0..n-1, RGBA or RGB of `size`².
   Status show(const std::vector<Image>& layers);
   // RGBA straight alpha. Errors: GpuFailure.
   Result<Image> draw(const PinholeCamera& camera, int layers);
-  // Bytes of the textures that a player holds for this many layers: the model's tables and one decoded 4:2:0 picture.
+  // Bytes of a player's textures for this many layers: the model's tables and one decoded 4:2:0 picture.
   Result<uint64_t> gpuBytes(int layers);
 
  private:
@@ -38,7 +38,7 @@ class LayerDrawing {
   render::PictureTextures picture_;
   gpu::Texture color_;
   gpu::Target target_;
-  int width_ = 0, height_ = 0;  // of the target
+  int width_ = 0, height_ = 0;  // target size
 };
 
 // Reference, picture and |difference| × 4 as a heat map, side by side and cropped to the performer. RGB.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// 4DVT Table 1: the same capture baked with every labelling mode at the papers' size, and as this project bakes by
-// default. Measures storage, loading, fidelity to FVVR on the ring and to ground truth at the held-out cameras, and
-// label statistics.
+// Table 1 of Casas et al. 2014: the same capture baked with each labelling mode at the papers' size, and with this
+// project's defaults. Measures storage, loading, fidelity to FVVR on the ring and to ground truth at the held-out
+// cameras, and label statistics.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -27,9 +27,9 @@
 namespace fourdvt::study {
 namespace {
 
-// One way of baking the capture.
+// Variant of the capture's bake.
 struct Method {
-  std::string name;  // as in the rows
+  std::string name;  // name in the rows
   bake::BakeOptions options;
   std::string setting() const {
     return "layers=" + std::to_string(options.layers) + " size=" + std::to_string(options.texture) +
@@ -38,7 +38,7 @@ struct Method {
   }
 };
 
-// The default comes first: its time counts from nothing, and the others share its survey.
+// Lists the variants, the default first: its time includes the survey, which the others share.
 std::vector<Method> studyMethods(const StudyContext& context) {
   const bake::BakeOptions shared = studyBake(context, rows::kJointDefault);
   bake::BakeOptions plain = defaultBake(context, shared.character_folder);
@@ -58,7 +58,7 @@ std::vector<Method> studyMethods(const StudyContext& context) {
   return out;
 }
 
-// One method: bakes, then measures everything that needs only its character.
+// Bakes one method, then measures all quantities that depend only on its character.
 class MethodStudy {
  public:
   MethodStudy(const StudyContext& context, const Method& method, double before, double share)
@@ -139,8 +139,8 @@ Status MethodStudy::storage(const capture::CaptureSequence& sequence) {
   return {};
 }
 
-// Times opening, decoding, uploading and drawing: until the first picture and, unless `quick`, until every picture of
-// the sequence has been loaded.
+// Times opening, decoding, uploading and drawing: until the first picture and, unless `quick`, until all pictures of
+// the sequence have been loaded.
 Status MethodStudy::loading(const capture::CaptureSequence& sequence) {
   player_.reset();
   const Watch watch;
@@ -250,10 +250,11 @@ Result<Rows> MethodStudy::run() {
   return std::move(out_);
 }
 
-// A quality at the held-out cameras: how many bytes it costs FVVR, and the rows for a method's share of them.
+// Quality measure at the held-out cameras: quantity names of FVVR's bytes at that quality, and of a method's share of
+// them.
 struct EqualQuality {
-  const char *theirs, *ours;     // quantities: of the multi-view's videos, of the held-out table
-  const char *percent, *beyond;  // of table1
+  const char *theirs, *ours;     // quantities: multi-view videos, held-out table
+  const char *percent, *beyond;  // quantities of table1
 };
 constexpr EqualQuality kEqualQualities[] = {
     {rows::kHeldOutPsnrDb, rows::kPsnrFgDb, rows::kPercentAtPsnr, rows::kBeyondAtPsnr},
@@ -269,8 +270,8 @@ std::vector<RatePoint> multiviewLadder(const Rows& reference, const std::string&
   return ladder;
 }
 
-// Compares all that a method loads with the foreground-only multi-view: as pictures, and as the videos from which FVVR
-// shows the held-out cameras equally well. Nothing is extrapolated beyond the rates measured.
+// Compares a method's total loaded bytes with the foreground-only multi-view: as pictures, and as the videos from which
+// FVVR reaches the same quality at the held-out cameras. No extrapolation beyond the measured rates.
 void compareStorage(const Rows& reference, const std::string& sequence, const std::vector<Method>& methods, Rows& out) {
   const StudyValues measured(out);
   const double masked =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of the study: layers with their camera maps, how labels change from frame to frame, grazing views with
-// crops, and the seam contrast of these views.
+// Pictures of the study: layers with their camera maps, label changes over frames, grazing views with crops, and the
+// seam contrast of these views.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -24,7 +24,7 @@ namespace {
 constexpr int kSheetLayers = 4;
 constexpr double kGrazing_deg = 40;
 
-// A baked character of the study, and its title on the sheets.
+// Baked character of the study, and its title on the sheets.
 struct Subject {
   std::string method, title, folder;
   int layers = 0;
@@ -57,7 +57,7 @@ class PictureStep {
   std::map<std::string, measure::CharacterFrame> frames_;  // by folder
   std::unique_ptr<render::Fvvr> fvvr_;
   std::vector<double> middles_deg_;  // azimuths midway between neighbouring cameras
-  BoundingBox bounds_;               // of all characters
+  BoundingBox bounds_;               // all characters
   Rows out_;
 };
 
@@ -114,7 +114,7 @@ Status PictureStep::bakeSheetCharacter(const bake::Labelling& rule, double from)
   return {};
 }
 
-// The default character of runMethods; unless `quick`, also four layers with our labels and with the naive ones.
+// Finds the default character of runMethods; unless `quick`, also four layers with our labels and with the naive ones.
 Status PictureStep::findSubjects() {
   const std::string folder = context_.work() + "/methods/" + rows::kJointDefault;
   auto product = measure::readCharacter(folder);
@@ -135,7 +135,7 @@ Status PictureStep::findSubjects() {
   return {};
 }
 
-// LVDT Fig. 3-4, 4DVT Fig. 4-5.
+// Draws the layers with camera maps (Volino and Hilton 2013, Fig. 3-4; Casas et al. 2014, Fig. 4-5).
 Status PictureStep::layersSheet(const Subject& subject) {
   const measure::CharacterFrame& frame = frames_.at(subject.folder);
   const PinholeCamera view = orbit(25, 8, 960, 1280);
@@ -173,7 +173,7 @@ Status PictureStep::layersSheet(const Subject& subject) {
               {"", "", subject.method, "layers=" + std::to_string(shown), rows::kPictureLayers, 0, ""});
 }
 
-// Layer 1's camera map in three frames and the faces that change between them.
+// Draws layer 1's camera map in three frames and the faces that change between them.
 Status PictureStep::changesSheet() {
   const uint32_t first = frame_ > 0 && frame_ + 1 < sequence_.frame_count ? frame_ - 1 : 0;
   if (sequence_.frame_count < 3) return {};
@@ -254,7 +254,7 @@ Result<Rows> PictureStep::run() {
   tell("layers and camera maps", 0.6);
   for (const Subject& subject : subjects_) {
     FOURDVT_TRY(checkStop(context_));
-    // Three layers of the default beside four of the same labels would show the same thing twice.
+    // Skips three layers of the default beside four of the same labels, which would be redundant.
     if (subject.method == rows::kJointDefault && subjects_.size() > 1) continue;
     FOURDVT_TRY(layersSheet(subject));
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rate-distortion, in two steps: "rate" has the default codec for one, two and three layers, "codecs" has codecs,
-// presets, layouts and sizes of layers. Layers are baked once per size and layout; every point then encodes, decodes
-// and renders the same pictures (rate_point.h).
+// Rate-distortion, in two steps: "rate" measures the default codec for one, two and three layers, "codecs" codecs,
+// presets, layouts and sizes of layers. Layers are baked once per size and layout; each point then encodes, decodes and
+// renders the same pictures (rate_point.h).
 #include <cmath>
 #include <filesystem>
 
@@ -33,16 +33,17 @@ struct CodecSetting {
 struct Group {
   LayerSetting layers;
   std::vector<CodecSetting> codecs;
-  // The step "rate" has a group of the same layers, with their points without a codec and as chosen.
+  // True if the step "rate" covers a group of the same layers, with their points without a codec and as chosen.
   bool again = false;
 };
 
 constexpr uint32_t kQuickClipFrames = 9;
-constexpr int kFallbackCameras = 3;  // views without held-out cameras
+constexpr int kFallbackCameras = 3;  // views if there are no held-out cameras
 
 using encode::Codec;
 
-// L = 1, 2, 3 over the same bitrates: fewer layers take fewer bits, and reach as far with a lower rate factor.
+// Groups of L = 1, 2, 3 layers over the same bitrates: fewer layers need fewer bits, and cover them at a lower rate
+// factor.
 std::vector<Group> layerGroups(bool quick) {
   const std::vector<CodecSetting> few{{Codec::H264, "veryfast", {26, 34}}, {Codec::Av1, "7", {46}}};
   if (quick) return {{{512, 3, false}, few}, {{512, 1, false}, {{Codec::H264, "veryfast", {20, 26, 34}}}}};
@@ -72,7 +73,7 @@ std::string settingOf(const LayerSetting& layers, const encode::EncodeSettings& 
          " layers=" + std::to_string(layers.layers) + " layout=" + (layers.equal ? "equal" : "default");
 }
 
-// Deletes the pictures when the group is done: they are large.
+// Deletes the large pictures when the group is done.
 struct PicturesFile {
   std::string path;
   ~PicturesFile() {
@@ -83,7 +84,7 @@ struct PicturesFile {
 
 class RateStudy {
  public:
-  // `name`: of the step.
+  // `name`: step name.
   RateStudy(const StudyContext& context, std::string name)
       : context_(context), sequence_(shortestSequence(context)), name_(std::move(name)) {}
   Result<Rows> run(const std::vector<Group>& groups);
@@ -108,7 +109,7 @@ void RateStudy::tell(const std::string& detail) const {
   reportProgress(context_, name_, detail, points_ ? double(done_) / double(points_) : 0);
 }
 
-// Pictures into clip.pictures_path; geometry and labels of every frame.
+// Writes the pictures to clip.pictures_path; returns geometry and labels of each frame.
 Status RateStudy::bakeLayers(SurveyedJob& surveyed, RateClip& clip) const {
   const bake::Job& job = surveyed.job;
   FOURDVT_ASSIGN(auto baker, makeBaker(context_, job, bakerOptions(surveyed)));
@@ -131,7 +132,7 @@ Status RateStudy::bakeLayers(SurveyedJob& surveyed, RateClip& clip) const {
   return {};
 }
 
-// Held-out cameras at held-out frames; where there are none, three cameras of the ring without a truth.
+// Views at held-out cameras and frames; without them, three cameras of the ring without a truth.
 Result<std::vector<RateView>> RateStudy::makeViews(uint32_t frame_count) const {
   std::vector<RateView> views;
   FOURDVT_ASSIGN(auto held_out, heldOutCameras(context_));

@@ -23,12 +23,12 @@ struct PairScore {
   double ssim = std::numeric_limits<double>::quiet_NaN(), psnr_db = ssim;
 };
 
-// Both over black, over the union of their silhouettes.
+// Scores both over black, over the union of their silhouettes.
 PairScore compare(const Image& truth, const Image& drawn) {
   if (truth.empty()) return {};
   const Image a = measure::compositedOnBlack(truth), b = measure::compositedOnBlack(drawn);
   const measure::Mask inside = measure::unionOfSilhouettes(truth, drawn);
-  // Equal pictures have no finite PSNR, and one of them must not make a mean infinite.
+  // Clamps the infinite PSNR of equal pictures, so that means stay finite.
   return {measure::ssim(a, b, inside), std::min(measure::psnr(a, b, inside), 99.0)};
 }
 
@@ -134,7 +134,8 @@ RateScore RateMeter::scoreUncompressed(const std::vector<RateView>& views) const
   return score;
 }
 
-Result<encode::EncodedGop> RateMeter::encodeGop(const encode::EncodeSettings& settings, size_t gop, double& seconds) const {
+Result<encode::EncodedGop> RateMeter::encodeGop(const encode::EncodeSettings& settings, size_t gop,
+                                                double& seconds) const {
   const uint32_t first = clip_.gop_first_frames[gop];
   const uint32_t end = gop + 1 < clip_.gop_first_frames.size() ? clip_.gop_first_frames[gop + 1] : clip_.frame_count;
   encode::I420Picture picture(settings.width, settings.height);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One point of a rate-distortion curve: tiled pictures → encoder → decoder → renderer → scores of rendered views.
-// Does NOT bake layers and does NOT choose points (rate.cpp does). Memory: one GOP of pictures.
+// rate.cpp bakes the layers and chooses the points. Memory: one GOP of pictures.
 #pragma once
 
 #include <memory>
@@ -16,15 +16,15 @@
 
 namespace fourdvt::study {
 
-// The pictures of a sequence that the encoder gets, and what is needed to draw them.
+// Encoder input of a sequence, and the data for drawing it.
 struct RateClip {
   encode::TileLayout layout;
   double fps = 25;
   uint32_t frame_count = 0;
-  std::string pictures_path;                 // frames of tiled I420, one after the other
-  std::vector<uint32_t> gop_first_frames;    // ascending, starts with 0
-  std::vector<Positions> positions;          // per frame, decoded mesh's order; may be empty for frames without views
-  std::vector<std::vector<uint8_t>> labels;  // per frame, [layer][face]; as positions
+  std::string pictures_path;               // concatenated frames of tiled I420
+  std::vector<uint32_t> gop_first_frames;  // ascending, starts with 0
+  std::vector<Positions> positions;  // per frame, in the decoded mesh's order; may be empty for frames without views
+  std::vector<std::vector<uint8_t>> labels;  // per frame, [layer][face]; may be empty likewise
   package::Character character;              // cameras, counts, bounds
   const package::BaseMesh* mesh = nullptr;   // borrowed
 };
@@ -32,8 +32,8 @@ struct RateClip {
 struct RateView {
   uint32_t frame = 0;
   PinholeCamera camera;
-  Image truth;         // RGBA, straight alpha; empty where there is none
-  Image uncompressed;  // RGBA, straight alpha: drawn from the pictures before the codec; set by drawUncompressed
+  Image truth;         // RGBA, straight alpha; empty if unavailable
+  Image uncompressed;  // RGBA, straight alpha, drawn before the codec; set by drawUncompressed
 };
 
 struct RateScore {
@@ -41,7 +41,7 @@ struct RateScore {
   double ssim_fg = 0, psnr_fg_db = 0;  // against the truth, union of the silhouettes; NaN without truth
   double ssim_fg_vs_uncompressed = 0, psnr_fg_vs_uncompressed_db = 0;
   double encode_ms_frame = 0;        // one thread, wall clock
-  uint32_t unreadable_barcodes = 0;  // pictures that players would not show
+  uint32_t unreadable_barcodes = 0;  // pictures that players would reject
   std::string encoder_codec;         // CodecInfo::name
 };
 
@@ -53,7 +53,7 @@ class RateMeter {
   static Result<std::unique_ptr<RateMeter>> create(gpu::Device& device, const RateClip& clip);
   // Errors: FileUnreadable, GpuFailure.
   Status drawUncompressed(std::vector<RateView>& views);
-  // Mean scores over the views, drawn from the pictures before the codec: no bitrate can exceed them.
+  // Mean scores over the views, drawn from the pictures before the codec: the upper bound at any bitrate.
   RateScore scoreUncompressed(const std::vector<RateView>& views) const;
   // settings: size and fps are the clip's. Errors: those of encoder and decoder.
   Result<RateScore> measure(const encode::EncodeSettings& settings, const std::vector<RateView>& views);

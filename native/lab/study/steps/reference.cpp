@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The yardsticks of a study: FVVR's pictures of the ring and at the held-out cameras, and what the foreground-only
-// multi-view costs as pictures and as video (LVDT 4.2, Table 1). The videos are decoded again and FVVR draws the
-// held-out cameras from them, so that storage can be compared at the quality that viewers see.
-// Memory: one frame of pictures, and a camera's encoders. Disk: the decoded pictures of the held-out frames.
+// References of a study: FVVR's pictures of the ring and at the held-out cameras, and the size of the foreground-only
+// multi-view as pictures and as video (Volino and Hilton 2013, 4.2, Table 1). FVVR also draws the held-out cameras from
+// the decoded videos, so that storage is compared at equal rendered quality. Memory: one frame of pictures, and a
+// camera's encoders. Disk: the decoded pictures of the held-out frames.
 #include <algorithm>
 #include <cmath>
 #include <future>
@@ -25,9 +25,9 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr uint32_t kWholePictureEvery = 8;  // unmasked PNGs cost time and vary little
+constexpr uint32_t kWholePictureEvery = 8;  // unmasked PNGs are slow and vary little
 
-// PNG bytes of pictures, side by side on all cores.
+// PNG bytes of pictures, encoded on all cores.
 Result<uint64_t> pngBytes(const std::vector<Image>& pictures, const std::function<Image(const Image&)>& prepare) {
   std::vector<std::future<Result<size_t>>> sizes;
   for (const Image& picture : pictures)
@@ -57,7 +57,7 @@ class Reference {
  private:
   Status drawFrame(const mattes::CaptureFrame& frame, render::Fvvr& fvvr);
   Status heldOut(const mattes::CaptureFrame& frame, render::Fvvr& fvvr);
-  // The same with mesh and cameras as given, if there are others.
+  // Scores the unrefined mesh and cameras, if they differ.
   Status heldOutAsGiven(const mattes::CaptureFrame& frame);
   bool isHeldOut(uint32_t frame) const;
   bool isDrawn(uint32_t frame) const;
@@ -97,7 +97,7 @@ class Reference {
   std::vector<RingView> ring_;
   std::vector<PinholeCamera> held_out_;
   measure::MeanScores held_out_scores_, held_out_closest_, held_out_given_;
-  std::unique_ptr<render::Fvvr> given_fvvr_;  // on mesh and cameras as given
+  std::unique_ptr<render::Fvvr> given_fvvr_;  // on the unrefined mesh and cameras
   std::map<std::string, measure::MeanScores> held_out_by_view_;
   uint64_t masked_png_bytes_ = 0, whole_png_bytes_ = 0, raw_bytes_ = 0;
   uint32_t whole_pngs_ = 0;
@@ -204,7 +204,7 @@ Result<Rows> Reference::draw() {
   multiview.add(rows::kCompressedBytes,
                 static_cast<double>(whole_png_bytes_) * sequence_.frame_count / std::max(1u, whole_pngs_), "bytes");
   multiview.add(rows::kMaskedBytes, static_cast<double>(masked_png_bytes_), "bytes");
-  if (&sequence_ == &shortestSequence(context_)) {  // the baseline of the layers' rows
+  if (&sequence_ == &shortestSequence(context_)) {  // baseline of the layers' rows
     const RowWriter layers(out, rows::kLayers, sequence_.name, rows::kFvvr, "");
     layers.add(rows::kMaskedBytes, static_cast<double>(masked_png_bytes_) / sequence_.frame_count, "bytes");
     layers.add(rows::kGpuBytes, static_cast<double>(gpu_bytes), "bytes");
@@ -223,7 +223,7 @@ Result<Rows> Reference::draw() {
   return out;
 }
 
-// Spreads the foreground's straight colours by a few pixels over the black around it, so that neither the codec's
+// Dilates the foreground's straight colours by a few pixels into the black around it, so that neither the codec's
 // ringing nor its half-resolution chroma darkens FVVR's outlines.
 Image spreadColours(const Image& rgba) {
   constexpr int kSpread = 4;  // pixels
@@ -275,8 +275,8 @@ Status Reference::pushGop(mattes::FrameReader& reader, uint32_t frames, CameraGo
   return {};
 }
 
-// Makes the picture that FVVR draws from: decoded colours with the captured matte, whose bytes are not counted. An odd
-// last row or column, which 4:2:0 lacks, stays as captured.
+// Input picture of FVVR: decoded colours with the captured matte, whose bytes are not counted. An odd last row or
+// column, absent from 4:2:0, stays as captured.
 Image withMatte(const Image& decoded, Image picture) {
   for (int y = 0; y < decoded.height; ++y)
     for (int x = 0; x < decoded.width; ++x) std::copy_n(decoded.at(x, y), 3, picture.at(x, y));
@@ -320,7 +320,7 @@ Result<Reference::CameraVideo> Reference::encodeCamera(size_t camera) const {
   return out;
 }
 
-// FVVR from the decoded videos, at the held-out cameras and frames.
+// Scores FVVR from the decoded videos, at the held-out cameras and frames.
 Result<measure::MeanScores> Reference::scoreDecoded(int crf, render::Fvvr& fvvr) const {
   measure::ScoreLane lane;
   for (const uint32_t frame : sequence_.test_frames) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// LVDT 4.4: frame rate of the layered character against FVVR, with the passes of a frame and the textures held.
+// Frame rate of the layered character against FVVR (Volino and Hilton 2013, 4.4), with the passes of a frame and the
+// textures held.
 #include <filesystem>
 
 #include "bake/bake.h"
@@ -15,7 +16,7 @@ namespace {
 
 constexpr int kSpeedFrames = 24, kQuickSpeedFrames = 10;
 
-// One sequence with default settings.
+// Bakes one sequence with default settings.
 Result<std::string> bakeOwn(const StudyContext& context) {
   bake::BakeOptions options = defaultBake(context, context.work() + "/speed");
   options.sequences = {context.options.sequences.empty() ? context.capture->sequences.front().name
@@ -28,7 +29,7 @@ Result<std::string> bakeOwn(const StudyContext& context) {
 
 std::string sizeText(const FrameRate& rate) { return std::to_string(rate.width) + "x" + std::to_string(rate.height); }
 
-// The rows of one renderer at one picture size.
+// Rows of one renderer at one picture size.
 struct SpeedRows {
   Rows& out;
   const FrameRates& rates;
@@ -53,7 +54,7 @@ struct SpeedRows {
   }
 };
 
-// " closest=M", to be appended to a setting; "" for all cameras.
+// Setting suffix " closest=M"; empty for all cameras.
 std::string closestSetting(const FvvrRate& fvvr) {
   return fvvr.closest ? " closest=" + std::to_string(fvvr.closest) : "";
 }
@@ -71,7 +72,7 @@ void addSize(Rows& out, const FrameRates& rates, const FrameRate& rate, bool wit
     const RowWriter ratios = SpeedRows{out, rates, rows::kMethodLayered, theirs.setting}.writer();
     ratios.add(rows::kRatioToFvvr, rate.ratio(fvvr.times), "ratio");
     ratios.add(rows::kDrawRatioToFvvr, rate.drawRatio(fvvr.times), "ratio");
-    ratios.add("shading_ratio_to_fvvr", rate.shadingRatio(fvvr.times), "ratio");  // as if depth maps were free
+    ratios.add("shading_ratio_to_fvvr", rate.shadingRatio(fvvr.times), "ratio");  // excluding depth maps
   }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tables and curves of the report as data: what a row and what a column fix (method, setting, quantity), and the value
-// that both together name among the study's rows. Does NOT know which tables there are.
+// Tables and curves of the report as data: a row and a column each fix method, setting and quantity; together they
+// select a value of the study's rows.
 #pragma once
 
 #include <cmath>
@@ -21,53 +21,53 @@ std::string fixed(double value) {
 }
 inline std::string times(double ratio) { return std::isnan(ratio) ? "–" : fixedText(ratio, 2) + " ×"; }
 
-// What a cell takes from GridOptions::all, its row and its column, joined in this order: method, filter and sequence
-// are put together; of everything else the last one that is set counts.
+// Cell description, merged from GridOptions::all, its row and its column, in this order: method, filter and sequence
+// are concatenated; for all other members the last one set counts.
 struct Cell {
-  std::vector<std::string> title;  // a row's may have several cells
-  std::string method, filter;      // as StudyValues
+  std::vector<std::string> title;  // row titles may span several cells
+  std::string method, filter;      // see StudyValues
   const char* quantity = nullptr;
   NumberText text = nullptr;
-  const char* over = nullptr;    // the value is the quantity's ratio to this one
-  const char* beside = nullptr;  // a second quantity, "24.1 / 0.7712"
+  const char* over = nullptr;    // shows the ratio to this quantity
+  const char* beside = nullptr;  // second quantity, "24.1 / 0.7712"
   NumberText beside_text = nullptr;
   std::string sequence = {};  // "": over all sequences
-  // Instead of `quantity`: from several quantities.
+  // Replaces `quantity`: computed from several quantities.
   std::function<double(const StudyValues& values, const Cell& cell)> value = {};
 };
 using Cells = std::vector<Cell>;
 
 struct GridOptions {
-  const char* table;  // of the rows
+  const char* table;  // table of the rows
   std::string title, note;
-  std::vector<std::string> corner;  // titles of the cells that the rows' titles stand in
-  Cell all = {};                    // what all cells have in common
+  std::vector<std::string> corner;  // titles above the cells of the rows' titles
+  Cell all = {};                    // common part of all cells
 };
-// Rows without any value are left out; no rows: nothing is added.
+// Adds a table without its empty rows; nothing if no rows remain.
 void addGrid(Section& section, const StudyValues& v, const GridOptions& options, const Cells& rows,
              const Cells& columns);
 
-// A cell per method of the table, in the report's order.
+// One cell per method of the table, in the report's order.
 Cells methodsOf(const StudyValues& v, const char* table);
 
 struct NumbersOptions {
   const char* table;
-  std::string method, key;  // method: empty for all
+  std::string method, key;  // empty method: all
   int decimals = 0;
-  std::string before = {}, after = {};  // of the number in the title
+  std::string before = {}, after = {};  // around the number in the title
 };
-// A cell per value of a setting's key, ascending.
+// One cell per value of a setting's key, ascending.
 Cells numbersOf(const StudyValues& v, const NumbersOptions& options);
 
 struct CurvesOptions {
   const char *table, *quantity;
-  std::string x_key;  // a key of the settings
+  std::string x_key;  // key of the settings
   int x_decimals = 0;
   std::string title, x_label, y_label;
   std::string filter = {};
   std::optional<double> reduction_from = {};  // y: reduction against this value, percent
 };
-// A curve per cell; curves without points are left out, no curves: nothing is added.
+// Adds one curve per cell with points; nothing if no curves remain.
 void addCurves(Section& section, const StudyValues& v, const CurvesOptions& options, const Cells& curves);
 
 }  // namespace fourdvt::study

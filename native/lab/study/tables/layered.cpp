@@ -9,7 +9,7 @@
 namespace fourdvt::study {
 namespace {
 
-// Per sequence: a row per quantity, a column per method.
+// Adds a table per sequence: a row per quantity, a column per method.
 void addMethodTables(Section& section, const StudyValues& v, const char* table, const Cells& quantities) {
   for (const std::string& sequence : v.sequences(table))
     addGrid(section, v, {table, sequence, "", {""}, {.sequence = sequence}}, quantities, methodsOf(v, table));
@@ -38,20 +38,20 @@ Cells sizesOf(const StudyValues& v, const char* method) {
   return out;
 }
 
-// A quantity over the number of layers.
+// Curve of a quantity over the number of layers.
 CurvesOptions overLayers(const char* quantity, const std::string& title, const std::string& y_label,
                          std::optional<double> reduction_from = {}) {
   return {rows::kLayers, quantity, "layers", 0, title, "layers L", y_label, "", reduction_from};
 }
 
-// A row per number of layers, a column per size.
+// Adds a table with a row per number of layers, a column per size.
 void addLayersTable(Section& section, const StudyValues& v, const char* quantity, const std::string& title,
                     NumberText text) {
   addGrid(section, v, {rows::kLayers, title, "", {"L"}, {.quantity = quantity, .text = text}},
           numbersOf(v, {rows::kLayers, rows::kJoint, "layers"}), sizesOf(v, rows::kJoint));
 }
 
-// Bytes of the multi-view, or of what a character loads.
+// Bytes of the multi-view, or loaded bytes of a character.
 double storedBytes(const StudyValues& v, const Cell& cell) {
   const char* table = cell.method == rows::kMethodMultiview ? rows::kMultiview : rows::kTable1;
   return v.of(table, cell.sequence, cell.method, "", cell.quantity);
@@ -88,7 +88,7 @@ void addMultiview(Section& section, const StudyValues& v) {
           stored, columns);
 }
 
-// "–" where neither was measured.
+// Text of a share at equal quality; "–" if neither was measured.
 std::string equalQualityText(double percent, double beyond) {
   if (!std::isnan(percent)) return percentText(percent);
   if (std::isnan(beyond)) return "–";
@@ -133,7 +133,7 @@ void addEqualQuality(Section& section, const StudyValues& v, const std::string& 
   if (!table.rows.empty()) section.tables.push_back(std::move(table));
 }
 
-// Masked PNGs of the sequences whose layers were measured, mean per sequence.
+// Masked PNGs of the sequences with measured layers, mean per sequence.
 double maskedSequenceBytes(const StudyValues& v) {
   double sum = 0;
   int count = 0;
@@ -144,7 +144,7 @@ double maskedSequenceBytes(const StudyValues& v) {
   return count ? sum / count : v.mean(rows::kMultiview, rows::kMethodMultiview, "", rows::kMaskedBytes);
 }
 
-// A row per method, each quantity once per layer.
+// Adds a table with a row per method, each quantity once per layer.
 void addLabels(Section& section, const StudyValues& v, const char* table, const std::string& title,
                const Cells& quantities) {
   Cells columns;

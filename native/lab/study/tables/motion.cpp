@@ -10,7 +10,7 @@ namespace {
 
 Cells weightsOf(const StudyValues& v) { return numbersOf(v, {rows::kMotionAppearance, "", "w", 2, "w = "}); }
 
-// Curves over w, one per method.
+// Adds curves over w, one per method.
 void addOverW(Section& section, const StudyValues& v, CurvesOptions options) {
   options.x_key = 'w';
   options.x_decimals = 2;
@@ -67,7 +67,7 @@ void addFlow(Section& section, const StudyValues& v) {
            {{"95 %, mm"}, "", "", rows::kDifferenceTailMm}});
 }
 
-// PSNR and SSIM by w, a row per method.
+// Adds PSNR and SSIM by w, a row per method.
 void addTruth(Section& section, const StudyValues& v, const std::string& filter, const std::string& title,
               const std::string& note) {
   const Cell score{.filter = filter,
@@ -151,8 +151,7 @@ void addCost(Section& section, const StudyValues& v) {
              {{"characters for one of flow-gpu"}, "", "", rows::kCharactersPerFlow}});
 }
 
-// The rows of a table that have this quantity: a row per sequence and setting, titled by the sequence or keys of the
-// setting.
+// Rows of a table with this quantity: a row per sequence and setting, titled by the sequence or keys of the setting.
 Cells casesOf(const StudyValues& v, const char* table, const char* quantity, const std::vector<std::string>& keys) {
   Cells out;
   for (const Row& row : v.rows()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Goals of motion: each is a claim, what the rows say, and, where it fails, where to look.
+// Goals of motion: each is a claim, the measured values, and, if it fails, a hint to the cause.
 #include <algorithm>
 #include <cmath>
 
@@ -10,10 +10,10 @@ namespace fourdvt::study {
 namespace {
 
 constexpr double kMostBlendMm = 1, kMostFlowPx = 0.3, kLeastGradient = 0.95, kMostCost = 1.3, kMostLatency_s = 0.4;
-// Pictures have whole levels: this share of a mean change of 40, a tenth of a level, is rounding.
+// Rounding of pictures to whole levels: share of a mean change of 40, a tenth of a level.
 constexpr double kChangeRounding = 0.0025;
 
-// The largest of a quantity, or of its ratio to another, over the rows of a table.
+// Maximum of a quantity, or of its ratio to another, over the rows of a table.
 double largest(const StudyValues& v, const char* table, const char* quantity, const char* over = nullptr) {
   double most = kNaN;
   for (const Row& row : v.rows()) {
@@ -36,7 +36,7 @@ Judgement flowGoal(const StudyValues& v) {
                 fixed<3>(difference) + " px", "See the 95th percentile: whether few pixels or all differ.");
 }
 
-// Mean over w of 0.2 … 0.8, true mesh, common foreground.
+// Judges the mean over w of 0.2 … 0.8, true mesh, common foreground.
 void truthGoals(const StudyValues& v, std::vector<Judgement>& out) {
   const auto meanOf = [&](const char* method) {
     double sum = 0, count = 0;

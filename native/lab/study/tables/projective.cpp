@@ -38,7 +38,7 @@ std::string byAxis(const std::string& axis, const std::string& place) {
   return axis + " " + place;
 }
 
-// The base and every condition of these axes.
+// Rows of the base and each condition of these axes.
 Cells axisRows(const StudyValues& v, const std::vector<const char*>& axes) {
   Cells out{{{"none"}, "", "axis=proxy at=given"}};
   for (const char* axis : axes)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The report of `fourdvt-lab methods` from its rows alone (projective_rows.h): what the methods score, what their
-// papers promise, and which one to take. Does NOT measure.
+// Report of `fourdvt-lab methods` from its rows alone (projective_rows.h): scores of the methods, verdicts on their
+// papers' promises, and the recommended method.
 #pragma once
 
 #include "lab/study/tables/report.h"
@@ -9,22 +9,22 @@ namespace fourdvt::study {
 
 Document makeProjectiveDocument(const Rows& rows, const StudyOptions& options, const std::string& capture_name);
 
-// The method that a user should take on a surface ("given", "refined", "hull"), and what is said about the others.
+// Recommended method for a surface ("given", "refined", "hull"), and the reasons against the others.
 //
-// The rule: a method may not be below linear blending by more than kPromise_db, not cost more than kCostliest times
-// FVVR's frame, and not flicker more than kFlickering times FVVR (where flicker was measured). Of those left, the one
-// with the best SSIM-FG; of those within kAlike_ssim of it, the one that costs least.
+// Rule: excludes methods more than kPromise_db below linear blending, above kCostliest times FVVR's frame time, or
+// above kFlickering times FVVR's flicker (if measured). Selects the best SSIM-FG of the rest; of those within
+// kAlike_ssim of it, the cheapest.
 inline constexpr double kPromise_db = 0.05, kPromise_ssim = 0.001, kCostliest = 2, kFlickering = 1.1,
                         kAlike_ssim = 0.002;
 struct MethodPick {
-  std::string method;                                        // empty: nothing was measured
-  std::vector<std::pair<std::string, std::string>> refused;  // method, why
+  std::string method;                                        // empty: not measured
+  std::vector<std::pair<std::string, std::string>> refused;  // method, reason
 };
-// The surfaces that a choice is made on.
+// Surfaces with a recommendation.
 const std::vector<std::string>& judgedProxies();
 MethodPick pickMethod(const StudyValues& values, const std::string& proxy);
 
-// What the papers promise, on every row.
+// Verdicts on the papers' promises, over all rows.
 std::vector<Judgement> judgeProjective(const StudyValues& values);
 
 // Rows of the tables "choice" and "promise", for readers of the CSV.

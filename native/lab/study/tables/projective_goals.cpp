@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What Floating Textures and Montage4D promise against the rows, and which method to take.
+// Promises of Floating Textures (Eisemann et al. 2008) and Montage4D (Du et al. 2019) against the rows, and the
+// recommended method.
 #include <algorithm>
 #include <cmath>
 
@@ -17,7 +18,7 @@ double at(const StudyValues& v, const std::string& sequence, const std::string& 
   return v.of(kCondition, sequence, method, setting, quantity);
 }
 
-// Sequence and setting of every row of a method's PSNR.
+// Sequence and setting of each row of a method's PSNR.
 std::vector<std::pair<std::string, std::string>> conditionsOf(const StudyValues& v, const std::string& method) {
   std::vector<std::pair<std::string, std::string>> out;
   for (const Row& row : v.rows())
@@ -35,7 +36,7 @@ std::string signedText(double value, int decimals) {
   return text += fixedText(value, decimals);
 }
 
-// `method` may be below `other` by so much at most, on every row.
+// Bounds the deficit of `method` against `other`, over all rows.
 Judgement neverBelow(const StudyValues& v, const std::string& claim, const std::string& method,
                      const std::string& other, double slack_db, double slack_ssim) {
   double worst_db = std::nan(""), worst_ssim = std::nan("");

@@ -8,8 +8,8 @@
 namespace fourdvt::study {
 namespace {
 
-// The name of a rate curve: the method and its setting without crf, which varies along the curve. Without the number of
-// layers it names a family of curves.
+// Name of a rate curve: the method and its setting without crf, which varies along the curve. Without the number of
+// layers it is the name of a family of curves.
 std::string curveName(const Row& row, bool with_layers = true) {
   std::string name = row.method;
   for (const char* key : {"preset", "size", "layers", "layout"}) {
@@ -62,7 +62,7 @@ std::vector<RateCurve> rateCurves(const StudyValues& v) {
   return curves;
 }
 
-// Where the curve crosses a quality, interpolated in log rate; NaN outside it.
+// Rate at which the curve crosses a quality, interpolated in log rate; NaN outside it.
 double rateAtQuality(const std::vector<CurvePoint>& points, double quality) {
   for (size_t i = 1; i < points.size(); ++i) {
     const CurvePoint &a = points[i - 1], &b = points[i];
@@ -73,7 +73,7 @@ double rateAtQuality(const std::vector<CurvePoint>& points, double quality) {
   return std::nan("");
 }
 
-// The quality that the curve gives at a rate, interpolated in log rate; NaN outside of it. Points by rate.
+// Quality of the curve at a rate, interpolated in log rate; NaN outside it. Points sorted by rate.
 double qualityAtRate(const std::vector<CurvePoint>& points, double bits_per_s) {
   for (size_t i = 1; i < points.size(); ++i) {
     const CurvePoint &a = points[i - 1], &b = points[i];
@@ -84,8 +84,8 @@ double qualityAtRate(const std::vector<CurvePoint>& points, double bits_per_s) {
   return std::nan("");
 }
 
-// What more layers are worth at equal bitrate: reads a family's curves at the bitrates that were measured for the
-// largest number of layers. Without a curve of one layer there is no comparison.
+// Gain of additional layers at equal bitrate: evaluates a family's curves at the bitrates measured for the maximum
+// number of layers. Requires a curve of one layer.
 Table equalRateTable(const std::vector<RateCurve>& curves, const std::string& family) {
   std::vector<const RateCurve*> members;
   for (const RateCurve& curve : curves)
@@ -108,7 +108,7 @@ Table equalRateTable(const std::vector<RateCurve>& curves, const std::string& fa
   return table;
 }
 
-// FVVR fed from the decoded videos of all cameras, of the sequence that the rates were measured on.
+// Curve of FVVR from the decoded videos of all cameras, for the sequence of the measured rates.
 RateCurve multiviewCurve(const StudyValues& v) {
   RateCurve out{.name = "FVVR from the multi-view's videos"};
   for (const std::string& sequence : v.sequences(rows::kRate))
@@ -130,7 +130,7 @@ Curve plotCurve(const std::string& name, const std::vector<CurvePoint>& points) 
   return curve;
 }
 
-// The default's quality, or the middle of the first curve where no default was chosen.
+// Quality of the default, or the middle of the first curve if no default was chosen.
 double commonQuality(const StudyValues& v, const std::vector<RateCurve>& curves) {
   for (const std::string& method : v.methods(rows::kRate)) {
     const double chosen = v.mean(rows::kRate, method, "chosen=1", rows::kSsimFg);
@@ -140,7 +140,7 @@ double commonQuality(const StudyValues& v, const std::vector<RateCurve>& curves)
   return points.empty() ? std::nan("") : points[points.size() / 2].quality;
 }
 
-// By how much the layered renderer is faster than FVVR with this many cameras.
+// Speed-up of the layered renderer over FVVR with this many cameras.
 double speedUp(const StudyValues& v, const Cell& cell) {
   return cell.method == rows::kFvvr ? v.mean(rows::kSpeed, rows::kMethodLayered, cell.filter, cell.quantity)
                                     : std::nan("");
@@ -168,7 +168,7 @@ void addFrameRates(Section& section, const StudyValues& v) {
        {.title = {"draws only"}, .quantity = rows::kDrawRatioToFvvr, .text = times, .value = speedUp}});
 }
 
-// A row per pass, a column per renderer; the names of passes hold spaces.
+// Adds a row per pass, a column per renderer; names of passes may contain spaces.
 void addPasses(Section& section, const StudyValues& v) {
   Table passes{"Passes, ms per frame", "", {"pass", "layered", "FVVR, all cameras"}, {}};
   const auto closest = v.settings(rows::kSpeed, rows::kFvvr, "closest");

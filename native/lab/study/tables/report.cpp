@@ -120,7 +120,7 @@ const SectionPlan kStudySections[] = {
      {}},
 };
 
-// As the comments beside the constants say.
+// Table of constants, with the texts of the comments beside them.
 Table constantsTable() {
   return {"What the constants were chosen on",
           "The values of a motion that constants were chosen on flatter them; those of the other motions do not. All "

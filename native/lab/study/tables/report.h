@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The report of a study from its rows alone (rows.h): tables, curves, goals and trends. What was not measured is
-// left out and named in the last section. Does NOT measure, read files or need OpenCV or a GPU.
+// Report of a study from its rows alone (rows.h): tables, curves, goals and trends. Unmeasured parts are left out and
+// listed in the last section. Needs neither files, OpenCV nor a GPU.
 #pragma once
 
 #include <string>
@@ -18,14 +18,14 @@ using report::fixedText, report::percentText, report::bytesText, report::seconds
 Document makeStudyDocument(const Rows& rows, const StudyOptions& options, const std::string& capture_name);
 
 // Rows by name. A filter is "key=value !key": each pair must be in the setting (numbers compare as numbers), and a key
-// with a "!" must not be; empty: any setting.
+// with a "!" must be absent; empty: any setting.
 class StudyValues {
  public:
   explicit StudyValues(const Rows& rows) : rows_(rows) {}
-  // The first such row of this sequence; NaN where there is none.
+  // Value of the first matching row of this sequence; NaN if there is none.
   double of(const std::string& table, const std::string& sequence, const std::string& method, const std::string& filter,
             const std::string& quantity) const;
-  // The row over all sequences (empty name) if there is one, else mean or sum of the sequences' rows; NaN: none.
+  // Value of the row over all sequences (empty name) if present, else mean or sum of the sequences' rows; NaN: none.
   double mean(const std::string& table, const std::string& method, const std::string& filter,
               const std::string& quantity) const;
   double sum(const std::string& table, const std::string& method, const std::string& filter,
@@ -34,7 +34,7 @@ class StudyValues {
   std::vector<std::string> sequences(const std::string& table) const;
   std::vector<std::string> methods(const std::string& table) const;
   std::vector<std::string> settings(const std::string& table, const std::string& method, const std::string& key) const;
-  // The same as ascending numbers; no method: all.
+  // Distinct values as ascending numbers; no method: all.
   std::vector<double> numbers(const std::string& table, const std::string& method, const std::string& key) const;
   const Rows& rows() const { return rows_; }
 
@@ -47,11 +47,11 @@ bool matchesFilter(const std::string& setting, const std::string& filter);
 // "ours (joint)", "FVVR", "NO: naive" …
 std::string methodTitle(const std::string& method);
 
-// A goal of the project or a trend of the papers against the rows.
+// Verdict on a goal of the project or a trend of the papers.
 struct Judgement {
   std::string claim, measured;
   enum class Verdict { Holds, Fails, NotMeasured } verdict = Verdict::NotMeasured;
-  std::string reason;  // where it fails: what the rows say about why
+  std::string reason;  // cause of a failure by the rows
 };
 std::vector<Judgement> judgeGoals(const StudyValues& values);
 std::vector<Judgement> judgeTrends(const StudyValues& values);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What fills the sections of the study's report from its rows; the list of sections is in report.cpp. A section without
-// tables, plots, pictures and tiles was not measured. Internal to tables/.
+// Contents of the report's sections from its rows; the list of sections is in report.cpp. A section without tables,
+// plots, pictures and tiles was not measured. Internal to tables/.
 #pragma once
 
 #include <limits>
@@ -11,7 +11,7 @@ namespace fourdvt::study {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  // not measured
 
-// A section of a report, in the report's list.
+// Section of a report, in the report's list.
 struct SectionPlan {
   const char *id, *title, *text;
   void (*fill)(Section& section, const StudyValues& values);  // may be null: pictures only
@@ -32,7 +32,7 @@ void fillRate(Section& section, const StudyValues& values);
 void fillGrazing(Section& section, const StudyValues& values);
 void fillMotion(Section& section, const StudyValues& values);
 
-// `decisive` is NaN where it was not measured; `reason` counts where the claim does not hold.
+// Verdict on a claim. `decisive` is NaN if unmeasured; `reason` applies to failures.
 Judgement judged(const std::string& claim, double decisive, bool holds, const std::string& measured,
                  const std::string& reason = {});
 std::vector<Judgement> judgeMotion(const StudyValues& values);

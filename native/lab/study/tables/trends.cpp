@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Goals and trends: each is a claim, what the rows say, and, where it fails, what the rows say about why.
+// Goals and trends: each is a claim, the measured values, and, if it fails, the cause by the rows.
 #include <algorithm>
 #include <cmath>
 
@@ -11,7 +11,7 @@ namespace {
 
 using Verdict = Judgement::Verdict;
 
-// Sums of a quantity for each of two methods, over the sequences that have both; {NaN, NaN}: none has.
+// Sums of a quantity per method, over the sequences measured for both; {NaN, NaN} without such sequences.
 struct Pair {
   double a = kNaN, b = kNaN;
 };
@@ -87,7 +87,7 @@ Judgement heldOutGoal(const StudyValues& v, const char* method) {
 struct FewerGoal {
   const char *what, *quantity;
   double percent;
-  const char *where, *reason;  // which faces count; why it may fail
+  const char *where, *reason;  // face selection; possible cause of failure
 };
 
 Judgement fewerThanSpatial(const StudyValues& v, const FewerGoal& goal) {
@@ -205,7 +205,7 @@ Judgement sameQuality(const StudyValues& v) {
                     fixedText(labelValue(v, rows::kJoint, rows::kMeanPenalty), 3) + " (ours).");
 }
 
-// Bytes grow with L, and the last layer costs less than the second one.
+// Verdict: bytes grow with L, and the last layer adds less than the second one.
 Judgement slowingGrowth(const StudyValues& v, const char* quantity, const std::string& what, double size) {
   std::vector<double> steps;
   double before = kNaN;
