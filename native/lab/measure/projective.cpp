@@ -52,7 +52,7 @@ struct Source {
   glm::dvec3 centre_in_world;
 };
 
-// Volino and Hilton 2013 Eq. 3 (corrected): max(-c_D·n, 0) · max(c_D·c_v, 0); Eq. 4: normalised sum.
+// LVDT Eq. 3 (corrected): max(-c_D·n, 0) · max(c_D·c_v, 0); Eq. 4: normalised sum.
 glm::dvec3 blendedColour(const std::vector<Source>& sources, const Surface& s, const glm::dvec3& view_ray,
                          double tolerance_m) {
   glm::dvec3 sum(0), fallback(0);

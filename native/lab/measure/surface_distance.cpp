@@ -8,7 +8,7 @@
 namespace fourdvt::measure {
 namespace {
 
-// Squared distance of p to the triangle a, b, c (Christer Ericson, Real-Time Collision Detection, Morgan Kaufmann,
+// Squared distance of p to the triangle a, b, c (Ericson, Real-Time Collision Detection, 5.1.5).
 // 2005, section 5.1.5).
 double squaredDistance(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
   const glm::dvec3 ab = b - a, ac = c - a, ap = p - a;

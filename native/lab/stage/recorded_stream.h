@@ -25,7 +25,7 @@ struct RecordedFrame {
     bool shown = false;               // has a tile
     std::optional<uint32_t> counter;  // number of the camera's picture in its video; nullopt: unreadable
   };
-  std::vector<Camera> cameras;  // as in RecordedStream
+  std::vector<Camera> cameras;  // order of RecordedStream
 };
 
 struct RecordedStream {

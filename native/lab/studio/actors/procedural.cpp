@@ -28,7 +28,7 @@ constexpr double kTakesUp =
     0.2;  // share of a swing at either end in which the foot's path changes over between the ground's and the joints'
 constexpr double kSlopeStep = 1e-4;  // phase step
 constexpr double kStance_m =
-    0.638;  // how far a standing foot moves back under the body; a longer way would overstretch the leg
+    0.638;  // travel of a stance foot; a longer way would overstretch the leg
 
 // Parameter-dependent constants.
 struct Gait {
