@@ -41,6 +41,14 @@ struct TargetRecord {
   uint32_t framebuffer = 0, color_buffer = 0, depth_buffer = 0;  // set by the hooks
 };
 
+// Receives the beginning and the end of every pass and upload, for measurements.
+class DeviceObserver {
+ public:
+  virtual ~DeviceObserver() = default;
+  virtual void begins(const char* label) = 0;  // label of the pass, or "upload"
+  virtual void ends() = 0;
+};
+
 // Checks and counts calls, and is itself the null device; drawing devices derive from it (gles_device.cpp).
 class Device {
  public:

@@ -198,8 +198,8 @@ Result<std::vector<uint8_t>> encodeImage(const Image& image, const std::string& 
       bgr = rgb;
     else
       cv::cvtColor(rgb, bgr, image.channels == 4 ? cv::COLOR_RGBA2BGRA : cv::COLOR_RGB2BGR);
-    const std::vector<int> parameters{cv::IMWRITE_JPEG_QUALITY, quality, cv::IMWRITE_WEBP_QUALITY, quality};
-    if (cv::imencode(extension, bgr, encoded, parameters)) return encoded;
+    const int flag = extension == ".webp" ? cv::IMWRITE_WEBP_QUALITY : cv::IMWRITE_JPEG_QUALITY;
+    if (cv::imencode(extension, bgr, encoded, {flag, quality})) return encoded;
   } catch (const cv::Exception&) {  // unsupported extension
   }
   return Error{ErrorId::Internal, "OpenCV cannot encode " + extension + " pictures; install a build with it"};
