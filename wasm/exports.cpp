@@ -136,11 +136,11 @@ class PlaneBlocks {
   void giveBack(void* planes) {
     if (!planes) return;
     free_.push_back(planes);
-    if (free_.size() > kMostFree) release(0);
+    if (free_.size() > kMaxFree) release(0);
   }
 
  private:
-  static constexpr size_t kHead = 16, kMostFree = 5;
+  static constexpr size_t kHead = 16, kMaxFree = 5;
   static uint8_t* blockOf(void* planes) { return static_cast<uint8_t*>(planes) - kHead; }
   static uint32_t sizeOf(void* planes) { return *reinterpret_cast<const uint32_t*>(blockOf(planes)); }
   void release(size_t i) {
@@ -223,10 +223,10 @@ int32_t fdvt_select(Instance* h, const char* name, uint32_t size) {
 }
 
 void fdvt_expect_throughput(Instance* h, double bits_per_second) { h->player->expectThroughput(bits_per_second); }
-void fdvt_set_quality(Instance* h, int32_t rendition, uint32_t most_texels) {
+void fdvt_set_quality(Instance* h, int32_t rendition, uint32_t max_texels) {
   static_assert(kHighestRendition == uint32_t(-1) && kAutomaticRendition == uint32_t(-2));
   makeCurrent(h);
-  h->player->setQuality(static_cast<uint32_t>(rendition), most_texels);
+  h->player->setQuality(static_cast<uint32_t>(rendition), max_texels);
 }
 void fdvt_judge_rendition(Instance* h, uint32_t sequence, uint32_t rendition, int32_t plays) {
   h->player->judgeRendition(sequence, rendition, plays != 0);

@@ -17,7 +17,7 @@ import {
 } from './binary.mjs';
 
 const FIRST = 'first', MARK = '%'; // names set by split.mjs
-const MOST_ZEROS = 256; // maximum between two merged segments; a segment's header does not compress
+const MAX_ZEROS = 256; // maximum between two merged segments; a segment's header does not compress
 
 const find = (sections, id) => sections.find((section) => section.id === id);
 
@@ -49,7 +49,7 @@ function order(file, dis, opt) {
 }
 
 /** Merges segments with at most this many zeros between them. */
-export function joinSegments(segments, zeros = MOST_ZEROS) {
+export function joinSegments(segments, zeros = MAX_ZEROS) {
   const joined = [];
   for (const { address, bytes } of [...segments].sort((a, b) => a.address - b.address)) {
     const last = joined.at(-1), gap = last ? address - last.address - last.bytes.length : Infinity;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kBorderShare = 0.85, kPictureShare = 0.5, kLeftOutShare = 0.001;
 constexpr double kLabelledShare = 0.001;  // share of the picture; compression alone lifts fewer pixels off 0
-constexpr int kMostLabels = 8;
+constexpr int kMaxLabels = 8;
 
 struct Kept {
   double border = 0, picture = 0;  // shares of the pixels
@@ -36,7 +36,7 @@ bool isLabels(const Image& matte) {
   if (std::any_of(count.begin() + 128, count.end(), [](size_t n) { return n > 0; })) return false;
   const auto labels = std::count_if(count.begin() + 1, count.end(), [](size_t n) { return n > 0; });
   const double labelled = double(matte.pixels.size() - count[0]);
-  return labels > 0 && labels <= kMostLabels && labelled > kLabelledShare * double(matte.pixels.size());
+  return labels > 0 && labels <= kMaxLabels && labelled > kLabelledShare * double(matte.pixels.size());
 }
 
 }  // namespace

@@ -24,6 +24,6 @@ class EdgeLengths {
   std::vector<Edge> edges_;
 };
 
-inline constexpr double kMostGrown = 0.05;  // maximum share for a moving surface
+inline constexpr double kMaxGrown = 0.05;  // maximum share for a moving surface
 
 }  // namespace fourdvt::capture

@@ -186,7 +186,7 @@ Status checkMeshSequence(const Capture& capture, const CaptureSequence& sequence
     }
     if (!reference) reference.emplace(capture.topology.face_vertices, outline.positions);
     const double grown = reference->grown(outline.positions);
-    if (grown > kMostGrown && !whole_take) {
+    if (grown > kMaxGrown && !whole_take) {
       return otherMesh(path, sequence, frame,
                        "has its vertices in another order than the first one (" +
                            std::to_string(std::lround(100 * grown)) + " % of its edges are over five times as long)");

@@ -10,7 +10,7 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr double kMostGaps = 0.1;  // share of the pictures
+constexpr double kMaxGaps = 0.1;  // share of the pictures
 
 double medianInterval(const std::vector<double>& times_s) {
   std::vector<double> intervals;
@@ -21,7 +21,7 @@ double medianInterval(const std::vector<double>& times_s) {
 }
 
 // Half the range of the pictures' deviations from their instants, in steps.
-double mostOff(const std::vector<double>& times_s, const PictureClock& clock) {
+double maxOff(const std::vector<double>& times_s, const PictureClock& clock) {
   double least = 0, most = 0;
   for (size_t i = 0; i < times_s.size(); ++i) {
     const double off = (times_s[i] - times_s[0]) / clock.step_s - double(clock.instants[i]);
@@ -46,9 +46,9 @@ std::optional<PictureClock> clockOf(const std::vector<double>& times_s) {
   }
   const double span = double(clock.instants.back());
   clock.step_s = (times_s.back() - times_s.front()) / span;
-  clock.most_off = mostOff(times_s, clock);
+  clock.max_off = maxOff(times_s, clock);
   const size_t gaps = gapsOf(clock, 0, times_s.size()).size();
-  if (clock.most_off > 0.5 || double(gaps) > std::max(1.0, kMostGaps * double(times_s.size()))) return std::nullopt;
+  if (clock.max_off > 0.5 || double(gaps) > std::max(1.0, kMaxGaps * double(times_s.size()))) return std::nullopt;
   return clock;
 }
 

@@ -14,8 +14,8 @@ namespace fourdvt::capture {
 struct PictureClock {
   // [picture] steps since picture 0, ascending; increments above 1 are lost pictures.
   std::vector<int64_t> instants;
-  double step_s = 0;    // 0: only one picture
-  double most_off = 0;  // maximum deviation of a picture from its instant, steps
+  double step_s = 0;   // 0: only one picture
+  double max_off = 0;  // maximum deviation of a picture from its instant, steps
 };
 
 // Fits a clock to a clip's times: the step is the median interval, and every picture lies at most half a step off its

@@ -60,7 +60,7 @@ bool splitPolygon(std::span<const glm::vec3> corners, std::vector<glm::uvec3>& t
   addFan(corners.size(), own);
   const glm::dvec3 area = corners.size() > 3 ? areaOf(corners) : glm::dvec3(0);
   if (std::isfinite(glm::dot(area, area)) && !facesOneWay(corners, own, area)) {
-    if (corners.size() > kMostConcaveCorners) return false;
+    if (corners.size() > kMaxConcaveCorners) return false;
     std::vector<glm::uvec3> clipped;
     triangulate({inPlane(corners, area)}, clipped);
     if (facesOneWay(corners, clipped, area)) own = std::move(clipped);

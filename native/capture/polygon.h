@@ -11,13 +11,13 @@
 namespace fourdvt::capture {
 
 // Maximum corners of a polygon that needs clipping, which takes quadratic time.
-inline constexpr size_t kMostConcaveCorners = 4096;
+inline constexpr size_t kMaxConcaveCorners = 4096;
 
 // Appends `corners`.size() - 2 triangles with indices 0…corners.size()-1, oriented as the polygon. A polygon whose fan
 // from its first corner is consistently oriented (every convex one) becomes that fan. Others are clipped in the plane
 // of their mean normal; coincident corners are merged, as where a cut leads to a hole. Self-intersecting polygons and
 // polygons without area become fans, too. Returns false, and appends nothing, for a polygon of more than
-// kMostConcaveCorners that needs clipping.
+// kMaxConcaveCorners that needs clipping.
 bool splitPolygon(std::span<const glm::vec3> corners, std::vector<glm::uvec3>& triangles);
 
 // Message for such a polygon.

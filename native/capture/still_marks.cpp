@@ -12,7 +12,7 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr size_t kMostProfileBytes = 4 << 20;
+constexpr size_t kMaxProfileBytes = 4 << 20;
 constexpr std::string_view kExif("Exif\0\0", 6), kIcc("ICC_PROFILE\0", 12), kPng("\x89PNG\r\n\x1a\n", 8);
 
 // Unsigned integer of `bytes` bytes at `at`; 0 beyond the end.
@@ -73,7 +73,7 @@ std::string inflatedProfile(std::string_view chunk) {
   std::string out;
   uLongf bytes = 0;
   int done = Z_BUF_ERROR;
-  for (size_t room = 1 << 14; done == Z_BUF_ERROR && room <= kMostProfileBytes; room *= 4) {
+  for (size_t room = 1 << 14; done == Z_BUF_ERROR && room <= kMaxProfileBytes; room *= 4) {
     out.resize(room);
     bytes = room;
     done = uncompress(reinterpret_cast<Bytef*>(out.data()), &bytes, reinterpret_cast<const Bytef*>(packed.data()),

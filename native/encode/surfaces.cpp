@@ -35,15 +35,15 @@ void weld(const Positions& positions, std::vector<glm::uvec3>& faces) {
 
 }  // namespace
 
-TriangleMesh simplified(TriangleMesh surface, size_t most_faces) {
-  if (most_faces == 0 || surface.faces.size() <= most_faces) return surface;
+TriangleMesh simplified(TriangleMesh surface, size_t max_faces) {
+  if (max_faces == 0 || surface.faces.size() <= max_faces) return surface;
   constexpr float kAnyError = 1;  // relative to the mesh's extent: only the number of faces limits
   weld(surface.positions, surface.faces);
   dropUnusedVertices(surface);  // meshoptimizer treats vertices at one place as seams and keeps them
   std::vector<glm::uvec3> kept(surface.faces.size());
   const size_t indices =
       meshopt_simplify(&kept[0].x, &surface.faces[0].x, 3 * surface.faces.size(), &surface.positions[0].x,
-                       surface.positions.size(), sizeof(glm::vec3), 3 * most_faces, kAnyError, 0, nullptr);
+                       surface.positions.size(), sizeof(glm::vec3), 3 * max_faces, kAnyError, 0, nullptr);
   kept.resize(indices / 3);
   surface.faces = std::move(kept);
   return surface;
@@ -60,10 +60,10 @@ package::QuantisedSurface quantisedSurface(const PositionGrid& grid, const Posit
 
 namespace {
 
-constexpr int kMostDepthSamples = 1024;     // along the longer side of a depth map
-constexpr double kLeastCosine = 0.2;        // between normal and ray; pictures at grazing angles are smeared
+constexpr int kMaxDepthSamples = 1024;      // along the longer side of a depth map
+constexpr double kMinCosine = 0.2;          // between normal and ray; pictures at grazing angles are smeared
 constexpr double kFootprintEdges = 1 / 3.;  // half the side of a vertex's averaging square, in mean edges
-constexpr double kMostFootprintPixels = 12;
+constexpr double kMaxFootprintPixels = 12;
 constexpr double kSlackEdges = 0.5;  // tolerance of the depth test
 constexpr double kMidGrey = 0.2140;  // linear, of sRGB 0.5
 
@@ -111,7 +111,7 @@ bool sampleSquare(const Image& picture, const glm::dvec2& at, int radius, glm::d
 
 void addCamera(const TriangleMesh& surface, const std::vector<glm::vec3>& normals, double edge_m,
                const PinholeCamera& camera, const Image& picture, std::vector<Mean>& colours) {
-  const int factor = std::max(1, (std::max(camera.width, camera.height) + kMostDepthSamples - 1) / kMostDepthSamples);
+  const int factor = std::max(1, (std::max(camera.width, camera.height) + kMaxDepthSamples - 1) / kMaxDepthSamples);
   const FaceBuffer depth = rasterise(reducedCamera(camera, factor), surface.faces, surface.positions, 1);
   const glm::dvec3 centre = camera.centreInWorld();
   for (size_t v = 0; v < surface.positions.size(); ++v) {
@@ -119,10 +119,10 @@ void addCamera(const TriangleMesh& surface, const std::vector<glm::vec3>& normal
     const double cosine = glm::dot(glm::dvec3(normals[v]), glm::normalize(centre - point));
     const glm::dvec3 at = camera.project(point);
     const bool inside = at.z > 0 && at.x >= 0 && at.y >= 0 && at.x < camera.width && at.y < camera.height;
-    if (!inside || !(cosine >= kLeastCosine)) continue;
+    if (!inside || !(cosine >= kMinCosine)) continue;
     const auto x = size_t(at.x * depth.width / camera.width), y = size_t(at.y * depth.height / camera.height);
     if (double(depth.depth_m[y * size_t(depth.width) + x]) < at.z - kSlackEdges * edge_m) continue;
-    const double footprint = std::min(kMostFootprintPixels, kFootprintEdges * edge_m * camera.fx / at.z);
+    const double footprint = std::min(kMaxFootprintPixels, kFootprintEdges * edge_m * camera.fx / at.z);
     glm::dvec3 colour;
     if (!sampleSquare(picture, at, int(footprint), colour)) continue;
     const double weight = std::pow(cosine, 4);

@@ -19,10 +19,10 @@ struct PositionGrid {
   double step_m = 0.001;
 };
 
-// Simplifies the surface to about `most_faces` faces, if it has more, by edge collapses in order of their quadric
+// Simplifies the surface to about `max_faces` faces, if it has more, by edge collapses in order of their quadric
 // error (meshoptimizer). Topology is preserved, and vertices stay where they are; those at the same place are merged
 // first. 0: unchanged.
-TriangleMesh simplified(TriangleMesh surface, size_t most_faces);
+TriangleMesh simplified(TriangleMesh surface, size_t max_faces);
 
 // Merges vertices at exactly the same place, unless the topology must be preserved.
 package::QuantisedSurface quantisedSurface(const PositionGrid& grid, const Positions& positions,

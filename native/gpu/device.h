@@ -65,10 +65,9 @@ class Device {
   IndexBufferId createIndexBuffer();                                            // empty
   void updateIndices(IndexBufferId buffer, std::span<const uint32_t> indices);  // replaces all indices
   void destroyIndexBuffer(IndexBufferId buffer);
-  // Compiles GLSL ES 3.00 texts without the #version line; `defines` ("LAYERS 3
-  // …", one per line, no "#define") are prepended, then highp as the default precision. Programs of equal texts share
-  // one compiled program, destroyed after as many destroyProgram calls as it was created. Error: GpuFailure with the
-  // label and the compiler's log.
+  // Compiles GLSL ES 3.00 texts without the #version line. `defines`: one per line, without "#define", e.g. "LAYERS 3";
+  // they go first, then highp as the default precision. Equal texts share one program, which counts its references:
+  // one destroyProgram per createProgram. Error: GpuFailure with the label and the compiler's log.
   Result<ProgramId> createProgram(std::string_view label, std::string_view vertex_text, std::string_view fragment_text,
                                   std::string_view defines = {});
   void destroyProgram(ProgramId program);

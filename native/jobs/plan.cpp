@@ -66,9 +66,9 @@ const Piece* Plan::find(const std::string& id) const {
 
 void Piece::addInput(uint64_t digest) { inputs = add(inputs, digest); }
 
-void Piece::setCost(double estimated_s, double most_mb) {
+void Piece::setCost(double estimated_s, double max_mb) {
   seconds = std::round(10 * estimated_s) / 10;
-  memory_mb = std::ceil(most_mb);
+  memory_mb = std::ceil(max_mb);
 }
 
 Status settleHashes(const std::string& settings_key, Plan& plan) {

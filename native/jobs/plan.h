@@ -30,7 +30,7 @@ struct Piece {
   uint64_t hash = 0;         // hash of everything that its output depends on, set by settleHashes
   std::string done() const;  // path of its record in the job folder
   void addInput(uint64_t digest);
-  void setCost(double estimated_s, double most_mb);  // stores both rounded
+  void setCost(double estimated_s, double max_mb);  // stores both rounded
 };
 
 struct Plan {

@@ -95,7 +95,7 @@ Result<TokenFile> readOrMakeTokens(const std::string& path) {
                          : role == "console" ? &out.tokens.console
                                              : nullptr;
     if (!place || !more.empty() || !place->empty()) return wrongTokens(path, "has the line \"" + role + " …\"");
-    if (token.size() < kFewestTokenCharacters)
+    if (token.size() < kMinTokenCharacters)
       return wrongTokens(path, "the token of " + role + " has fewer than 16 characters");
     *place = token;
   }

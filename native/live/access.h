@@ -16,7 +16,7 @@ struct Tokens {
   bool demanded() const { return !camera.empty(); }
 };
 
-constexpr size_t kFewestTokenCharacters = 16;
+constexpr size_t kMinTokenCharacters = 16;
 
 struct TokenFile {
   Tokens tokens;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kTickSeconds = 0.2, kPageMessagesPerSecond = 20, kCameraMessagesPerSecond = 240;
 constexpr int kTicksPerConsoleMessage = 5;
-constexpr size_t kMostCameraQueuedBytes = 1 << 20, kMostPageQueuedBytes = 16 << 20, kMostConsoleBehind = 4;
+constexpr size_t kMaxCameraQueuedBytes = 1 << 20, kMaxPageQueuedBytes = 16 << 20, kMaxConsoleBehind = 4;
 
 Bytes textBytes(const std::string& text) { return std::make_shared<std::vector<uint8_t>>(text.begin(), text.end()); }
 
@@ -176,14 +176,14 @@ class Service final : public LiveService, private ServerHandler {
 
   Result<SocketLimits> onOpening(const HttpRequest& request, int& refused_status) override {
     const bool is_page = request.path == "/live" || request.path == "/console";
-    if (is_page) return SocketLimits{kMaxPageMessageBytes, kPageMessagesPerSecond, kMostPageQueuedBytes};
+    if (is_page) return SocketLimits{kMaxPageMessageBytes, kPageMessagesPerSecond, kMaxPageQueuedBytes};
     refused_status = 404;
     if (request.path != "/camera")
       return Error{ErrorId::InvalidArgument, "WebSockets are at /camera, /live and /console"};
     const Verdict v = verdict(request);
     refused_status = verdictStatus(v);
     if (v != Verdict::Allowed) return Error{ErrorId::InvalidArgument, verdictText(v)};
-    return SocketLimits{kMaxCameraMessageBytes, kCameraMessagesPerSecond, kMostCameraQueuedBytes};
+    return SocketLimits{kMaxCameraMessageBytes, kCameraMessagesPerSecond, kMaxCameraQueuedBytes};
   }
 
   void onOpen(const std::shared_ptr<Connection>& connection) override {
@@ -231,7 +231,7 @@ class Service final : public LiveService, private ServerHandler {
     if (consoles_.empty()) return;
     const Bytes message = textBytes(statusJson(status()));
     for (const auto& console : consoles_)
-      if (console->queuedMessages() < kMostConsoleBehind) console->send(message, true);
+      if (console->queuedMessages() < kMaxConsoleBehind) console->send(message, true);
   }
 
   const Rig rig_;

@@ -20,7 +20,7 @@ void Viewers::send(const Bytes& frame, bool key) {
     Connection& connection = *entry.first;
     Viewer& viewer = entry.second;
     const bool is_behind =
-        connection.queuedMessages() > kMostBehindMessages || connection.queuedBytes() > kMostBehindBytes;
+        connection.queuedMessages() > kMaxBehindMessages || connection.queuedBytes() > kMaxBehindBytes;
     viewer.waits_for_key = is_behind || (viewer.waits_for_key && !key);
     if (viewer.waits_for_key) {
       frames_skipped_ += viewer.has_had_frames;  // frames before the first key do not count as skipped

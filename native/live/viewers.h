@@ -20,7 +20,7 @@ struct ViewerStatus {
 
 class Viewers {
  public:
-  static constexpr size_t kMostBehindMessages = 2, kMostBehindBytes = 96 << 10;
+  static constexpr size_t kMaxBehindMessages = 2, kMaxBehindBytes = 96 << 10;
 
   void add(const std::shared_ptr<Connection>& connection, const std::string& manifest);
   void remove(const std::shared_ptr<Connection>& connection);

@@ -58,7 +58,7 @@ namespace {
 
 constexpr float kContrast = 5;       // units of noise: a step at which a border costs e^-½ of its price
 constexpr int kMinSpeck = 12;        // pixels
-constexpr float kLeastPart = 0.01f;  // share of the largest part
+constexpr float kMinPart = 0.01f;    // share of the largest part
 constexpr float kMinBorder = 0.15f;  // minimum share of the border price
 
 cv::Mat disc(int radius) { return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1}); }
@@ -88,7 +88,7 @@ void dropSpecks(cv::Mat& mask, int pixels) {
     const int count = cv::connectedComponentsWithStats(mask, labels, stats, centres, pass == 0 ? 8 : 4, CV_32S);
     int least = pixels;
     for (int label = 1; pass == 0 && label < count; ++label)
-      least = std::max(least, int(kLeastPart * float(stats.at<int>(label, cv::CC_STAT_AREA))));
+      least = std::max(least, int(kMinPart * float(stats.at<int>(label, cv::CC_STAT_AREA))));
     for (int i = 0; i < int(mask.total()); ++i) {
       const int label = labels.at<int>(i);
       if (label > 0 && label < count && stats.at<int>(label, cv::CC_STAT_AREA) < least) mask.at<uint8_t>(i) = 0;

@@ -116,13 +116,13 @@ bool isChromaPlate(const Image& plate) {
 
 namespace {
 
-constexpr float kLeastGain = 0.005f, kLeastOffset = 1;          // offset: levels of 255
-constexpr float kMostGain = 1.6f;                               // minimum: its inverse
-constexpr double kLeastShift_pixels = 0.15, kMostShift = 0.02;  // kMostShift: share of the picture's diagonal
+constexpr float kMinGain = 0.005f, kMinOffset = 1;           // offset: levels of 255
+constexpr float kMaxGain = 1.6f;                             // minimum: its inverse
+constexpr double kMinShift_pixels = 0.15, kMaxShift = 0.02;  // kMaxShift: share of the picture's diagonal
 constexpr double kBetter = 0.97;  // maximum ratio of robust differences, fitted to original; above it the plates stay
                                   // unchanged
 constexpr int kBins = 12;         // brightness bins of the noise
-constexpr size_t kFewestInBin = 400;
+constexpr size_t kMinInBin = 400;
 constexpr int kSide = 640;  // maximum side of the picture for the homography
 
 struct Gain {
@@ -177,7 +177,7 @@ Gain fitGain(const Samples& s) {
       g.offset = float(y / w - g.gain * x / w);
     }
   }
-  if (!(g.gain > 1 / kMostGain && g.gain < kMostGain)) return {};
+  if (!(g.gain > 1 / kMaxGain && g.gain < kMaxGain)) return {};
   return g;
 }
 
@@ -191,7 +191,7 @@ bool fitGains(const cv::Mat& plate, const cv::Mat& picture, Gain (&gains)[3]) {
   bool clear = false;
   for (int c = 0; c < 3; ++c) {
     gains[c] = fitGain(samplesOf(plate, picture, c));
-    clear |= std::abs(gains[c].gain - 1) > kLeastGain || std::abs(gains[c].offset) > kLeastOffset;
+    clear |= std::abs(gains[c].gain - 1) > kMinGain || std::abs(gains[c].offset) > kMinOffset;
   }
   if (!clear)
     for (Gain& g : gains) g = {};
@@ -243,7 +243,7 @@ cv::Mat fitHomography(const cv::Mat& plate, const cv::Mat& picture) {
   const cv::Mat grow = (cv::Mat_<double>(3, 3) << scale, 0, 0, 0, scale, 0, 0, 0, 1);
   h = grow.inv() * h * grow;
   const double shift = meanShift(h, plate.size()), diagonal = std::hypot(plate.cols, plate.rows);
-  if (!(shift > kLeastShift_pixels && shift < kMostShift * diagonal)) return {};
+  if (!(shift > kMinShift_pixels && shift < kMaxShift * diagonal)) return {};
   return h;
 }
 
@@ -267,10 +267,10 @@ void addMeasuredNoise(const cv::Mat& plate, const cv::Mat& picture, cv::Mat& ext
     else if (slope < 9)
       bins[std::clamp(int(light.at<float>(i) / 256 * kBins), 0, kBins - 1)].push_back(value);
   }
-  const float common = median(all), shift2 = edges.size() < kFewestInBin ? 0 : std::min(median(edges), 0.25f);
+  const float common = median(all), shift2 = edges.size() < kMinInBin ? 0 : std::min(median(edges), 0.25f);
   float noise[kBins] = {};
   for (int b = 0; b < kBins; ++b)
-    if (bins[b].size() >= kFewestInBin) noise[b] = std::min(std::max(0.0f, median(bins[b]) - common), 3 * common + 4);
+    if (bins[b].size() >= kMinInBin) noise[b] = std::min(std::max(0.0f, median(bins[b]) - common), 3 * common + 4);
   for (int i = 0; i < int(extra.total()); ++i)
     extra.at<float>(i) += noise[std::clamp(int(light.at<float>(i) / 256 * kBins), 0, kBins - 1)] +
                           std::max(0.0f, shift2 - 0.01f) * gradient.at<float>(i);

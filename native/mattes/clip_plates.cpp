@@ -16,17 +16,17 @@ namespace fourdvt::mattes {
 namespace {
 
 constexpr int kRounds = 4;
-constexpr float kAlike = 2.5f, kLeastNoise = 2;  // multiple of the median neighbourhood's squared difference; levels²
-constexpr float kConstantNats = 8;               // against the object, where a neighbourhood never changes
-constexpr float kDwells = 0.25f;                 // share of the take in which a performer may stand in one place
+constexpr float kAlike = 2.5f, kMinNoise = 2;  // multiple of the median neighbourhood's squared difference; levels²
+constexpr float kConstantNats = 8;             // against the object, where a neighbourhood never changes
+constexpr float kDwells = 0.25f;               // share of the take in which a performer may stand in one place
 constexpr float kTelling = 4, kPlain = 0.35f;  // texture / noise above which similarity is conclusive; weight of plain
                                                // surfaces
 constexpr int kGapDivisor = 40;                // fraction of the picture's longer side: gaps in the moving region
-constexpr double kLeastMotion = 0.002;         // minimum share of the region that all cameras see; below it nothing
+constexpr double kMinMotion = 0.002;           // minimum share of the region that all cameras see; below it nothing
                                                // moves
 constexpr float kUnknownSpread = 1e4f;         // levels², where no frame shows the background
 constexpr double kKnownShare = 0.2;            // share of the samples
-constexpr size_t kLeastKnown = 3;
+constexpr size_t kMinKnown = 3;
 constexpr int kMarginDivisor = 60;  // fraction of the picture's longer side: possible object beside a mask
 constexpr float kContradictedNats = 8, kDoubtedNats = 2;  // nats
 
@@ -75,7 +75,7 @@ Likeness likenessOf(std::span<const Image> pictures) {
   for (size_t a = 0; a < samples; ++a)
     for (size_t b = a + 1; b < samples; ++b) {
       const cv::Mat d = differenceOf(pictures[a], pictures[b]);
-      noise.push_back(std::max(kLeastNoise, median(std::vector<float>(d.begin<float>(), d.end<float>()))));
+      noise.push_back(std::max(kMinNoise, median(std::vector<float>(d.begin<float>(), d.end<float>()))));
       const cv::Mat same = d < kAlike * noise.back();
       alike[a][b] = alike[b][a] = same;
       count[a] += same & 1;
@@ -146,7 +146,7 @@ BackgroundModel plateBehind(std::span<const Image> pictures, std::span<const cv:
   std::vector<cv::Mat> hidden;
   for (const cv::Mat& mask : masks) hidden.push_back(resizedMask(withMargin(mask), {width, height}));
   const size_t pixels = size_t(width) * size_t(height);
-  const size_t least = std::max(kLeastKnown, size_t(std::ceil(kKnownShare * double(pictures.size()))));
+  const size_t least = std::max(kMinKnown, size_t(std::ceil(kKnownShare * double(pictures.size()))));
   Image median(width, height, 3);
   std::vector<uint8_t> known(pixels, 1);
   std::vector<float> spread(pixels, 0);
@@ -209,7 +209,7 @@ std::vector<ClipCamera> separateClips(const std::vector<capture::CaptureCamera>&
     out[i].usual_nats = likeness.usual_nats, out[i].noise = likeness.noise;
     double moved = 0;
     for (cv::Mat& mask : out[i].masks) mask &= region, moved += cv::countNonZero(mask);
-    if (moved < kLeastMotion * double(samples) * std::max(1, cv::countNonZero(region)))
+    if (moved < kMinMotion * double(samples) * std::max(1, cv::countNonZero(region)))
       for (cv::Mat& mask : out[i].masks) mask = region.clone();
   });
   for (int round = 0; round < kRounds; ++round) {

@@ -51,7 +51,7 @@ class FrameReader::Camera {
   // Detects plates that do not fit by the first matte. An empty matte passes.
   Status checkFirst(const Image& alpha, float residual_levels) {
     if (std::exchange(checked_, true)) return {};
-    if (capture::keepsTheBorder(alpha) || residual_levels > kMostResidual)
+    if (capture::keepsTheBorder(alpha) || residual_levels > kMaxResidual)
       return plateDoesNotFit(key_->path(), pictures_.path(), camera_.pinhole.name);
     return {};
   }

@@ -18,11 +18,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kWhite = 250, kBlack = 5, kOpaque = 128;
-constexpr int kSpacing = 4;               // pixels between tracked points of a stroke
-constexpr int kRadius = 3;                // pixels around a tracked point that it labels
-constexpr float kTravelled = 14;          // nats: less than strong evidence in the picture
-constexpr float kMostReturnError = 0.7f;  // pixels, after tracking there and back
-constexpr float kMostChange = 12;         // maximum change of a patch between two frames, levels, mean absolute
+constexpr int kSpacing = 4;              // pixels between tracked points of a stroke
+constexpr int kRadius = 3;               // pixels around a tracked point that it labels
+constexpr float kTravelled = 14;         // nats: less than strong evidence in the picture
+constexpr float kMaxReturnError = 0.7f;  // pixels, after tracking there and back
+constexpr float kMaxChange = 12;         // maximum change of a patch between two frames, levels, mean absolute
 constexpr int kPatch = 15;
 
 cv::Mat strokesOf(const Image& rgba) {
@@ -103,7 +103,7 @@ void HintTrack::advance(const Image& picture, const cv::Mat* strokes) {
     cv::calcOpticalFlowPyrLK(now, grey_, to, back, returned, ignored, patch);
     std::vector<Point> kept;
     for (size_t i = 0; i < from.size(); ++i)
-      if (found[i] && returned[i] && error[i] <= kMostChange && cv::norm(back[i] - from[i]) <= kMostReturnError &&
+      if (found[i] && returned[i] && error[i] <= kMaxChange && cv::norm(back[i] - from[i]) <= kMaxReturnError &&
           to[i].x >= 0 && to[i].y >= 0 && to[i].x < float(now.cols) && to[i].y < float(now.rows))
         kept.push_back({to[i], points_[i].object});
     points_ = std::move(kept);

@@ -17,14 +17,14 @@
 namespace fourdvt::mattes {
 namespace {
 
-constexpr double kCutPixels = 450'000;    // size of the first, reduced cut
-constexpr double kComponentShare = 0.9;   // share of a component on the floor or contradicted, from which on it is
-                                          // removed
-constexpr double kLeastComponent = 0.01;  // minimum share of the camera's largest one
-constexpr float kLooseHull = 5;           // other cameras, up to which their hull is too loose to demand the object
-constexpr int kDepths = 5;                // classes of a pixel's depth in the hull of the others
-constexpr double kSteep = 1.5;            // height per length across the line of sight
-constexpr size_t kManyCameras = 7;        // other cameras, from which on one of them may be wrong without a doubt
+constexpr double kCutPixels = 450'000;   // size of the first, reduced cut
+constexpr double kComponentShare = 0.9;  // share of a component on the floor or contradicted, from which on it is
+                                         // removed
+constexpr double kMinComponent = 0.01;   // minimum share of the camera's largest one
+constexpr float kLooseHull = 5;          // other cameras, up to which their hull is too loose to demand the object
+constexpr int kDepths = 5;               // classes of a pixel's depth in the hull of the others
+constexpr double kSteep = 1.5;           // height per length across the line of sight
+constexpr size_t kManyCameras = 7;       // other cameras, from which on one of them may be wrong without a doubt
 
 // Height of the performer: nearly the highest place that the masks support.
 double performerHeight(const std::vector<Support>& supports) {
@@ -84,7 +84,7 @@ void dropComponents(cv::Mat& mask, const cv::Mat& doubt, const cv::Mat& hints) {
   for (int i = 0; i < int(mask.total()); ++i) {
     const int label = labels.at<int>(i), area = stats.at<int>(label, cv::CC_STAT_AREA);
     if (label > 0 && !marked[size_t(label)] &&
-        (doubted[size_t(label)] > kComponentShare * area || area < kLeastComponent * largest))
+        (doubted[size_t(label)] > kComponentShare * area || area < kMinComponent * largest))
       mask.at<uint8_t>(i) = 0;
   }
 }

@@ -12,11 +12,11 @@
 namespace fourdvt::mattes {
 namespace {
 
-constexpr float kTint = 0.08f;          // tolerance between a shadow's channels, as a share of the removed light
-constexpr float kPerhapsShade = 0.25f;  // weight of possible scaled plate in the object's colours
-constexpr float kPenumbra = 0.02f;      // unevenness of a shadow, as a share of the removed light
-constexpr float kMostUnderrated = 25;   // multiple of the noise's variance
-constexpr float kMinNoise = 0.8f;       // levels: rounding and compression
+constexpr float kTint = 0.08f;           // tolerance between a shadow's channels, as a share of the removed light
+constexpr float kPerhapsShade = 0.25f;   // weight of possible scaled plate in the object's colours
+constexpr float kPenumbra = 0.02f;       // unevenness of a shadow, as a share of the removed light
+constexpr float kMaxUnderrated = 25;     // multiple of the noise's variance
+constexpr float kMinNoiseLevels = 0.8f;  // levels: rounding and compression
 constexpr int kWindow = 5, kWideWindow = 11;
 // Mean squared deviations of 75 values: 1 ± 0.16 if the hypothesis holds.
 constexpr float kLooksAlike = 1.5f, kLooksOther = 3.0f;
@@ -96,13 +96,14 @@ KeyEvidence::KeyEvidence(const Image& picture, const BackgroundModel& background
 void KeyEvidence::measureNoise(const cv::Mat& picture, const cv::Mat& mean) {
   const cv::Mat difference = picture - mean;
   for (int c = 0; c < 3; ++c)
-    noise_[c] = std::max(kMinNoise, deviationOfNeighbours(difference, c, plate_noise_) / std::sqrt(1 + plate_noise_));
+    noise_[c] =
+        std::max(kMinNoiseLevels, deviationOfNeighbours(difference, c, plate_noise_) / std::sqrt(1 + plate_noise_));
   // Compressed noise is correlated between neighbours: the median neighbourhood, which shows the plate, measures it.
   cv::Mat whitened;
   cv::multiply(difference, cv::Scalar(1 / noise_[0], 1 / noise_[1], 1 / noise_[2]), whitened);
   const cv::Mat squares = windowMean(sumOfChannels(whitened.mul(whitened)), kWindow) / (3 * (1 + plate_noise_));
   noise_ *= std::sqrt(
-      std::clamp(median(std::vector<float>(squares.begin<float>(), squares.end<float>())), 1.0f, kMostUnderrated));
+      std::clamp(median(std::vector<float>(squares.begin<float>(), squares.end<float>())), 1.0f, kMaxUnderrated));
 }
 
 // Least-squares scale of the plate for each neighbourhood. Channels may differ by the tint of a shadow.

@@ -16,8 +16,8 @@ namespace {
 constexpr double kNearest = 0.05, kFarthest = 5;  // multiples of the distance to where the cameras look
 constexpr int kProbes = 160;                      // depths at which a camera's depth range is searched
 constexpr double kPixelsPerStep = 2;              // step along the epipolar line in the other camera
-constexpr size_t kMostDepths = 1024;
-constexpr int kLeastStep = 3, kMostRays = 30'000;
+constexpr size_t kMaxDepths = 1024;
+constexpr int kMinStep = 3, kMaxRays = 30'000;
 constexpr int kCoarse = 4;  // grid places per step of the coarse search, which selects places for the fine one
 constexpr int kReach = 12;  // pixels around a camera's own mask in which support is always searched
 constexpr float kNone = -std::numeric_limits<float>::infinity();
@@ -55,7 +55,7 @@ struct SupportFinder::Rays {
   PinholeCamera camera;
   capture::Undistorter undistorter;
   cv::Mat captured;  // CV_8U in the pinhole's pixels: 255 where the lens captured something
-  int step = kLeastStep;
+  int step = kMinStep;
   cv::Size grid;
   std::vector<glm::dvec3> through;  // world directions with depth 1 along the optical axis, one per grid place
   std::vector<double> depths_m;     // near to far, with steps of about two pixels in the other cameras
@@ -105,9 +105,9 @@ SupportFinder::SupportFinder(const std::vector<capture::CaptureCamera>& cameras,
     : ground_y_m_(ground_y_m) {
   const glm::dvec3 middle = middleOf(cameras);
   for (const capture::CaptureCamera& c : cameras) {
-    Rays r{c.pinhole, capture::Undistorter(c), {}, kLeastStep, {}, {}, {}};
+    Rays r{c.pinhole, capture::Undistorter(c), {}, kMinStep, {}, {}, {}};
     r.captured = asMat(r.undistorter.apply(Image(c.pinhole.width, c.pinhole.height, 1, 255)));
-    r.step = std::max(kLeastStep, int(std::ceil(std::sqrt(double(c.pinhole.width) * c.pinhole.height / kMostRays))));
+    r.step = std::max(kMinStep, int(std::ceil(std::sqrt(double(c.pinhole.width) * c.pinhole.height / kMaxRays))));
     r.grid = {(c.pinhole.width + r.step - 1) / r.step, (c.pinhole.height + r.step - 1) / r.step};
     const glm::dmat3 world_from_cam = glm::transpose(glm::dmat3(c.pinhole.cam_from_world));
     for (int y = 0; y < r.grid.height; ++y)
@@ -144,7 +144,7 @@ SupportFinder::SupportFinder(const std::vector<capture::CaptureCamera>& cameras,
     for (const Rays& other : rays_)
       disparity = std::max(disparity, other.camera.fx * (nearest - farthest) *
                                           glm::distance(other.camera.centreInWorld(), r.camera.centreInWorld()));
-    const size_t count = std::clamp(size_t(disparity / kPixelsPerStep), size_t(64), kMostDepths);
+    const size_t count = std::clamp(size_t(disparity / kPixelsPerStep), size_t(64), kMaxDepths);
     for (size_t i = 0; i < count; ++i)
       r.depths_m.push_back(1 / (nearest + (farthest - nearest) * double(i) / double(count - 1)));
   }

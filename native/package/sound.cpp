@@ -6,7 +6,7 @@
 namespace fourdvt::package {
 namespace {
 
-constexpr double kLeastSegment_s = 0.5, kMaxSegment_s = 60, kMaxSegmentBytes = 1 << 24,
+constexpr double kMinSegment_s = 0.5, kMaxSegment_s = 60, kMaxSegmentBytes = 1 << 24,
                  kMaxFileBytes = 9007199254740992.0;
 
 SoundEncoding readEncoding(FieldReader& in, const std::string& at) {
@@ -43,7 +43,7 @@ Result<Sound> readSound(const FlatJson& gltf, size_t sequence) {
   for (const SoundEncoding& encoding : out.encodings) {
     if (encoding.segments.size() != out.encodings[0].segments.size())
       in.fail(at, "/encodings", "must have as many segments each");
-    if (encoding.segments.size() > 1 && out.segment_s < kLeastSegment_s)
+    if (encoding.segments.size() > 1 && out.segment_s < kMinSegment_s)
       in.fail(at, "/segmentDuration", "must be at least 0.5 where there are several");
   }
   if (in.has(at, "/steps")) {

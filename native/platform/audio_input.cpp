@@ -15,9 +15,9 @@ extern "C" {
 namespace fourdvt::platform {
 namespace {
 
-constexpr size_t kFewestSamples = 4096;  // samples resampled at a time
-constexpr int kLostPackets = 50;         // limit of damaged packets in a row before the file is rejected
-constexpr double kMostStart_s = 1e5;     // limit of the sound's start, from the first picture
+constexpr size_t kMinSamples = 4096;  // samples resampled at a time
+constexpr int kLostPackets = 50;      // limit of damaged packets in a row before the file is rejected
+constexpr double kMaxStart_s = 1e5;   // limit of the sound's start, from the first picture
 
 class FfmpegAudio final : public AudioReader {
  public:
@@ -59,7 +59,7 @@ class FfmpegAudio final : public AudioReader {
     silence_ -= silent;
     std::copy_n(samples_.begin() + long(next_), taken * channels, out.begin() + long(silent * channels));
     next_ += taken * channels;
-    if (next_ > kFewestSamples * channels) {
+    if (next_ > kMinSamples * channels) {
       samples_.erase(samples_.begin(), samples_.begin() + long(next_));
       next_ = 0;
     }
@@ -108,7 +108,7 @@ class FfmpegAudio final : public AudioReader {
   // first picture.
   Status align() {
     const double start_s = startAfterPicture_s();
-    if (!(std::abs(start_s) <= kMostStart_s))
+    if (!(std::abs(start_s) <= kMaxStart_s))
       return Error{ErrorId::FileUnreadable,
                    path_ + ": its sound begins " + std::to_string(start_s) + " s after its pictures; export it again"};
     const auto samples = std::llround(start_s * sample_rate_);

@@ -9,11 +9,11 @@
 namespace fourdvt {
 namespace {
 
-constexpr size_t kMostWaiting = 8;      // frames; their bytes: at most 8 · kMaxLiveFrameBytes
-constexpr size_t kMostBehind = 3;       // queued frames before a key that are still decoded
-constexpr int64_t kMostInDecoder = 12;  // samples in flight
+constexpr size_t kMaxWaiting = 8;      // frames; their bytes: at most 8 · kMaxLiveFrameBytes
+constexpr size_t kMaxBehind = 3;       // queued frames before a key that are still decoded
+constexpr int64_t kMaxInDecoder = 12;  // samples in flight
 constexpr int64_t kSerialStep_us = 40000;
-constexpr int kMostLosses = 3, kMostBadPictures = 8;   // consecutive
+constexpr int kMaxLosses = 3, kMaxBadPictures = 8;     // consecutive
 constexpr int kNoLiveSlotNow = -1, kNobodyWaits = -2;  // results of Player::acquireSlot
 
 bool isFed(const auto& frame) { return frame.fed; }
@@ -100,12 +100,12 @@ bool LivePlayer::admit(bool key) {
   needs_key_ = false;
   const auto unfed = std::find_if_not(frames_.begin(), frames_.end(), isFed<Frame>);
   const auto behind = static_cast<size_t>(frames_.end() - unfed);
-  if (behind >= (key ? kMostBehind : kMostWaiting)) {
+  if (behind >= (key ? kMaxBehind : kMaxWaiting)) {
     leaveOut(unfed, frames_.end());
     needs_key_ = !key;
     if (needs_key_) return false;
   }
-  if (frames_.size() >= kMostWaiting) leaveOut(frames_.begin(), frames_.begin() + 1);
+  if (frames_.size() >= kMaxWaiting) leaveOut(frames_.begin(), frames_.begin() + 1);
   return true;
 }
 
@@ -138,7 +138,7 @@ void LivePlayer::onLiveGap() {
 bool LivePlayer::nextRequest(Request& out) {
   if (outbox_.nextRequest(out)) return true;
   const auto next = std::find_if_not(frames_.begin(), frames_.end(), isFed<Frame>);
-  if (next == frames_.end() || fed_serial_ - answered_serial_ >= kMostInDecoder) return false;
+  if (next == frames_.end() || fed_serial_ - answered_serial_ >= kMaxInDecoder) return false;
   if (!configured_) {
     configured_ = true;
     out = ConfigureDecoder{0, rendition().codec, {}, rendition().width, rendition().height};
@@ -214,7 +214,7 @@ bool LivePlayer::checkNumber(Frame& frame, std::optional<uint32_t> seen) {
 void LivePlayer::rejectPicture(Frame& frame, const char* reason) {
   frame.bad = true;
   slots_.reject(frame.slot);
-  if (++bad_pictures_ < kMostBadPictures) return;
+  if (++bad_pictures_ < kMaxBadPictures) return;
   configured_ = false;
   outbox_.request(CloseDecoder{0});
   lose(DecoderFault::Samples, reason);
@@ -255,7 +255,7 @@ void LivePlayer::onDecoderFailed(int decoder, DecoderFault fault, const std::str
 void LivePlayer::lose(DecoderFault fault, const std::string& reason) {
   forget();
   if (!in_sight_ && fault == DecoderFault::TakenAway) return;
-  if (fault != DecoderFault::Unsupported && ++losses_ < kMostLosses) return;
+  if (fault != DecoderFault::Unsupported && ++losses_ < kMaxLosses) return;
   constexpr ErrorId kIds[] = {ErrorId::VideoInvalid, ErrorId::DecoderUnsupported, ErrorId::DecoderLost};
   fail({kIds[static_cast<size_t>(fault)], "live stream: the video does not decode (" + reason + ")"});
 }

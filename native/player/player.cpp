@@ -181,8 +181,8 @@ void PlayerImpl::setLoop(int loop) {
   }
 }
 
-void PlayerImpl::setQuality(uint32_t rendition, uint32_t most_texels) {
-  loading_.ladder().setQuality(rendition, most_texels);
+void PlayerImpl::setQuality(uint32_t rendition, uint32_t max_texels) {
+  loading_.ladder().setQuality(rendition, max_texels);
   if (rendition == kAutomaticRendition || !character()) return;
   loading_.dropOtherRenditions();
   for (Track& t : tracks_) {

@@ -111,7 +111,7 @@ class Player {
   virtual void setAlign(render::Align) {}  // default Baked; linear blend for a stream without alignment
   void setMethod(const render::MethodOptions& options) { method_ = options; }  // characters from cameras
   // Parameters as Ladder::setQuality. An explicit rendition replaces the picture on screen.
-  virtual void setQuality(uint32_t /*rendition*/, uint32_t /*most_texels*/) {}
+  virtual void setQuality(uint32_t /*rendition*/, uint32_t /*max_texels*/) {}
   // Measured throughput of the edge's own files, bits per second; call before loadManifest.
   virtual void expectThroughput(double /*bps*/) {}
   // Forwards to Ladder::judge. Numbers out of range are ignored.
@@ -146,9 +146,10 @@ class Player {
   // Checks size and barcode. bytes: owner of the view's memory; kept until its upload is complete.
   virtual void uploadI420(int slot, const I420View& picture, PictureBytes bytes) = 0;
   virtual gpu::TextureId slotTexture(int slot) const = 0;  // Rgba kind: filled by the edge
-  // Marks the slot as filled; Rgba kind: with a picture of this size, used after its barcode is read back from the GPU.
+  // Marks the slot as filled. Slots of kind Rgba: the size of the picture, which is shown once the frame number that
+  // its pixels encode (package/barcode.h) has been read back from the GPU; other kinds ignore the size.
   virtual void commitSlot(int slot, int width = 0, int height = 0) = 0;
-  // Target output rate of a paced decoder, pictures per second; 0: only a sought picture.
+  // Pictures per second that a paced decoder should deliver; 0: only the picture that was sought last.
   virtual double pace(int /*decoder*/) const { return 0; }
   // Reports a decoder without further output. It is reconfigured at the GOP's key sample, a few times in a row.
   virtual void onDecoderFailed(int decoder, DecoderFault fault, const std::string& reason) = 0;

@@ -79,14 +79,14 @@ Status Player::draw(const render::View& view, const render::RecipeOptions& optio
 // reports a persistent error again.
 bool PlayerImpl::makeNextProgram(const render::RecipeOptions& options) {
   if (!hasFrame() || fromCameras()) return false;
-  size_t most_members = 1;
+  size_t max_members = 1;
   bool aligned = true;
   for (int i = 0; i < loading_.sequenceCount(); ++i) {
     const package::Sequence& s = loading_.sequence(i);
-    most_members = std::max(most_members, std::min(s.members.size(), s.space.names.size() + 1));
+    max_members = std::max(max_members, std::min(s.members.size(), s.space.names.size() + 1));
     if (s.isClass() && loading_.hasHeader(i)) aligned = loading_.index(i).alignment_count > 0;
   }
-  auto made = recipe_->makeNextProgram(character()->layer_count, static_cast<int>(most_members), aligned,
+  auto made = recipe_->makeNextProgram(character()->layer_count, static_cast<int>(max_members), aligned,
                                        options_.picture_kind, {options, align_});
   return made.ok() && made.value();
 }

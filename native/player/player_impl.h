@@ -47,7 +47,7 @@ class PlayerImpl final : public Player {
   bool inTransition() const override { return transitions_.fading(); }
   std::string goal() const override;
   void setAlign(render::Align align) override { align_ = align; }
-  void setQuality(uint32_t rendition, uint32_t most_texels) override;
+  void setQuality(uint32_t rendition, uint32_t max_texels) override;
   void expectThroughput(double bps) override { loading_.ladder().expect(bps); }
   void judgeRendition(uint32_t sequence, uint32_t rendition, bool plays) override;
   void lookAhead(bool at_once) override;

@@ -6,7 +6,7 @@
 namespace fourdvt {
 
 namespace {
-constexpr size_t kMostLandings = 3;
+constexpr size_t kMaxLandings = 3;
 constexpr double kLead_s = 0.12;  // typical preparation time of a transition's target
 }  // namespace
 
@@ -78,10 +78,10 @@ void PlayerImpl::lookAhead(bool at_once) {
 // Prefetches for the sequences that follow the current one in the manifest.
 void PlayerImpl::fetchAhead() {
   if (seeking() || transitions_.phase() != Transitions::Phase::None) return;
-  std::array<Loading::Landing, kMostLandings> landings;
+  std::array<Loading::Landing, kMaxLandings> landings;
   const int count = loading_.sequenceCount(), source = main().head.sequence();
   size_t found = 0;
-  for (int i = 1; i < count && found < kMostLandings; ++i) {
+  for (int i = 1; i < count && found < kMaxLandings; ++i) {
     const int target = (source + i) % count;
     if (!loading_.broken(target)) landings[found++] = {target, landingOn(target)};
   }

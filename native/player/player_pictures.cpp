@@ -11,7 +11,7 @@ namespace fourdvt {
 namespace {
 // Results of acquireSlot.
 constexpr int kNoSlotNow = -1, kNotAwaited = -2;
-constexpr int kMostMisfits = 8;
+constexpr int kMaxMisfits = 8;
 }  // namespace
 
 FedSequence PlayerImpl::fedBy(const Track& t) const {
@@ -134,7 +134,7 @@ bool PlayerImpl::checkNumber(Track& t, int slot, std::optional<uint32_t> seen) {
   ++stats_.barcode_mismatches;
   t.slots.reject(slot);
   const bool sought = t.head.seeking() && k == t.head.wantedK();
-  if (!sought && ++misfits_ < kMostMisfits) return false;
+  if (!sought && ++misfits_ < kMaxMisfits) return false;
   misfits_ = 0;
   fail({ErrorId::VideoInvalid, renditionOf(t, t.slots.rendition(slot)).video_uri + ": frame " +
                                    std::to_string(expected) + " carries another frame's barcode; the file is damaged"},

@@ -262,7 +262,7 @@ constexpr double kNearReach = 4, kFarReach = 32;  // in spreads of the cameras: 
 constexpr double kSideBySide = 0.94;              // minimum cosine between any two rays: the distance is undetermined
 constexpr double kEverywhere = 1e9;               // pixels
 constexpr size_t kEnoughCells = 20'000;
-constexpr int kMostHalvings = 20;
+constexpr int kMaxHalvings = 20;
 
 }  // namespace
 
@@ -279,20 +279,20 @@ glm::dvec3 middleOf(std::span<const PinholeCamera> cameras) {
 }
 
 double reachOf(std::span<const PinholeCamera> cameras, const glm::dvec3& middle) {
-  double spread = 0, from_middle = 0, least_cosine = 1;
+  double spread = 0, from_middle = 0, min_cosine = 1;
   for (const PinholeCamera& a : cameras) {
     const glm::dvec3 centre = a.centreInWorld(), axis = a.middleRayInWorld();
     from_middle = std::max(from_middle, glm::distance(middle, centre));
     for (const PinholeCamera& b : cameras) {
       spread = std::max(spread, glm::distance(centre, b.centreInWorld()));
-      least_cosine = std::min(least_cosine, glm::dot(axis, b.middleRayInWorld()));
+      min_cosine = std::min(min_cosine, glm::dot(axis, b.middleRayInWorld()));
     }
   }
-  const double reach = std::max(2 * from_middle, spread * (least_cosine > kSideBySide ? kFarReach : kNearReach));
+  const double reach = std::max(2 * from_middle, spread * (min_cosine > kSideBySide ? kFarReach : kNearReach));
   return reach > 0 ? reach : 1;  // all cameras at one centre: any distance will do
 }
 
-bool isSeen(std::span<const PinholeCamera> cameras, size_t least_cameras, const glm::dvec3& centre, double radius) {
+bool isSeen(std::span<const PinholeCamera> cameras, size_t min_cameras, const glm::dvec3& centre, double radius) {
   size_t count = 0;
   for (const PinholeCamera& camera : cameras) {
     const glm::dvec3 p = camera.project(centre);
@@ -300,7 +300,7 @@ bool isSeen(std::span<const PinholeCamera> cameras, size_t least_cameras, const 
     const double reach = p.z > 1.5 * radius ? std::max(camera.fx, camera.fy) * radius / (p.z - radius) : kEverywhere;
     count += p.x > -reach && p.y > -reach && p.x < camera.width + reach && p.y < camera.height + reach;
   }
-  return count >= least_cameras;
+  return count >= min_cameras;
 }
 
 double seenVolume(std::span<const PinholeCamera> cameras) {
@@ -308,7 +308,7 @@ double seenVolume(std::span<const PinholeCamera> cameras) {
   const glm::dvec3 middle = middleOf(cameras);
   double side = 2 * reachOf(cameras, middle);
   std::vector<glm::dvec3> centres{middle};
-  for (int halving = 0; halving < kMostHalvings && !centres.empty() && centres.size() < kEnoughCells; ++halving) {
+  for (int halving = 0; halving < kMaxHalvings && !centres.empty() && centres.size() < kEnoughCells; ++halving) {
     side /= 2;
     std::vector<glm::dvec3> parts;
     for (const glm::dvec3& centre : centres)
@@ -326,7 +326,7 @@ double seenVolume(std::span<const PinholeCamera> cameras) {
 namespace {
 
 // Merged faces may cross their neighbours; adaptivity is then reduced.
-constexpr size_t kMostChecked = 500'000;
+constexpr size_t kMaxChecked = 500'000;
 constexpr double kAdaptivityShares[] = {1, 0.25, 0};
 
 }  // namespace
@@ -338,7 +338,7 @@ TriangleMesh solidSurface(const SparseDistance& distance, double adaptivity,
     mesh = zeroSurface(distance, share * adaptivity);
     drop(mesh);
     if (share * adaptivity == 0) break;
-    if (mesh.faces.size() > kMostChecked) continue;  // comparing all faces would take minutes
+    if (mesh.faces.size() > kMaxChecked) continue;  // comparing all faces would take minutes
     if (checkMesh(mesh).solid()) break;
   }
   return mesh;

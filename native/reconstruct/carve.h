@@ -36,8 +36,8 @@ Result<CoarseBounds> coarseBounds(std::span<const CarvingView> views, int cells_
 glm::dvec3 middleOf(std::span<const PinholeCamera> cameras);
 // Maximum distance of the performer from `middle`; scales with the rig.
 double reachOf(std::span<const PinholeCamera> cameras, const glm::dvec3& middle);
-// True if at least `least_cameras` cameras see part of the sphere.
-bool isSeen(std::span<const PinholeCamera> cameras, size_t least_cameras, const glm::dvec3& centre, double radius);
+// True if at least `min_cameras` cameras see part of the sphere.
+bool isSeen(std::span<const PinholeCamera> cameras, size_t min_cameras, const glm::dvec3& centre, double radius);
 
 // Volume seen by more than half of the cameras, m³, within a few percent: an upper limit of the hull, reached by
 // silhouettes that cover the pictures. 0: there is none.

@@ -277,7 +277,7 @@ namespace {
 
 constexpr double kDoubt_px = 2e-3;      // projected points and planes closer than this use exact predicates
 constexpr double kNearestDepth = 1e-7;  // scaled; closer points are invisible
-constexpr size_t kMostRows = 512;
+constexpr size_t kMaxRows = 512;
 
 // `across`: cross product of the edge with the vector from its beginning to the pixel.
 bool nearLine(const HullPlane& wedge, const glm::dvec2& pixel, double across) {
@@ -306,7 +306,7 @@ SilhouetteLookup::SilhouetteLookup(const HullPlanes& planes, int camera, const P
     top_px_ = std::min(top_px_, wedge.from.y);
     bottom_px_ = std::max(bottom_px_, wedge.from.y);
   }
-  rows_.resize(std::clamp<size_t>(wedges.size() / 4, 1, kMostRows));
+  rows_.resize(std::clamp<size_t>(wedges.size() / 4, 1, kMaxRows));
   row_px_ = std::max((bottom_px_ - top_px_) / double(rows_.size()), 1e-9);
   for (uint32_t i = 0; i < wedges.size(); ++i) {
     const auto [from_y, to_y] = std::minmax(wedges[i].from.y, wedges[i].to.y);

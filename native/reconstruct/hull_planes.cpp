@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kNearest = 1e-3;      // minimum distance between a camera and the bounds, and between cameras; scaled
 constexpr double kBoundsReach = 1e-4;  // tolerance of the test that a wedge reaches the bounds; scaled
-constexpr uint32_t kMostPlanes = 1u << 21;  // three indices fit into 64 bits
+constexpr uint32_t kMaxPlanes = 1u << 21;  // three indices fit into 64 bits
 
 Error invalid(const std::string& message) { return {ErrorId::InvalidArgument, "polyhedral hull: " + message}; }
 
@@ -58,14 +58,14 @@ class Builder {
     for (const silhouette::Ring& ring : rings)
       for (const glm::dvec2& p : ring)
         if (!std::isfinite(p.x) || !std::isfinite(p.y)) return invalid("an outline has points that are not finite");
-    silhouette::simplifyRings(rings, rounding_.least_turn_px);
+    silhouette::simplifyRings(rings, rounding_.min_turn_px);
     for (const silhouette::Ring& ring : rings) addRing(cone.camera, ring);
     return {};
   }
 
   Result<HullPlanes> finish() {
     out_.first.push_back(uint32_t(out_.planes.size()));
-    if (out_.planes.size() >= kMostPlanes) return invalid("the outlines have too many points");
+    if (out_.planes.size() >= kMaxPlanes) return invalid("the outlines have too many points");
     for (const HullPlane& p : out_.planes)
       if (!finite(p.normal)) return invalid("a camera's pose or intrinsics are not finite");
     for (HullPlane& p : out_.planes) p.reaches_bounds = reachesBounds(p);
@@ -140,13 +140,13 @@ namespace {
 
 __extension__ typedef __int128 Int128;
 
-constexpr double kUnitBits = 27, kMostBits = 29;
+constexpr double kUnitBits = 27, kMaxBits = 29;
 // Rounding errors of doubles, for coefficients up to M = 2^29 and half a unit in the last place u = 2^-53: at most 4uM²
 // for a minor of two rows, 30uM³ for one of three rows, and 216uM⁴ for the determinant.
-const double kDoubt3 = std::ldexp(32.0, int(3 * kMostBits) - 53);
-const double kDoubt4 = std::ldexp(256.0, int(4 * kMostBits) - 53);
+const double kDoubt3 = std::ldexp(32.0, int(3 * kMaxBits) - 53);
+const double kDoubt4 = std::ldexp(256.0, int(4 * kMaxBits) - 53);
 // Minimum weight for positions from doubles: their error is then below 2^-34.
-const double kClearWeight = std::ldexp(1.0, int(3 * kMostBits) - 16);
+const double kClearWeight = std::ldexp(1.0, int(3 * kMaxBits) - 16);
 
 int signOf(Int128 value) { return (value > 0) - (value < 0); }
 
@@ -169,7 +169,7 @@ std::array<Int128, 4> exactPoint(const std::array<const Plane*, 3>& planes) {
 }  // namespace
 
 Plane Plane::rounded(const glm::dvec3& normal, double offset) {
-  const double scale = std::min(std::ldexp(1.0, int(kUnitBits)), std::ldexp(1.0, int(kMostBits)) / std::abs(offset));
+  const double scale = std::min(std::ldexp(1.0, int(kUnitBits)), std::ldexp(1.0, int(kMaxBits)) / std::abs(offset));
   return {{std::round(normal.x * scale), std::round(normal.y * scale), std::round(normal.z * scale),
            std::round(offset * scale)}};
 }
@@ -217,7 +217,7 @@ constexpr double kTurn = 2 * std::numbers::pi;  // rad
 constexpr double kDoubt = 1e-5;                 // rad, tolerance of a wedge's angles on either side
 constexpr double kDoubtShare =
     0.1;  // tolerance as a share of the wedge's angle: flat corners move when planes are rounded
-constexpr double kLeastSine = 1e-3;  // between viewing line and baseline; below, the angle is unreliable
+constexpr double kMinSine = 1e-3;  // between viewing line and baseline; below, the angle is unreliable
 
 struct Pencil {
   glm::dvec3 across, up;  // unit, perpendicular to the baseline
@@ -241,8 +241,8 @@ Span spanOf(const Pencil& pencil, const glm::dvec3& from, const glm::dvec3& to, 
   const glm::dvec2 a(glm::dot(from, pencil.across), glm::dot(from, pencil.up));
   const glm::dvec2 b(glm::dot(to, pencil.across), glm::dot(to, pencil.up));
   const double start = std::atan2(a.y, a.x), swept = std::atan2(a.x * b.y - a.y * b.x, glm::dot(a, b));
-  const bool unclear = glm::length(a) < kLeastSine || glm::length(b) < kLeastSine;
-  if (unclear || std::abs(swept) > kTurn / 2 - kLeastSine) return {0, steps};
+  const bool unclear = glm::length(a) < kMinSine || glm::length(b) < kMinSine;
+  if (unclear || std::abs(swept) > kTurn / 2 - kMinSine) return {0, steps};
   const double doubt = kDoubt + kDoubtShare * std::abs(swept), middle = start + swept / 2 + 2 * kTurn;
   const double low = middle - std::abs(swept) / 2 - doubt, high = middle + std::abs(swept) / 2 + doubt;
   const int first = int(std::floor(low / kTurn * steps)), last = int(std::floor(high / kTurn * steps));

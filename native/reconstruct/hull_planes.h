@@ -84,9 +84,9 @@ struct HullPlanes {
 // Perturbation of planes into general position, in which no four of them meet in a point. Nearly flat corners of an
 // outline are removed, since rounding would move the line of their planes far.
 struct PlaneRounding {
-  uint32_t seed = 1;            // random seed of the perturbation
-  double jiggle = 0x1p-21;      // maximum change of a coefficient; scaled
-  double least_turn_px = 0.01;  // minimum distance of a corner from the line between its neighbours
+  uint32_t seed = 1;          // random seed of the perturbation
+  double jiggle = 0x1p-21;    // maximum change of a coefficient; scaled
+  double min_turn_px = 0.01;  // minimum distance of a corner from the line between its neighbours
 };
 
 // Planes of the bounds and of all cameras' outlines. Errors: InvalidArgument (no cones or bounds, a camera within the

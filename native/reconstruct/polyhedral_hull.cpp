@@ -7,7 +7,7 @@
 namespace fourdvt::reconstruct {
 namespace {
 
-constexpr int kMostAttempts = 4;
+constexpr int kMaxAttempts = 4;
 constexpr double kCoarser = 3;  // growth of the flatness threshold per attempt
 
 }  // namespace
@@ -15,10 +15,10 @@ constexpr double kCoarser = 3;  // growth of the flatness threshold per attempt
 Result<PolyhedralHull> polyhedralHull(std::span<const SilhouetteCone> cones, const BoundingBox& bounds) {
   Error last{ErrorId::Internal, "polyhedral hull: planes meet in one point, or an outline's rings cross"};
   PlaneRounding rounding;
-  for (int attempt = 1; attempt <= kMostAttempts; ++attempt) {
+  for (int attempt = 1; attempt <= kMaxAttempts; ++attempt) {
     FOURDVT_ASSIGN(const HullPlanes planes, hullPlanes(cones, bounds, rounding));
     ++rounding.seed;
-    rounding.least_turn_px *= kCoarser;
+    rounding.min_turn_px *= kCoarser;
     auto edges = hullEdges(planes, cones);
     if (!edges) continue;
     auto mesh = hullFaces(planes, *edges);

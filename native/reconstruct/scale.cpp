@@ -91,9 +91,9 @@ Result<SceneScale> scaleOf(std::span<const CarvingView> views) {
   return out;
 }
 
-double voxelFor(const SceneScale& scale, size_t most_faces) {
+double voxelFor(const SceneScale& scale, size_t max_faces) {
   const double finest_m =
-      std::sqrt(kFacesPerVoxel * scale.area_m2 / (kSpareFaces * double(std::max<size_t>(1, most_faces))));
+      std::sqrt(kFacesPerVoxel * scale.area_m2 / (kSpareFaces * double(std::max<size_t>(1, max_faces))));
   return std::max(kVoxelFootprints * scale.footprint_m, finest_m);
 }
 

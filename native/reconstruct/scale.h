@@ -26,8 +26,8 @@ Result<SceneScale> scaleOf(std::span<const CarvingView> views);
 
 // Voxel size in pixel footprints: 5 mm for a person who fills 480 x 640 pixels.
 inline constexpr double kVoxelFootprints = 1.35;
-// Voxel size for a scene: kVoxelFootprints, or more where the surface would exceed four times `most_faces`.
-double voxelFor(const SceneScale& scale, size_t most_faces);
+// Voxel size for a scene: kVoxelFootprints, or more where the surface would exceed four times `max_faces`.
+double voxelFor(const SceneScale& scale, size_t max_faces);
 
 // Metres of the world per metre of a normalised scene, in which the performer is as thick as a person. Lengths tuned
 // for a person apply in the normalised scene.

@@ -88,8 +88,8 @@ void keepOnly(TriangleMesh& mesh, const std::vector<Component>& components, cons
   mesh = std::move(kept);
 }
 
-double leastVolume(const std::vector<Component>& components, double least_volume_m3) {
-  return std::max(components.front().volume_m3 * kSpeckShare, least_volume_m3);
+double minVolume(const std::vector<Component>& components, double min_volume_m3) {
+  return std::max(components.front().volume_m3 * kSpeckShare, min_volume_m3);
 }
 
 // Keeps the largest component and those selected by `choose`. Returns the number of removed components.
@@ -107,17 +107,17 @@ size_t dropOthers(TriangleMesh& mesh, const Choose& choose) {
 
 }  // namespace
 
-size_t dropSpecks(TriangleMesh& mesh, double least_volume_m3) {
+size_t dropSpecks(TriangleMesh& mesh, double min_volume_m3) {
   return dropOthers(mesh, [&](const std::vector<Component>& components, std::vector<bool>& keep) {
-    const double least = leastVolume(components, least_volume_m3);
+    const double least = minVolume(components, min_volume_m3);
     for (size_t i = 1; i < components.size(); ++i) keep[i] = std::abs(components[i].volume_m3) >= least;
   });
 }
 
 size_t dropNeedless(TriangleMesh& mesh, std::span<const silhouette::Silhouette* const> silhouettes,
-                    double least_volume_m3) {
+                    double min_volume_m3) {
   return dropOthers(mesh, [&](const std::vector<Component>& components, std::vector<bool>& keep) {
-    const double least = leastVolume(components, least_volume_m3);
+    const double least = minVolume(components, min_volume_m3);
     std::vector<cv::Mat> explained;  // [camera] mask of the components kept so far
     for (size_t i = 1; i < components.size(); ++i) {
       const double volume = components[i].volume_m3;
@@ -137,7 +137,7 @@ size_t dropNeedless(TriangleMesh& mesh, std::span<const silhouette::Silhouette* 
   });
 }
 
-size_t dropUnseen(TriangleMesh& mesh, std::span<const PinholeCamera> cameras, size_t least_cameras) {
+size_t dropUnseen(TriangleMesh& mesh, std::span<const PinholeCamera> cameras, size_t min_cameras) {
   std::vector<uint8_t> seen(mesh.positions.size());
   for (size_t v = 0; v < seen.size(); ++v) {
     size_t count = 0;
@@ -145,7 +145,7 @@ size_t dropUnseen(TriangleMesh& mesh, std::span<const PinholeCamera> cameras, si
       const glm::dvec3 p = camera.project(glm::dvec3(mesh.positions[v]));
       count += p.z > 0 && p.x >= 0 && p.y >= 0 && p.x <= camera.width && p.y <= camera.height;
     }
-    seen[v] = count >= least_cameras;
+    seen[v] = count >= min_cameras;
   }
   if (std::find(seen.begin(), seen.end(), uint8_t(0)) == seen.end()) return 0;
   const std::vector<Component> components = componentsOf(mesh);
@@ -231,12 +231,12 @@ constexpr float kAnyError = 1;  // relative to the mesh's extent: only the numbe
 
 }  // namespace
 
-void simplify(TriangleMesh& mesh, size_t most_faces) {
-  if (mesh.faces.size() <= most_faces) return;
+void simplify(TriangleMesh& mesh, size_t max_faces) {
+  if (mesh.faces.size() <= max_faces) return;
   std::vector<glm::uvec3> kept(mesh.faces.size());
   const size_t indices =
       meshopt_simplify(&kept[0].x, &mesh.faces[0].x, 3 * mesh.faces.size(), &mesh.positions[0].x, mesh.positions.size(),
-                       sizeof(glm::vec3), 3 * most_faces, kAnyError, 0, nullptr);
+                       sizeof(glm::vec3), 3 * max_faces, kAnyError, 0, nullptr);
   kept.resize(indices / 3);
   mesh.faces = std::move(kept);
   dropUnusedVertices(mesh);

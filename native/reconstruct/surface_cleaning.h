@@ -15,18 +15,18 @@
 namespace fourdvt::reconstruct {
 constexpr double kSpeckVoxels = 27;  // maximum size of grid noise
 
-// Removes specks: components below a thousandth of the largest one's volume, or below `least_volume_m3`. Hollows have
+// Removes specks: components below a thousandth of the largest one's volume, or below `min_volume_m3`. Hollows have
 // negative volume; its absolute value counts. Returns the number of removed components.
-size_t dropSpecks(TriangleMesh& mesh, double least_volume_m3);
+size_t dropSpecks(TriangleMesh& mesh, double min_volume_m3);
 
 // Removes specks, and phantoms: components that in every camera's picture are covered by larger ones over at least nine
 // tenths of their area, so that no silhouette requires them.
 size_t dropNeedless(TriangleMesh& mesh, std::span<const silhouette::Silhouette* const> silhouettes,
-                    double least_volume_m3);
+                    double min_volume_m3);
 
-// Removes components with fewer than half of their vertices in the pictures of at least `least_cameras`, since unseen
+// Removes components with fewer than half of their vertices in the pictures of at least `min_cameras`, since unseen
 // space is not carved. Returns the number of removed components, possibly all.
-size_t dropUnseen(TriangleMesh& mesh, std::span<const PinholeCamera> cameras, size_t least_cameras);
+size_t dropUnseen(TriangleMesh& mesh, std::span<const PinholeCamera> cameras, size_t min_cameras);
 
 // Removes hollows, which no camera sees.
 size_t dropHollows(TriangleMesh& mesh);
@@ -39,8 +39,8 @@ size_t dropHollows(TriangleMesh& mesh);
 int fairSurface(TriangleMesh& mesh, std::span<const CarvingView> views, int rounds,
                 const std::function<bool(const TriangleMesh&)>& still_good);
 
-// Simplifies a surface by edge collapses (meshoptimizer) to at most `most_faces`, where the topology permits; smaller
+// Simplifies a surface by edge collapses (meshoptimizer) to at most `max_faces`, where the topology permits; smaller
 // meshes are unchanged. Keeps the topology and the positions of remaining vertices. Faces may cross.
-void simplify(TriangleMesh& mesh, size_t most_faces);
+void simplify(TriangleMesh& mesh, size_t max_faces);
 
 }  // namespace fourdvt::reconstruct

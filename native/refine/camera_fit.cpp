@@ -23,7 +23,7 @@ using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 constexpr double kMoveSigma_m = 0.003, kZoomSigma = 0.002, kOffsetSigma_m = 0.005, kFramesSigma = 2;
 constexpr double kHullTooLarge = 0.3;  // weight of a hull's point with a "too large" residual
 constexpr int kFitRounds = 5;
-constexpr size_t kFewestPoints = 60, kFewestBlocks = 6;
+constexpr size_t kMinPoints = 60, kMinBlocks = 6;
 
 // Motion of a projected point along `direction` per unit of every unknown but the last two.
 Vector derivativesOf(const PinholeCamera& camera, const glm::dvec3& p, const glm::dvec2& direction) {
@@ -60,7 +60,7 @@ CameraStep fitCamera(const PinholeCamera& camera, const PinholeCamera& given, st
   CameraStep out;
   std::map<uint32_t, Normal> blocks;
   for (const BlockedPoint& s : points) blocks[s.block];
-  if (points.size() < kFewestPoints || blocks.size() < kFewestBlocks) return out;
+  if (points.size() < kMinPoints || blocks.size() < kMinBlocks) return out;
   std::vector<Vector> rows;
   rows.reserve(points.size());
   for (const BlockedPoint& s : points) {
@@ -157,7 +157,8 @@ class Fit {
   Fit(const PinholeCamera& given, const MeasurePoints& measure, SurfaceKind surface, double deviations)
       : given_(given), measure_(measure), surface_(surface), deviations_(deviations) {}
 
-  // Camera with the best fit, starting at `from`; `from` itself without enough constraints.
+  // Fits the camera iteratively, starting at `from`; returns `from` where constraints are too few. `last`: receives the
+  // last step.
   PinholeCamera fitted(const PinholeCamera& from, Freedom freedom, CameraStep& last) const {
     PinholeCamera best = from;
     const float near = OutlineOptions().reach_pixels, wide = std::max(near, static_cast<float>(kWideRad * from.fx));
@@ -226,7 +227,7 @@ namespace {
 
 constexpr uint32_t kLargestGap = 8;  // frames between two samples
 constexpr uint32_t kWindow = 3;      // frames before and after that contribute to one
-constexpr double kLeastFall = 0.05;  // minimum relative reduction of the other cameras' residuals
+constexpr double kMinFall = 0.05;    // minimum relative reduction of the other cameras' residuals
 constexpr SurfaceFitOptions kOptions{.bound_m = 0.005, .stiffness = 3, .keep = 4, .keep_at_median = false};
 
 uint32_t distance(uint32_t a, uint32_t b, uint32_t loop_frames) {
@@ -267,7 +268,7 @@ std::optional<capture::SlowOffsets> fitSlowOffsets(std::span<const SlowFrame> fr
         with.push_back(claim.offset_m - (1 - claim.to_share) * half[f][claim.from] -
                        claim.to_share * half[f][claim.to]);
       }
-  if (!(robustScale(with) < (1 - kLeastFall) * robustScale(without))) return std::nullopt;
+  if (!(robustScale(with) < (1 - kMinFall) * robustScale(without))) return std::nullopt;
   capture::SlowOffsets out;
   for (const SlowFrame& frame : frames) out.frames.push_back(frame.index);
   out.offset_m = fitFrom(frames, edges, vertices, loop_frames, 1);

@@ -11,8 +11,8 @@
 namespace fourdvt::refine {
 namespace {
 
-constexpr uint32_t kMostFrames = 40, kFewestFrames = 4;
-constexpr double kMatteBytes = 256e6;  // limit in memory, above kFewestFrames
+constexpr uint32_t kMaxFrames = 40, kMinFrames = 4;
+constexpr double kMatteBytes = 256e6;  // limit in memory, above kMinFrames
 constexpr double kFigureShare = 0.5;   // maximum share of a picture around the figure
 constexpr int kEdgeStride = 4;  // pixels between samples on the matte's edge at which the picture's edge is searched
 
@@ -21,7 +21,7 @@ uint32_t strideOf(const capture::Capture& capture) {
   double frame_bytes = 0, all = 0;
   for (const auto& camera : capture.cameras) frame_bytes += kFigureShare * camera.pinhole.width * camera.pinhole.height;
   for (const auto& sequence : capture.sequences) all += sequence.frame_count;
-  const double most = std::clamp(kMatteBytes / frame_bytes, double(kFewestFrames), double(kMostFrames));
+  const double most = std::clamp(kMatteBytes / frame_bytes, double(kMinFrames), double(kMaxFrames));
   return std::max(1u, static_cast<uint32_t>(std::ceil(all / most)));
 }
 

@@ -17,19 +17,19 @@ namespace fourdvt::refine {
 namespace {
 
 // Minimum measured bias of the mattes that is corrected: below are the errors of keyers, codecs and textures.
-constexpr double kLeastBiasPixels = 0.25;
+constexpr double kMinBiasPixels = 0.25;
 // A mesh stays as given if the median of its residuals is below kExactPixels and their 95 % quantile below
-// kExactP95Pixels: biases of mattes and mesh below kLeastBiasPixels are not distinguishable.
-constexpr double kExactPixels = kLeastBiasPixels, kExactP95Pixels = 1;
-constexpr size_t kFewestMatteEdges = 200;
+// kExactP95Pixels: biases of mattes and mesh below kMinBiasPixels are not distinguishable.
+constexpr double kExactPixels = kMinBiasPixels, kExactP95Pixels = 1;
+constexpr size_t kMinMatteEdges = 200;
 constexpr size_t kCameraFrames = 10;  // maximum number of frames for the fit of a camera
 constexpr int kSurfaceRounds = 5;
 constexpr float kFurthest_m = 0.015f;  // maximum displacement of a vertex, time-varying offsets included
-constexpr double kLeastGain = 0.01;    // minimum relative reduction of the residual by another round
+constexpr double kMinGain = 0.01;      // minimum relative reduction of the residual by another round
 constexpr int kCameraRounds = 2;       // fits of the cameras to the corrected mesh
 constexpr double kBlock_m = 0.2;       // side of a block of the surface
 constexpr size_t kWorstPictures = 3;
-constexpr uint32_t kFewestOfPicture = 50;  // minimum number of points for a picture among the worst
+constexpr uint32_t kMinOfPicture = 50;  // minimum number of points for a picture among the worst
 
 Residuals summary(const std::vector<double>& residuals) {
   std::vector<double> sizes;
@@ -155,9 +155,9 @@ void Refiner::findClearances() {
 void Refiner::useMatteBias(const std::vector<std::vector<double>>& edges) {
   for (size_t c = 0; c < edges.size(); ++c) {
     CameraRefinement& camera = out_.by_camera[c];
-    if (edges[c].size() >= kFewestMatteEdges) camera.measured_bias_pixels = quantile(edges[c], 0.5);
+    if (edges[c].size() >= kMinMatteEdges) camera.measured_bias_pixels = quantile(edges[c], 0.5);
     const double measured = camera.measured_bias_pixels.value_or(0);
-    camera.used_bias_pixels = options_.matte_bias_pixels.value_or(std::abs(measured) < kLeastBiasPixels ? 0 : measured);
+    camera.used_bias_pixels = options_.matte_bias_pixels.value_or(std::abs(measured) < kMinBiasPixels ? 0 : measured);
   }
 }
 
@@ -264,7 +264,7 @@ void Refiner::fitSurface() {
         }
     const double now = robustScale(residuals);
     if (now > before) offsets_ = offsets_before;
-    if (now > (1 - kLeastGain) * before) break;
+    if (now > (1 - kMinGain) * before) break;
     before = now;
     offsets_before = offsets_;
     offsets_ = fitOffsets(claims, edges_, offsets_, clearances_, {});
@@ -338,7 +338,7 @@ void Refiner::record(const AllPoints& points, bool after) {
   });
   for (const OfPicture& picture : pictures) {
     const auto same = [&](const WorstPicture& w) { return w.camera == picture.camera; };
-    if (out_.worst.size() == kWorstPictures || picture.residuals.points < kFewestOfPicture ||
+    if (out_.worst.size() == kWorstPictures || picture.residuals.points < kMinOfPicture ||
         std::any_of(out_.worst.begin(), out_.worst.end(), same))
       continue;
     const RefineFrame& frame = frames_[picture.frame];

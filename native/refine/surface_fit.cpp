@@ -83,12 +83,12 @@ std::vector<float> fitOffsets(std::span<const OffsetClaim> claims, std::span<con
 
 namespace {
 
-constexpr float kShare = 0.8f;          // share of the thickness that offsets may take up
-constexpr float kLeastOpposite = 0.5f;  // minimum cosine between one side's normal and the other's, reversed
-constexpr float kCovered_m = 0.05f;     // search range for surfaces that cover a sample
+constexpr float kShare = 0.8f;        // share of the thickness that offsets may take up
+constexpr float kMinOpposite = 0.5f;  // minimum cosine between one side's normal and the other's, reversed
+constexpr float kCovered_m = 0.05f;   // search range for surfaces that cover a sample
 constexpr int kPushRounds = 200;
-constexpr float kSettled_m = 2e-6f;                 // termination: maximum step of all vertices
-constexpr float kCell_m = 0.02f, kMostCells = 200;  // side; maximum number along the mesh's longest side
+constexpr float kSettled_m = 2e-6f;                // termination: maximum step of all vertices
+constexpr float kCell_m = 0.02f, kMaxCells = 200;  // side; maximum number along the mesh's longest side
 constexpr glm::vec3 kPlaces[] = {
     {4 / 6.f, 1 / 6.f, 1 / 6.f}, {1 / 6.f, 4 / 6.f, 1 / 6.f}, {1 / 6.f, 1 / 6.f, 4 / 6.f}, {1 / 3.f, 1 / 3.f, 1 / 3.f}};
 
@@ -107,7 +107,7 @@ class Faces {
     glm::vec3 high = low_;
     for (const glm::vec3& p : positions) low_ = glm::min(low_, p), high = glm::max(high, p);
     const glm::vec3 size = high - low_;
-    cell_m_ = std::max(kCell_m, std::max(size.x, std::max(size.y, size.z)) / kMostCells);
+    cell_m_ = std::max(kCell_m, std::max(size.x, std::max(size.y, size.z)) / kMaxCells);
     for (uint32_t f = 0; f < face_vertices.size(); ++f) {
       const glm::vec3 a = corner(f, 0), b = corner(f, 1), c = corner(f, 2);
       eachCell(glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c)),
@@ -191,11 +191,11 @@ std::vector<Clearance> clearancesOf(std::span<const glm::uvec3> face_vertices, s
       if (!behind || !behind->from_behind) continue;
       const glm::uvec3 other = face_vertices[behind->face];
       const float opposite = glm::dot(inward, mixed(other, behind->shares, normals));
-      if (opposite < kLeastOpposite) continue;
+      if (opposite < kMinOpposite) continue;
       // Inside another part of the mesh, the surface behind is not the other side of this part.
       const auto before = faces.along(point, -inward, f, kCovered_m);
       if (before && before->from_behind) continue;
-      Clearance c{.place = f * uint32_t(std::size(kPlaces)) + i, .most_m = kShare * behind->distance_m};
+      Clearance c{.place = f * uint32_t(std::size(kPlaces)) + i, .max_m = kShare * behind->distance_m};
       for (int k = 0; k < 3; ++k) {
         c.vertices[k] = face_vertices[f][k];
         c.shares[k] = -place[k];
@@ -213,7 +213,7 @@ std::vector<Clearance> clearancesOf(std::span<const glm::uvec3> face_vertices, s
 
 std::vector<Clearance> usualClearances(std::vector<Clearance> of_all_frames, size_t frames) {
   std::sort(of_all_frames.begin(), of_all_frames.end(), [](const Clearance& a, const Clearance& b) {
-    return std::tie(a.place, a.most_m) < std::tie(b.place, b.most_m);
+    return std::tie(a.place, a.max_m) < std::tie(b.place, b.max_m);
   });
   std::vector<Clearance> out;
   for (size_t first = 0, last = 0; first < of_all_frames.size(); first = last) {
@@ -229,7 +229,7 @@ void keepClear(std::span<const Clearance> clearances, std::span<float> offsets_m
     float furthest_m = 0;
     for (size_t i = 0; i < clearances.size(); ++i) {
       const Clearance& c = clearances[i];
-      float closing_m = -c.most_m, give = 0;
+      float closing_m = -c.max_m, give = 0;
       for (int k = 0; k < 6; ++k) {
         closing_m += c.shares[k] * offsets_m[c.vertices[k]];
         give += c.shares[k] * c.shares[k];

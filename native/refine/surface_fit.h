@@ -13,12 +13,12 @@
 
 namespace fourdvt::refine {
 // Limit for two sides of a thin part, which approach each other as vertices move inwards: Σ share · offset (metres
-// along the normals, shares at most 0) over these vertices must not exceed `most_m`.
+// along the normals, shares at most 0) over these vertices must not exceed `max_m`.
 struct Clearance {
   uint32_t place = 0;  // index of the sample on the mesh, the same in all frames
   std::array<uint32_t, 6> vertices{};
   std::array<float, 6> shares{};
-  float most_m = 0;  // share of the thickness
+  float max_m = 0;  // share of the thickness
 };
 
 // Samples up to four points per face; returns a clearance where two sides are less than 2 · `bound_m` apart, except

@@ -122,8 +122,8 @@ Result<CharacterModel> CharacterModel::createForSurfaces(gpu::Device& device, co
   const uint32_t vertices = character.vertex_count, faces = character.face_count;
   FOURDVT_TRY(checkSize(device, vertices, faces, surfaceTableTexels(vertices, faces)));
   CharacterModel model = emptyModel(character);
-  model.most_vertices_ = vertices;
-  model.most_faces_ = faces;
+  model.max_vertices_ = vertices;
+  model.max_faces_ = faces;
   FOURDVT_ASSIGN(model.corner_vertices, makeTable(device, gpu::PixelFormat::R32UI, 3ull * faces, "corners' vertices"));
   FOURDVT_ASSIGN(model.positions_normals,
                  makeTable(device, gpu::PixelFormat::RGBA32F, 2ull * vertices, "positions and normals"));
@@ -131,7 +131,7 @@ Result<CharacterModel> CharacterModel::createForSurfaces(gpu::Device& device, co
 }
 
 Status CharacterModel::setTopology(gpu::Device& device, std::span<const glm::uvec3> faces, uint32_t vertices) {
-  if (faces.empty() || faces.size() > most_faces_ || vertices > most_vertices_)
+  if (faces.empty() || faces.size() > max_faces_ || vertices > max_vertices_)
     return Error{ErrorId::InvalidArgument, "the surface has no faces, or more than the character says"};
   face_vertices_.assign(faces.begin(), faces.end());
   vertex_count = vertices;

@@ -69,18 +69,18 @@ class CharacterModel {
   // Sharing candidates of shared_corners.h; empty for surfaces.
   const std::vector<uint32_t>& cornersBefore() const { return corners_before_; }
   // Limits of a surface.
-  uint32_t mostVertices() const { return most_vertices_; }
-  uint32_t mostFaces() const { return most_faces_; }
+  uint32_t maxVertices() const { return max_vertices_; }
+  uint32_t maxFaces() const { return max_faces_; }
 
  private:
   static CharacterModel emptyModel(const package::Character& character);
 
   std::vector<glm::uvec3> face_vertices_;
   std::vector<uint32_t> corners_before_;
-  uint32_t most_vertices_ = 0, most_faces_ = 0;  // limits of a surface
-  std::vector<glm::vec3> normals_;               // scratch
-  std::vector<glm::vec4> table_;                 // scratch
-  std::vector<uint32_t> corner_table_;           // scratch
+  uint32_t max_vertices_ = 0, max_faces_ = 0;  // limits of a surface
+  std::vector<glm::vec3> normals_;             // scratch
+  std::vector<glm::vec4> table_;               // scratch
+  std::vector<uint32_t> corner_table_;         // scratch
 };
 
 }  // namespace fourdvt::render

@@ -74,7 +74,7 @@ struct MethodOptions {
   int closest = 4;  // M of N: cameras nearest in angle to the view (camerasTowards); 0: as many as the draw allows
   Visibility visibility = Visibility::Offset;
   Unseen unseen = Unseen::Neighbourhood;
-  float least_cosine = 0.1f;  // cosine of surface normal and ray below which a camera is rejected
+  float min_cosine = 0.1f;  // cosine of surface normal and ray below which a camera is rejected
   // Uncertainty of the surface along a view ray, to either side: the blur width of "filtered" and "band-limited". About
   // the mean distance between a person's visual hull and the surface inside it.
   float depth_uncertainty_m = 0.01f;

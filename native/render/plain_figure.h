@@ -11,7 +11,8 @@ class PlainFigure {
   // Errors: as CharacterModel and Appearance.
   static Result<PlainFigure> create(gpu::Device& device, const package::Character& character,
                                     const package::BaseMesh& mesh);
-  // Sets one instant, in base-mesh order: vertex_count positions, labels [layer][face].
+  // Sets the frame to draw, in the base mesh's order: positions per vertex; labels [layer][face], the cameras of the
+  // texels.
   void setFrame(gpu::Device& device, std::span<const glm::vec3> positions, std::span<const uint8_t> labels);
   void setLayout(const package::Rendition& rendition) { appearance.setLayout(rendition); }
   // Draws this figure by Recipe::draw, without a scene.

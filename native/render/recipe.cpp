@@ -53,10 +53,10 @@ class RecipeOnDevice final : public Recipe {
     return {};
   }
 
-  Result<bool> makeNextProgram(int layer_count, int most_members, bool aligned, PictureTextures::Kind kind,
+  Result<bool> makeNextProgram(int layer_count, int max_members, bool aligned, PictureTextures::Kind kind,
                                const DrawOptions& options) override {
     LayeredVariant variant{.layers = layer_count, .kind = kind, .debug = options.recipe.debug};
-    for (; variant.members <= most_members; ++variant.members) {
+    for (; variant.members <= max_members; ++variant.members) {
       variant.aligned = aligned && variant.members > 1 && options.align == Align::Baked;
       if (layered().has(variant)) continue;
       FOURDVT_TRY(layered().prepare(device_, variant));

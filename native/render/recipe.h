@@ -74,10 +74,10 @@ class Recipe {
   // without a method.
   virtual Status draw(std::span<const Figure> figures, const Scene* scene, const View& view, const DrawOptions& options,
                       gpu::TargetId target) = 0;
-  // Compiles one missing program that pictures of a character will require: blends of up to `most_members` members
+  // Compiles one missing program that pictures of a character will require: blends of up to `max_members` members
   // (`aligned`: their appearance has alignment), and cross-fades. Returns false if none is missing. Otherwise programs
   // compile on first use, which causes a visible stall. Excludes programs of Align::Flow. Errors: GpuFailure.
-  virtual Result<bool> makeNextProgram(int layer_count, int most_members, bool aligned, PictureTextures::Kind kind,
+  virtual Result<bool> makeNextProgram(int layer_count, int max_members, bool aligned, PictureTextures::Kind kind,
                                        const DrawOptions& options) = 0;
   // Sets the flow for Align::Flow; may be null (flow.h).
   virtual void setFlow(std::unique_ptr<FlowSource> flow) = 0;

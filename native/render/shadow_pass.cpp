@@ -70,8 +70,8 @@ Status ShadowPass::cast(gpu::Device& device, size_t i, const CharacterModel& mod
   if (map.serial == model.geometry_serial && map.area.w == ground_y_m) return {};
   map.serial = model.geometry_serial;
   map.area = shadowArea(model, ground_y_m);
-  const float least_height_m = model.length_scale * 0.1f;
-  const float height_m = std::max(model.frame_bounds.max.y - ground_y_m, least_height_m) + least_height_m;
+  const float min_height_m = model.length_scale * 0.1f;
+  const float height_m = std::max(model.frame_bounds.max.y - ground_y_m, min_height_m) + min_height_m;
   device.beginPass({.target = map.target.id(), .clear_color = true, .clear_depth = true, .label = "shadow cast"});
   const gpu::TextureBinding corners = surface ? gpu::TextureBinding{"u_corner_vertices", model.corner_vertices.id()}
                                               : gpu::TextureBinding{"u_corners", model.corners.id()};

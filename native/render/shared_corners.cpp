@@ -39,7 +39,7 @@ namespace {
 
 // Lengths for a person. Contact shadows fade within 8 cm above the ground.
 constexpr float kShadowCell_m = 0.06f, kFineShadow_m = 0.2f;
-constexpr size_t kLeastShadowFaces = 200;
+constexpr size_t kMinShadowFaces = 200;
 
 uint32_t groupOf(std::vector<uint32_t>& groups, uint32_t vertex) {
   while (groups[vertex] != vertex) vertex = groups[vertex] = groups[groups[vertex]];
@@ -78,7 +78,7 @@ std::vector<uint32_t> shadowCorners(std::span<const glm::uvec3> faces, std::span
   std::vector<uint32_t> coarse =
       coarseCorners(faces, positions, length_scale * kShadowCell_m, ground_y_m + length_scale * kFineShadow_m);
   // Small savings are not worth the loss of shape.
-  if (2 * coarse.size() > 3 * faces.size() || coarse.size() < 3 * kLeastShadowFaces) coarse.clear();
+  if (2 * coarse.size() > 3 * faces.size() || coarse.size() < 3 * kMinShadowFaces) coarse.clear();
   return coarse;
 }
 

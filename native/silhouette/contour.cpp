@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kContourLevel = 127.5;
 constexpr uint8_t kPerformer = 128;  // minimum value above the level
-constexpr double kLeastShare =
+constexpr double kMinShare =
     0.02;  // minimum distance of a ring from a sample, as a share of a cell's side: keeps rings apart
 constexpr int kCornerX[4] = {0, 1, 1, 0}, kCornerY[4] = {0, 0, 1, 1};
 constexpr int kBeyondX[4] = {0, 1, 0, -1}, kBeyondY[4] = {-1, 0, 1, 0};  // neighbouring cell across side k
@@ -113,7 +113,7 @@ class Tracer {
 
   // Samples lie on multiples of the step, so that a crossing does where its share is a multiple.
   double crossingShare(double share) const {
-    if (steps_ == 0) return std::clamp(share, kLeastShare, 1 - kLeastShare);
+    if (steps_ == 0) return std::clamp(share, kMinShare, 1 - kMinShare);
     return std::clamp(std::round(share * steps_), 1.0, steps_ - 1.0) / steps_;
   }
 

@@ -21,7 +21,7 @@ Options rows(refine::CalibrateOptions& o) {
        "on (default): find offsets in time; off: keep them as they are"},
       {"--refine-cameras MODE", choice(calibration.cameras, {{"on", true}, {"off", false}}),
        "on (default): turn cameras that the silhouettes clearly contradict; off: as given"},
-      {"--most-offset N", number(calibration.most_frames, 1, 100),
+      {"--most-offset N", number(calibration.max_frames, 1, 100),
        "most frames that a camera may be off, 1 to 100 (default 8)"},
       jobsOption(o.jobs),
   };

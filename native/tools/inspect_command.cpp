@@ -41,7 +41,7 @@ struct SequenceSizes {
   size_t chunks = 0;
   bool aligned = false;
   // Camera-based characters: surfaces count as positions.
-  uint32_t runs = 0, most_vertices = 0, most_faces = 0;
+  uint32_t runs = 0, max_vertices = 0, max_faces = 0;
   std::vector<double> kept_pixels;  // [camera], mean over the GOPs
   uint64_t withoutVideo() const { return positions + labels + offsets + alignment + index; }
 };
@@ -82,8 +82,8 @@ void addSurfaceChunk(std::span<const uint8_t> bytes, const package::SurfaceChunk
     sizes.kept_pixels[c] += share * chunk.tiles()[c].source.width * chunk.tiles()[c].source.height;
   for (uint32_t f = 0; f < chunk.decodedCount(); ++f) {
     const package::Surface surface = chunk.surface(f);
-    sizes.most_vertices = std::max(sizes.most_vertices, static_cast<uint32_t>(surface.positions.size()));
-    sizes.most_faces = std::max(sizes.most_faces, static_cast<uint32_t>(surface.faces.size()));
+    sizes.max_vertices = std::max(sizes.max_vertices, static_cast<uint32_t>(surface.positions.size()));
+    sizes.max_faces = std::max(sizes.max_faces, static_cast<uint32_t>(surface.faces.size()));
   }
 }
 
@@ -315,7 +315,7 @@ class Inspection {
       const package::Sequence& s = character_.sequences[i];
       std::printf("\n%s: layout %d x %d; %u frames in %u runs of one topology, up to %u vertices, %u faces\n",
                   s.name.c_str(), s.layout_width, s.layout_height, s.frame_count, sizes_[i].runs,
-                  sizes_[i].most_vertices, sizes_[i].most_faces);
+                  sizes_[i].max_vertices, sizes_[i].max_faces);
       for (size_t c = 0; c < character_.cameras.size(); ++c) {
         const PinholeCamera& camera = character_.cameras[c];
         std::printf("  %-10s %4.1f %% of its picture\n", camera.name.c_str(),

@@ -22,7 +22,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr size_t kMostQueuedPictures = 2;
+constexpr size_t kMaxQueuedPictures = 2;
 constexpr auto kReopenPause = std::chrono::seconds(2);
 
 struct CameraArguments {
@@ -223,7 +223,7 @@ class LiveCamera {
     later_.add([this, bytes] {
       const auto open = client();
       if (!open || !open->open()) return;
-      if (open->queuedMessages() > kMostQueuedPictures) {
+      if (open->queuedMessages() > kMaxQueuedPictures) {
         ++dropped_;
         return;
       }

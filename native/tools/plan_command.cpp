@@ -59,16 +59,16 @@ std::string quoted(const std::string& path) {
 }
 
 void printPlan(const std::string& job_folder, const jobs::Plan& plan, double seconds) {
-  double work_s = 0, most_mb = 0;
+  double work_s = 0, max_mb = 0;
   for (const jobs::Piece& piece : plan.pieces) {
     work_s += piece.seconds;
-    most_mb = std::max(most_mb, piece.memory_mb);
+    max_mb = std::max(max_mb, piece.memory_mb);
   }
   note(
       "%s: %zu pieces of %u frames, planned in %.1f s; about %.0f min of work on two cores, at most %.1f GB a piece\n"
       "on this machine: snakemake --directory %s --snakefile %s --profile %s\n"
       "on a cluster:    the same with profiles/slurm",
-      job_folder.c_str(), plan.pieces.size(), plan.frames, seconds, work_s / 60, most_mb / 1e3,
+      job_folder.c_str(), plan.pieces.size(), plan.frames, seconds, work_s / 60, max_mb / 1e3,
       quoted(job_folder).c_str(), quoted(job_folder + "/Snakefile").c_str(),
       quoted(job_folder + "/profiles/local").c_str());
 }

@@ -12,7 +12,7 @@ uniform float u_texel_span;     // metres per texel at a depth of 1 m
 uniform bool u_closed;          // closed surface: back faces get no lines
 
 const float kBehind = 0.005;    // metres, on flat faces
-const float kLeastCosine = 0.25;
+const float kMinCosine = 0.25;
 const ivec2 kCorners[6] = ivec2[6](ivec2(0, -1), ivec2(0, 1), ivec2(1, -1), ivec2(1, -1), ivec2(0, 1), ivec2(1, 1));
 
 void main() {
@@ -32,7 +32,7 @@ void main() {
   along = length(along) > 1e-4 ? normalize(along) : vec2(1.0, 0.0);
   vec2 aside = float(corner.y) * vec2(-along.y, along.x) + float(2 * corner.x - 1) * along;
   vec4 at = corner.x == 0 ? first : last;
-  float cosine = max(abs(facing), kLeastCosine), slope = sqrt(max(1.0 - cosine * cosine, 0.0)) / cosine;
+  float cosine = max(abs(facing), kMinCosine), slope = sqrt(max(1.0 - cosine * cosine, 0.0)) / cosine;
   float depth = at.w + kBehind + u_half_width * slope * at.w * u_texel_span;
   float near = u_near_far.x, far = u_near_far.y;
   vec2 place = at.xy / at.w + u_half_width * aside * u_clip_per_texel;

@@ -9,10 +9,10 @@ uniform highp sampler2DArray u_flows;    // pixels of a layer, drawn y up: pictu
 uniform vec4 u_places[CAMERAS];          // x, y, width, height of a camera's layers, pixels of its picture
 uniform vec4 u_layers[CAMERAS];          // layers of the flow from camera i's picture to the others
 uniform float u_most;                    // displacement with full weight, heights of the camera's picture
-const float kLeastFacing = 0.05;         // minimum cosine of surface normal and camera ray
-const float kLeastArea = 1e-9;           // pixels²: minimum share of one side's square; edge-on below
+const float kMinFacing = 0.05;         // minimum cosine of surface normal and camera ray
+const float kMinArea = 1e-9;           // pixels²: minimum share of one side's square; edge-on below
 const float kTap = 0.2887;               // share of a pixel's side, 1/√12: taps have the variance of its area
-const float kMostTap_px = 4.0;           // pixels of a camera
+const float kMaxTap_px = 4.0;           // pixels of a camera
 
 float cameraWeight(vec3 to_camera, float cosine, vec3 to_eye) { return cosine; }
 
@@ -45,9 +45,9 @@ void findOffsets(vec3 normal, vec3 right, vec3 up, vec4 shares, out vec2 offsets
   for (int k = 0; k < CAMERAS; ++k) {
     vec3 here = projected(v_point, k);
     float facing = dot(normal, normalize(u_centres[k].xyz - v_point));
-    if (!(shares[k] > 0.0 && here.z > 0.0 && facing >= kLeastFacing)) continue;
+    if (!(shares[k] > 0.0 && here.z > 0.0 && facing >= kMinFacing)) continue;
     mat2 pixels = mat2(pixelStep(v_point, here.xy, right, k), pixelStep(v_point, here.xy, up, k));
-    if (!(abs(determinant(pixels)) > kLeastArea * dot(pixels[0], pixels[0]))) continue;
+    if (!(abs(determinant(pixels)) > kMinArea * dot(pixels[0], pixels[0]))) continue;
     vec2 from = here.xy - towardsMean(here.xy, k, shares);
     from = here.xy - towardsMean(from, k, shares);
     mat2 along_from_pixels = sqrt(shares[k]) * inverse(pixels);
@@ -85,7 +85,7 @@ vec4 areaColor(vec2 pixel, vec2 dx, vec2 dy, int i) {
   vec4 sum = vec4(0.0);
   for (int tap = 0; tap < 4; ++tap) {
     vec2 side = vec2(tap & 1, tap >> 1) * 2.0 - 1.0;
-    vec4 color = pictureColor(pixel + clamp(kTap * (side.x * dx + side.y * dy), -kMostTap_px, kMostTap_px), i);
+    vec4 color = pictureColor(pixel + clamp(kTap * (side.x * dx + side.y * dy), -kMaxTap_px, kMaxTap_px), i);
     sum += 0.25 * vec4(color.rgb * color.a, color.a);
   }
   return sum;

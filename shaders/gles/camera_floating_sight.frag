@@ -9,12 +9,12 @@ uniform vec4 u_next;       // xyz centre of the nearest unused camera, at which 
 layout(location = 0) out vec4 o_hidden;   // 1 on surface hidden from the camera; background 0
 layout(location = 1) out vec4 o_weights;
 
-const float kLeastAngle = 0.01;  // radians
-const float kLeastShare = 0.01;  // minimum for cameras beyond the next one, used where no other camera sees the surface
+const float kMinAngle = 0.01;  // radians
+const float kMinShare = 0.01;  // minimum for cameras beyond the next one, used where no other camera sees the surface
 
 // Camera weight of BBMGC01 by the angle between camera ray and view ray: 0 at `end`, unbounded at 0.
 float angularWeight(float angle, float end) {
-  return max(1.0 - angle / end, kLeastShare) / max(angle, kLeastAngle);
+  return max(1.0 - angle / end, kMinShare) / max(angle, kMinAngle);
 }
 
 float angleBetween(vec3 a, vec3 b) { return acos(clamp(dot(a, b), -1.0, 1.0)); }

@@ -7,8 +7,8 @@
 #define COMPARES_CAMERAS
 #include "camera_shade.glsl"
 
-const float kLeastAngle = 1e-3;  // radians; keeps the weight finite in the view's direction
-const float kLeastShare = 1e-3;  // keeps a camera at the bound usable where no other sees the point
+const float kMinAngle = 1e-3;  // radians; keeps the weight finite in the view's direction
+const float kMinShare = 1e-3;  // keeps a camera at the bound usable where no other sees the point
 const float kFade = 0.3;         // range of cosine
 const float kOpposite = 3.14159265;
 
@@ -18,7 +18,7 @@ float angleBetween(vec3 a, vec3 b) { return atan(length(cross(a, b)), dot(a, b))
 
 void compareCameras(vec3 point, vec3 to_eye) {
 #ifdef BOUNDED
-  angle_bound = kLeastAngle;
+  angle_bound = kMinAngle;
   for (int i = 0; i < CAMERAS; ++i)
     angle_bound = max(angle_bound, angleBetween(normalize(u_centres[i].xyz - point), to_eye));
 #else
@@ -27,7 +27,7 @@ void compareCameras(vec3 point, vec3 to_eye) {
 }
 
 float cameraWeight(vec3 to_camera, float cosine, vec3 to_eye) {
-  float angle = max(angleBetween(to_camera, to_eye), kLeastAngle);
+  float angle = max(angleBetween(to_camera, to_eye), kMinAngle);
   float resolution = smoothstep(u_least_cosine, u_least_cosine + kFade, cosine);
-  return resolution * max(1.0 - angle / angle_bound, kLeastShare) / angle;
+  return resolution * max(1.0 - angle / angle_bound, kMinShare) / angle;
 }

@@ -8,13 +8,13 @@ centroid in vec4 v_high;
 uniform float u_exponent;
 out vec4 o_color;
 
-const float kLeastShare = 0.03;  // minimum share of a camera to be sampled
+const float kMinShare = 0.03;  // minimum share of a camera to be sampled
 
 float cameraWeight(vec3 to_camera, float cosine, vec3 to_eye) { return pow(cosine, u_exponent); }
 
 void main() {
   vec3 normal = normalize(v_normal), color = vec3(0.0);
-  float sum = 0.0, least = kLeastShare * (dot(v_low, vec4(1.0)) + dot(v_high, vec4(1.0)));
+  float sum = 0.0, least = kMinShare * (dot(v_low, vec4(1.0)) + dot(v_high, vec4(1.0)));
   for (int i = 0; i < CAMERAS; ++i) {
     float share = slotOf(v_low, v_high, i);
     if (share <= least) continue;

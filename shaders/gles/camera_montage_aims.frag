@@ -17,7 +17,7 @@ uniform sampler2D u_distances_low;
 uniform sampler2D u_distances_high;
 uniform sampler2D u_counts_low;   // one texel: number of visible vertices
 uniform sampler2D u_counts_high;
-const float kLeastCosine = 0.05;  // minimum cosine of surface normal and ray
+const float kMinCosine = 0.05;  // minimum cosine of surface normal and ray
 layout(location = 0) out vec4 o_low;
 layout(location = 1) out vec4 o_high;
 
@@ -39,7 +39,7 @@ void main() {
     if (serves == 0.0) continue;
     setSlot(plain_low, plain_high, i, pow(max(dot(ray, normal), 1e-3), u_exponent));
     setSlot(o_low, o_high, i, slotOf(gamma_low, gamma_high, i) * slotOf(global_low, global_high, i) *
-                                  pow(max(dot(ray, to_eye), 0.0), u_view_exponent) * max(dot(ray, normal), kLeastCosine));
+                                  pow(max(dot(ray, to_eye), 0.0), u_view_exponent) * max(dot(ray, normal), kMinCosine));
   }
   const vec4 one = vec4(1.0);
   float sum = dot(o_low, one) + dot(o_high, one), plain = dot(plain_low, one) + dot(plain_high, one);

@@ -8,7 +8,7 @@ uniform vec3 u_eye;
 uniform vec4 u_offsets;       // points' offsets, metres behind the surface
 out vec4 o_costs;
 
-const float kMostDeviation = 0.35;
+const float kMaxDeviation = 0.35;
 
 float cameraWeight(vec3 to_camera, float cosine, vec3 to_eye) { return cosine * max(dot(to_camera, to_eye), 0.0); }
 
@@ -47,7 +47,7 @@ void main() {
   vec4 costs;  // WebGL forbids dynamic indices for outputs
   for (int k = 0; k < 4; ++k) {
     vec3 mean = means[k] / sum;
-    costs[k] = sqrt(sqrt(max(squares[k] / sum - dot(mean, mean), 0.0)) / kMostDeviation);
+    costs[k] = sqrt(sqrt(max(squares[k] / sum - dot(mean, mean), 0.0)) / kMaxDeviation);
   }
   o_costs = costs;
 }

@@ -49,7 +49,7 @@ function reachOf(boxes) {
   return reach;
 }
 
-const kColumn = 110, kLeastWidth = 440, kRow = 76, kBox = { width: 98, height: 36 };
+const kColumn = 110, kMinWidth = 440, kRow = 76, kBox = { width: 98, height: 36 };
 
 // Rows of names, bottom first: a box stands one row above the highest box that it may include.
 function rowsOf(boxes) {
@@ -79,7 +79,7 @@ const kStyle = `
 export function layeringPicture(text) {
   const { flow, folders } = parseLayering(text);
   const boxes = boxesOf(folders), reach = reachOf(boxes), rows = rowsOf(boxes);
-  const width = Math.max(kLeastWidth, ...rows.map((names) => names.length * kColumn));
+  const width = Math.max(kMinWidth, ...rows.map((names) => names.length * kColumn));
   const height = rows.length * kRow, place = new Map();
   rows.forEach((names, row) => names.forEach((name, i) => place.set(name, {
     x: Math.round((width * (i + 0.5)) / names.length + (names.length === 1 ? ((row % 3) - 1) * kColumn : 0)),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Regret: what the bake's choice of a method (rows "chosen") gives up against the best one within its cost at the held-out cameras
 // (rows "condition"). Holds no value.
-const kMostCost = 2.5; // ChoiceRule::most_cost
+const kMaxCost = 2.5; // ChoiceRule::most_cost
 const at = (rows, table, { axis, at: place }) => rows.filter((row) => row.table === table && row.axis === axis && row.at === place);
 
 /** { axis, at, shift_px, chosen, db, best, best_db, regret_db, above_linear_db } per row "chosen" with a truth. */
@@ -10,7 +10,7 @@ export function chosenAgainstTruth(rows) {
   const costOf = (row) => row.frame_ratio ?? given.find(({ method }) => method === row.method)?.frame_ratio ?? Infinity;
   return rows.filter(({ table }) => table === 'chosen').flatMap((chosen) => {
     const scores = at(rows, 'condition', chosen), own = scores.find(({ method }) => method === chosen.method);
-    const within = scores.filter((row) => costOf(row) <= kMostCost || row.method in (chosen.blended_db ?? {}));
+    const within = scores.filter((row) => costOf(row) <= kMaxCost || row.method in (chosen.blended_db ?? {}));
     const best = within.reduce((a, b) => (a && a.psnr_db >= b.psnr_db ? a : b), undefined), linear = scores.find(({ method }) => method === 'linear');
     if (!own || !best || !linear) return [];
     return [{ axis: chosen.axis, at: chosen.at, shift_px: chosen.shift_px, chosen: chosen.method, db: own.psnr_db, best: best.method, best_db: best.psnr_db,

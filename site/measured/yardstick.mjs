@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Seconds beside their ratio to the yardstick, as text: a fixed job whose runs before and after a measurement are put together
-// to { cpu_s, least_s, most_s, others_cores, job }: median, least and most CPU seconds; cores that other programs kept busy in the
+// to { cpu_s, min_s, max_s, others_cores, job }: median, least and most CPU seconds; cores that other programs kept busy in the
 // worst run.
 // Does NOT run it: tests/bench/yardstick.mjs does. Where no yardstick was recorded, seconds stand alone.
 
@@ -12,7 +12,7 @@ export function summaryOf(runs) {
   if (jobs.size !== 1) throw new Error(`yardsticks of different jobs (${[...jobs].join('; ')}); measure anew, with one FFmpeg`);
   const cpu = runs.map((run) => run.cpu_s).sort((a, b) => a - b), others = runs.map((run) => run.others_s / run.wall_s).filter(Number.isFinite);
   const middle = (cpu[(cpu.length - 1) >> 1] + cpu[cpu.length >> 1]) / 2;
-  return { cpu_s: Number(middle.toFixed(3)), least_s: cpu[0], most_s: cpu.at(-1), ...(others.length && { others_cores: Number(Math.max(...others).toFixed(2)) }), job: runs[0].job };
+  return { cpu_s: Number(middle.toFixed(3)), min_s: cpu[0], max_s: cpu.at(-1), ...(others.length && { others_cores: Number(Math.max(...others).toFixed(2)) }), job: runs[0].job };
 }
 
 const known = (value) => typeof value === 'number' && Number.isFinite(value);
@@ -37,8 +37,8 @@ export function timed(values, unit, digits, yardstick) {
 export const timedTitle = (title, ...yardsticks) => (yardsticks.some(Boolean) ? `${title} (yardsticks)` : title);
 
 /** "1.07 s of CPU (1.05 to 1.23), other programs on up to 0.02 cores" */
-export function machineText({ cpu_s, least_s, most_s, others_cores }) {
-  const [middle, least, most, others] = [cpu_s, least_s, most_s, others_cores].map((value) => value?.toFixed(2));
+export function machineText({ cpu_s, min_s, max_s, others_cores }) {
+  const [middle, least, most, others] = [cpu_s, min_s, max_s, others_cores].map((value) => value?.toFixed(2));
   return `${middle} s of CPU (${least} to ${most})${others === undefined ? '' : `, other programs on up to ${others} cores`}`;
 }
 

@@ -169,7 +169,7 @@ const { samples, switches, stalls, changes } = played, last = samples.at(-1), co
 const totals = {
   seconds: last.ms / 1000, switches: switches.length, stalls: stalls.length, stalled_ms: stalls.reduce((sum, { ms }) => sum + ms, 0),
   longest_stall_ms: Math.max(0, ...stalls.map(({ ms }) => ms)), frames_shown: last.framesShown, frames_late: last.framesLate,
-  pairs_checked: last.barcodeChecked, pairs_wrong: last.barcodeMismatches, most_bytes_held: Math.max(...samples.map((s) => s.encodedBytesHeld)),
+  pairs_checked: last.barcodeChecked, pairs_wrong: last.barcodeMismatches, max_bytes_held: Math.max(...samples.map((s) => s.encodedBytesHeld)),
   bytes_fetched: last.bytesFetched, change_levels: median(changes), change_levels_95: changes.toSorted((a, b) => a - b)[Math.floor(0.95 * changes.length)],
 };
 if (options.out) writeFileSync(options.out, `${JSON.stringify({ commit, yardstick, character: resolve(character), dist: resolve(options.dist), rates, latency_ms: latencyMs, error: played.error, totals, switches, stalls, set: played.set, samples }, null, 1)}\n`);

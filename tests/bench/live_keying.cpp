@@ -81,13 +81,13 @@ std::vector<View> readViews(const capture::Capture& capture, const std::string& 
 // The least of some runs: what else the machine does only adds.
 template <class Work>
 double leastCost_ms(int runs, const Work& work) {
-  double least_ms = 1e9;
+  double min_ms = 1e9;
   for (int run = 0; run < runs; ++run) {
     const double start_ms = now_ms();
     work();
-    least_ms = std::min(least_ms, now_ms() - start_ms);
+    min_ms = std::min(min_ms, now_ms() - start_ms);
   }
-  return least_ms;
+  return min_ms;
 }
 
 void measure(const std::vector<View>& views, int width, int height) {

@@ -34,14 +34,14 @@ Shape puppet() {
 // The least of some runs: what else the machine does only adds.
 template <class Work>
 double leastCost_ms(const Work& work) {
-  double least_ms = 1e9;
+  double min_ms = 1e9;
   for (int run = 0; run < 15; ++run) {
     constexpr int kRepeats = 4;
     const double start_ms = bench::now_ms();
     for (int i = 0; i < kRepeats; ++i) work();
-    least_ms = std::min(least_ms, (bench::now_ms() - start_ms) / kRepeats);
+    min_ms = std::min(min_ms, (bench::now_ms() - start_ms) / kRepeats);
   }
-  return least_ms;
+  return min_ms;
 }
 
 }  // namespace

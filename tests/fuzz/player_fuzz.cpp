@@ -20,9 +20,9 @@ using namespace fourdvt::testing;
 namespace {
 
 constexpr uint64_t kBudget_bytes = 64u << 10;
-constexpr uint64_t kMostHeld_bytes = 1u << 20;  // the budget, and the GOPs that are played
-constexpr int kMostEvents = 2000;
-constexpr size_t kMostWaiting = 64;
+constexpr uint64_t kMaxHeld_bytes = 1u << 20;  // the budget, and the GOPs that are played
+constexpr int kMaxEvents = 2000;
+constexpr size_t kMaxWaiting = 64;
 
 void require(bool condition) {
   if (!condition) std::abort();
@@ -85,16 +85,16 @@ bool edit(FakeCharacter& character, Input& in) {
   return edits > 0;
 }
 
-// Device and programs, shared by kMostInputs inputs.
+// Device and programs, shared by kMaxInputs inputs.
 struct Gpu {
-  static constexpr int kMostInputs = 256;
+  static constexpr int kMaxInputs = 256;
   TaggingDevice device;
   std::shared_ptr<render::Recipe> recipe = render::Recipe::create(device).take();
   int inputs = 0;
 
   static Gpu& take() {
     static std::unique_ptr<Gpu> gpu;
-    if (!gpu || ++gpu->inputs > kMostInputs) gpu = std::make_unique<Gpu>();
+    if (!gpu || ++gpu->inputs > kMaxInputs) gpu = std::make_unique<Gpu>();
     return *gpu;
   }
 };
@@ -109,10 +109,10 @@ class Page {
 
   void run(Input& in) {
     if (!player_->loadManifest(character_.manifest).ok()) return;
-    for (int i = 0; i < kMostEvents && !in.ended(); ++i) {
+    for (int i = 0; i < kMaxEvents && !in.ended(); ++i) {
       event(in.u8(), in.u8());
       collect();
-      require(player_->stats().encoded_bytes_held <= kMostHeld_bytes);
+      require(player_->stats().encoded_bytes_held <= kMaxHeld_bytes);
     }
     require(device_.takeErrors().empty());
   }
@@ -215,7 +215,7 @@ class Page {
         uint32_t frame = 0;
         if (sample->bytes.size() >= 8) std::memcpy(&frame, sample->bytes.data() + 4, 4);
         samples_.push_back({sample->decoder, sample->timestamp_us, frame});
-        if (samples_.size() > kMostWaiting) samples_.pop_front();
+        if (samples_.size() > kMaxWaiting) samples_.pop_front();
       }
     }
     for (Event event; player_->nextEvent(event);)

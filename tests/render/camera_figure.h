@@ -22,7 +22,7 @@ class CameraFigure : public GlFixture {
     recipe_ = render::Recipe::create(*device).take();
     recipe_->setMethod(render::makeCameraMethod(*device, "fvvr").take());
     options_.recipe = {.background = {0, 0, 0, 0}, .ground_shadow = false};
-    options_.method = {.closest = 0, .unseen = render::Unseen::BestFacing, .least_cosine = 0};
+    options_.method = {.closest = 0, .unseen = render::Unseen::BestFacing, .min_cosine = 0};
   }
 
   void TearDown() override {

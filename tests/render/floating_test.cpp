@@ -53,7 +53,7 @@ class FloatingTest : public CameraFigure {
   FloatingTest() : CameraFigure(512) {}
   void SetUp() override {
     CameraFigure::SetUp();
-    options_.method.least_cosine = render::MethodOptions().least_cosine;
+    options_.method.min_cosine = render::MethodOptions().min_cosine;
   }
 
   void show(const std::vector<Image>& pictures) {
@@ -155,7 +155,7 @@ TEST_F(FloatingTest, AHoleShowsTheCameraOfTheLargestWeight) {
   render::FigureCameras chosen;
   render::FloatingPictures floating;
   const render::CameraLook shown = look();
-  ASSERT_TRUE(chosen.prepare(*device, model_, shown, view, options_.method, render::FloatingPictures::kMost));
+  ASSERT_TRUE(chosen.prepare(*device, model_, shown, view, options_.method, render::FloatingPictures::kMax));
   ASSERT_TRUE(floating.update(*device, model_, shown, view, options_.method, chosen));
   ASSERT_EQ(chosen.chosen(), (std::vector<size_t>{2, 1, 0}));
   const auto read = [&](gpu::TextureId texture, gpu::PixelFormat format, void* out) {

@@ -111,7 +111,7 @@ TEST_F(MontageTest, TwoCamerasRoundACylinderHaveSeamsWhereTheyLoseIt) {
   cameras_ = {lookAt({0, 0, 3}, {0, 0, 0}, kSide, kSide, 60), lookAt({0, 0, -3}, {0, 0, 0}, kSide, kSide, 60)};
   makeModel();
   tile({filled(cameras_[0], kRed), filled(cameras_[1], kRed)}, {{4, 4}, {100, 4}});
-  options_.method.least_cosine = 0.3f;
+  options_.method.min_cosine = 0.3f;
   const double radius = 96 * 0.013 / (2 * M_PI), lost = std::acos(0.3);  // where the cosine to the camera is that
   const auto colorAt = [&](double angle) {
     const dvec3 point(radius * std::sin(angle), 0, radius * std::cos(angle));

@@ -185,7 +185,7 @@ const kRuns = [1.3, 1.1, 1, 1.2, 1.1, 1.1].map((cpu_s, i) => ({ cpu_s, wall_s: 2
 
 test('seconds carry their ratio to the yardstick that was measured with them', () => {
   const yardstick = summaryOf(kRuns);
-  assert.deepEqual(yardstick, { cpu_s: 1.1, least_s: 1, most_s: 1.3, others_cores: 0.5, job: '56 frames' });
+  assert.deepEqual(yardstick, { cpu_s: 1.1, min_s: 1, max_s: 1.3, others_cores: 0.5, job: '56 frames' });
   assert.equal(machineText(yardstick), '1.10 s of CPU (1.00 to 1.30), other programs on up to 0.50 cores');
   assert.equal(machineText(summaryOf(kRuns.map(({ others_s, ...run }) => run))), '1.10 s of CPU (1.00 to 1.30)', 'a system without /proc/stat');
   assert.throws(() => summaryOf([...kRuns, { ...kRuns[0], job: '55 frames' }]), /different jobs \(56 frames; 55 frames\); measure anew/);
@@ -470,7 +470,7 @@ test('a part that is killed in the middle goes on after its finished steps', asy
   assert.equal(rows.length, cases.size + 1, 'and the given mesh');
   assert.equal(records.hulls.inputs, inputHash('hulls', { root: tree.root }));
   assert.ok(records.hulls.minutes >= 0);
-  assert.deepEqual(records.hulls.yardstick, { cpu_s: 1.1, least_s: 1, most_s: 1.3, others_cores: 0.5, job: '56 frames' });
+  assert.deepEqual(records.hulls.yardstick, { cpu_s: 1.1, min_s: 1, max_s: 1.3, others_cores: 0.5, job: '56 frames' });
   assert.match(readFileSync(join(tree.root, 'site/measured/hulls.md'), 'utf8'), /yardstick\]\(.*\): 1\.10 s of CPU[\s\S]*\| hull, ms \(yardsticks\) \|[\s\S]*\| 2 \(0\.0018\) \|/);
   assert.equal(readFileSync(join(tree.root, 'build/measured/hulls/yardstick'), 'utf8').trim().split('\n').length, 9, 'before, before what was killed goes on, after');
   assert.match(readFileSync(join(tree.root, 'site/measured/hulls.md'), 'utf8'), /21\.25 \| 0\.750/);

@@ -10,13 +10,13 @@ import { fileURLToPath } from 'node:url';
 
 // Ceilings are today's counts: lower them with the counts, never raise them.
 const kCeilings = {
-  openings: 319, // comments that open with Of, What, Whether, As, Where, When, If, How, Which
-  trailing: 699, // comments behind code that open with one of these words in lower case
-  not: 250, // "Does NOT"
-  limits: 185, // kMost…, kLeast…, kFewest…, by file: min and max are the words
-  machines: 324, // tell, ask, know, want, say of anything but people and papers
-  private: 28, // star, household, serves, claims
-  households: 56, // Wishes, Seat, Claim, Grant, Performer, Ledger in names of web/src, by file
+  openings: 0, // comments that open with Of, What, Whether, As, Where, When, If, How, Which
+  trailing: 46, // comments behind code that open with one of these words in lower case
+  not: 0, // "Does NOT"
+  limits: 0, // kMost…, kLeast…, kFewest…, by file: min and max are the words
+  machines: 5, // tell, ask, know, want, say of anything but people and papers
+  private: 1, // star, household, serves, claims
+  households: 0, // Wishes, Seat, Claim, Grant, Performer, Ledger in names of web/src, by file
 };
 
 const kOpening = /^(Of|What|Whether|As|Where|When|If|How|Which)\b/;

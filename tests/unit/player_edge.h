@@ -29,7 +29,7 @@ struct EdgeOptions {
   double misnamed = 0, left_out = 0;
   double early_seeks = 0;  // probability that a sought picture is offered while the element still has another one
   bool interleaved_chroma = false;  // as NV12 has it
-  uint32_t least_decoded = 1;       // pictures ahead without which an element does not move
+  uint32_t min_decoded = 1;         // pictures ahead without which an element does not move
   PlayerOptions player;
 };
 
@@ -316,7 +316,7 @@ class SimulatedEdge {
   void runElement(int number, Decoder& decoder) {
     auto& waiting = decoder.decoded;
     while (!waiting.empty() && !waiting.front().wanted) waiting.pop_front();
-    if (!decoder.stands && !waiting.empty() && (decoder.flushed || waiting.size() >= options.least_decoded)) {
+    if (!decoder.stands && !waiting.empty() && (decoder.flushed || waiting.size() >= options.min_decoded)) {
       decoder.stands = decoder.fresh = true;
       decoder.stood_s = now_s;
       decoder.ahead = 0;

@@ -18,7 +18,7 @@ const kDistance = 4.6;       // the whole performer is in the picture
 const kCoverageTolerance = 0.1;
 const kDistinctFrames = 5;
 const kWindows = [{ width: 1280, height: 800 }, { width: 390, height: 844 }];
-const kLeastShare = 0.25;    // of the window's height, for the viewer
+const kMinShare = 0.25;    // of the window's height, for the viewer
 
 const words = process.argv.slice(2), first = words[0] === '--first', paths = words.slice(first ? 1 : 0).map((path) => resolve(path));
 if (paths.length !== (first ? 2 : 4)) {
@@ -102,12 +102,12 @@ async function checkLayout(page) {
   for (const window of kWindows) {
     await page.setViewportSize(window);
     for (const dials of ['few', 'all']) {
-      const problems = await page.evaluate(({ hidden, leastShare }) => {
+      const problems = await page.evaluate(({ hidden, minShare }) => {
         for (const id of ['look-dials', 'light-dial']) document.getElementById(id).hidden = hidden;
         const viewer = document.getElementById('viewer').getBoundingClientRect();
         const found = [];
         if (viewer.left < 0 || viewer.top < 0 || viewer.right > innerWidth || viewer.bottom > innerHeight) found.push('is not within the window');
-        if (viewer.height < leastShare * innerHeight) found.push(`is ${viewer.height} pixels high`);
+        if (viewer.height < minShare * innerHeight) found.push(`is ${viewer.height} pixels high`);
         for (const other of document.querySelectorAll('.intro, .controls, .stage nav a')) {
           const box = other.getBoundingClientRect();
           if (box.left < viewer.right && box.right > viewer.left && box.top < viewer.bottom && box.bottom > viewer.top)
@@ -115,7 +115,7 @@ async function checkLayout(page) {
         }
         if (document.documentElement.scrollWidth > innerWidth) found.push('is on a page that scrolls sideways');
         return found;
-      }, { hidden: dials === 'few', leastShare: kLeastShare });
+      }, { hidden: dials === 'few', minShare: kMinShare });
       report(problems.length === 0, `layout at ${window.width}×${window.height}, ${dials} dials: the viewer ${problems.join(', ') || 'has its place'}`);
     }
   }

@@ -10,7 +10,7 @@
  */
 export function installClock() {
   const kStepMs = 250;     // half of the longest step that the frame loop catches up
-  const kLeastMs = 20;     // a step, however close the next timer is
+  const kMinMs = 20;     // a step, however close the next timer is
   const kAnswerMs = 1000;  // real time that one step waits for the server's answers at most
   const real = {
     setTimeout: setTimeout.bind(globalThis), clearTimeout: clearTimeout.bind(globalThis), fetch: fetch.bind(globalThis),
@@ -74,7 +74,7 @@ export function installClock() {
   async function turn(ms) {
     for (let left = ms; left > 0;) {
       const next = Math.min(...[...timers.values()].map(({ due }) => due)) - now();
-      const step = Math.min(left, Math.max(kLeastMs, Math.min(kStepMs, next)));
+      const step = Math.min(left, Math.max(kMinMs, Math.min(kStepMs, next)));
       base += step;
       left -= step;
       const due = [...timers].filter(([, timer]) => timer.due <= now()).sort(([, a], [, b]) => a.due - b.due);

@@ -8,8 +8,8 @@ import { pathToFileURL } from 'node:url';
 import { environment, kPatienceMs, launch, openPage, outputFolder, waitForEvent, writePicture } from './harness.mjs';
 import { serve } from './server.mjs';
 
-const kLeastShare = 0.02;  // of a canvas that the character covers; background alone is transparent
-const kLeastTones = 200;   // of different colours: a flat patch has a few
+const kMinShare = 0.02;  // of a canvas that the character covers; background alone is transparent
+const kMinTones = 200;   // of different colours: a flat patch has a few
 
 let server, browser;
 before(async () => {
@@ -53,7 +53,7 @@ async function expectCharacter(page, name, index = 0) {
     share = opaque.length / pixels.length;
     tones = new Set(opaque);
     writePicture(join(outputFolder('examples'), `${name}.png`), picture);
-    if (share >= kLeastShare && tones.size >= kLeastTones) return picture;
+    if (share >= kMinShare && tones.size >= kMinTones) return picture;
     await new Promise((next) => setTimeout(next, 200));
   }
   assert.fail(`${name}: the canvas shows no character: ${share} of it is opaque, in ${tones.size} colours`);

@@ -16,8 +16,8 @@ const kWidth = 480, kHeight = 640;
 
 // Colours of vertices are coarser than a texture.
 const kCharacters = [
-  { name: 'layers', from: environment('CHARACTER'), leastContrast: 0.5 },
-  { name: 'cameras', from: join(environment('SITE'), 'cameras/hull'), leastContrast: 0.4 },
+  { name: 'layers', from: environment('CHARACTER'), minContrast: 0.5 },
+  { name: 'cameras', from: join(environment('SITE'), 'cameras/hull'), minContrast: 0.4 },
 ];
 
 let folder, server, browser;
@@ -74,7 +74,7 @@ function meanColour({ data }) {
   return sum.map((v) => v / count);
 }
 
-for (const { name, from, leastContrast } of kCharacters) {
+for (const { name, from, minContrast } of kCharacters) {
   test(`${name}: three.js loads and draws the still in its colours`, async () => {
     const page = await openPage(browser, { viewport: { width: kWidth, height: kHeight } });
     await page.goto(server.url);
@@ -95,7 +95,7 @@ for (const { name, from, leastContrast } of kCharacters) {
       `${contrast.toFixed(1)} (ours ${textureContrast(native).toFixed(1)}), centre ${center.map((v) => v.toFixed(3))}, mean colour ` +
       `${mean.map((v) => v.toFixed(0))} (ours ${expected.map((v) => v.toFixed(0))})`);
     assert.ok(Math.abs(theirs - ours) <= 0.15 * ours, `covers ${theirs}, ours ${ours}`);
-    assert.ok(contrast > leastContrast * textureContrast(native), `the figure is nearly of one colour: luma deviation ${contrast}`);
+    assert.ok(contrast > minContrast * textureContrast(native), `the figure is nearly of one colour: luma deviation ${contrast}`);
     for (let c = 0; c < 3; ++c) assert.ok(Math.abs(mean[c] - expected[c]) < 12, `mean colour ${mean}, ours ${expected}`);
     await page.close();
   });

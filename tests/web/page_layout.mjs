@@ -2,7 +2,7 @@
 // Problems of a page's layout, as sentences. Runs inside of the page: uses nothing from outside of the function. window: its
 // size in CSS pixels; a phone's own measure grows with what is too wide.
 export async function layoutProblems({ state, window: { width: innerWidth, height: innerHeight }, below = false, world = false }) {
-  const kLeastContrast = 4.5, kLeastLarge = 3, kSlackPx = 2, kFigureAlpha = 200;
+  const kMinContrast = 4.5, kMinLarge = 3, kSlackPx = 2, kFigureAlpha = 200;
   const problems = [], viewers = [...document.querySelectorAll('fourdvt-viewer')];
   const nameOf = (element) => `${element.localName}${element.id ? `#${element.id}` : ''} "${(element.ariaLabel || element.textContent).trim().replace(/\s+/g, ' ').slice(0, 40)}"`;
   const px = (value) => Math.round(value);
@@ -146,7 +146,7 @@ export async function layoutProblems({ state, window: { width: innerWidth, heigh
     if (!own || element.matches(':disabled, :disabled *')) continue;
     const style = getComputedStyle(element), sizePx = parseFloat(style.fontSize), large = sizePx >= 24 || (sizePx >= 18.66 && Number(style.fontWeight) >= 700);
     const ratio = Math.min(...behind(element).map((ground) => contrast(over(colorOf(style.color), ground), ground)));
-    if (ratio < (large ? kLeastLarge : kLeastContrast) - 0.005) problems.push(`${nameOf(element)} has a contrast of ${ratio.toFixed(2)}`);
+    if (ratio < (large ? kMinLarge : kMinContrast) - 0.005) problems.push(`${nameOf(element)} has a contrast of ${ratio.toFixed(2)}`);
   }
   return [...new Set(problems)];
 }

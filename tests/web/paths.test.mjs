@@ -20,12 +20,12 @@ after(async () => {
   await server?.close();
 });
 
-const mostRefused = ({ checked }, path) => (path === 'video' ? Math.max(4, checked / 50) : 0);
+const maxRefused = ({ checked }, path) => (path === 'video' ? Math.max(4, checked / 50) : 0);
 
 // Plays, once more if a <video> element had too many pictures refused: a wrong pairing has nearly all refused, each time.
 async function play(page, frames, path) {
   const played = await playOnPath(page, frames);
-  return path === 'video' && played.mismatches > mostRefused(played, path) ? playOnPath(page, frames) : played;
+  return path === 'video' && played.mismatches > maxRefused(played, path) ? playOnPath(page, frames) : played;
 }
 
 function judge(played, path) {
@@ -33,7 +33,7 @@ function judge(played, path) {
   assert.deepEqual(played.errors, []);
   // Pictures of a <video> element may be refused: another one takes their place while they are copied, on a busy machine
   // more often. None of them is shown. A few count for nothing in a short run.
-  assert.ok(played.mismatches <= mostRefused(played, path), `${played.mismatches} pictures of ${played.checked} had no fitting number`);
+  assert.ok(played.mismatches <= maxRefused(played, path), `${played.mismatches} pictures of ${played.checked} had no fitting number`);
   assert.ok(played.checked >= played.frames, `${played.checked} of ${played.frames} pictures were checked`);
   assert.ok(played.loops.length > 0, 'no loop was seen');
   console.log(`${path}: ${played.frames} frames, ${played.late} left out`);

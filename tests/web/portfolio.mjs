@@ -19,7 +19,7 @@ export const servePortfolio = (site) => serve(site, 0, { pages: { '/blank.html':
 export async function openPortfolio(browser, url, viewport = { width: 480, height: 220 }, device = {}) {
   const page = await openPage(browser, { viewport, ...device }, 'i420');
   await page.addInitScript(() => {
-    const counts = (globalThis.counts = { contexts: 0, modules: 0, completed: 0, decoders: 0, mostDecoders: 0, errors: [] });
+    const counts = (globalThis.counts = { contexts: 0, modules: 0, completed: 0, decoders: 0, maxDecoders: 0, errors: [] });
     const known = new WeakSet();
     for (const { prototype } of [HTMLCanvasElement, OffscreenCanvas]) {
       const { getContext } = prototype;
@@ -61,7 +61,7 @@ export async function openPortfolio(browser, url, viewport = { width: 480, heigh
           ...rest,
         });
         this.live = true;
-        counts.mostDecoders = Math.max(counts.mostDecoders, ++counts.decoders);
+        counts.maxDecoders = Math.max(counts.maxDecoders, ++counts.decoders);
       }
       close() {
         super.close();

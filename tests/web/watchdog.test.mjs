@@ -89,8 +89,8 @@ const frame = () => Promise.race([
   page.evaluate(() => new Promise((next) => requestAnimationFrame(next))).catch(() => undefined), new Promise((next) => setTimeout(next, 500)),
 ]);
 // Turns the clock until the condition holds, with a frame of the page for each second.
-async function turnUntil(condition, mostS = 120) {
-  for (let s = 0; s < mostS && !(await page.evaluate(condition)); ++s) {
+async function turnUntil(condition, maxS = 120) {
+  for (let s = 0; s < maxS && !(await page.evaluate(condition)); ++s) {
     await page.evaluate(() => globalThis.testClock.turn(1000));
     await frame();
   }

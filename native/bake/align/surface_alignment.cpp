@@ -58,7 +58,8 @@ class LookDrawer {
     options_.align = render::Align::None;
   }
 
-  // Sets the mesh and, per member, its texture coordinates (as many as the topology has).
+  // Sets a frame: vertex positions, and for every member of the motion class one texture coordinate per UV of the
+  // topology.
   Status setFrame(const Positions& positions, const std::vector<std::vector<glm::vec2>>& member_uvs) {
     model_.setPositions(device_, positions);
     while (corners_.size() < member_uvs.size()) {

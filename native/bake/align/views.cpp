@@ -159,7 +159,7 @@ std::vector<SeenVertex> seenVertices(const PinholeCamera& camera, const cv::Mat&
 namespace {
 
 constexpr float kNeighbourhood = 0.03f;  // side of the window of local contrast, in picture heights
-constexpr float kLeastContrast = 8;      // grey: deviation at which texture starts to count
+constexpr float kMinContrast = 8;        // grey: deviation at which texture starts to count
 constexpr float kContrast = 40;          // grey: deviation of textured places in the result
 
 }  // namespace
@@ -178,7 +178,7 @@ cv::Mat evenLuma(const cv::Mat& rgba) {
   const cv::Mat deviation = (luma - mean / share).mul(inside);
   cv::blur(deviation.mul(deviation), variance, window);
   cv::sqrt(variance / share, variance);
-  cv::Mat(deviation / (variance + kLeastContrast) * kContrast + 128).convertTo(even, CV_8U);
+  cv::Mat(deviation / (variance + kMinContrast) * kContrast + 128).convertTo(even, CV_8U);
   return even;
 }
 

@@ -53,7 +53,7 @@ Status FrameDrawing::setFrame(const TriangleMesh& surface, std::span<const Image
 
   const uint32_t vertices = static_cast<uint32_t>(surface.positions.size()),
                  faces = static_cast<uint32_t>(surface.faces.size());
-  if (!model_ || vertices > model_->mostVertices() || faces > model_->mostFaces()) {
+  if (!model_ || vertices > model_->maxVertices() || faces > model_->maxFaces()) {
     package::Character body;
     body.cameras = cameras_;
     body.length_scale = length_scale_;

@@ -47,7 +47,7 @@ MethodChoice chooseMethod(const std::vector<MethodScore>& scores, const LeftOut&
   for (MethodVerdict& v : out.verdicts) {
     if (v.score.cost > rule.most_cost)
       v.verdict = printed("costs %.1f × FVVR's frame", v.score.cost);
-    else if (shift_px > rule.most_shift_px && trustsCalibration(v.score.method))
+    else if (shift_px > rule.max_shift_px && trustsCalibration(v.score.method))
       v.verdict = printed("the cameras' pictures lie %.1f pixels off", shift_px);
     else if (linear != out.verdicts.end() && v.judged_db < linear->judged_db - rule.below_linear_db)
       v.verdict = printed("%.2f dB below linear", linear->judged_db - v.judged_db);

@@ -43,7 +43,7 @@ struct ChoiceRule {
   // With calibration errors a mean of more cameras is nearer to the truth, which few pixels show: subtracted from
   // `linear`, which blends fewer, per pixel of shift.
   double blend_db_per_px = 0.3;
-  double most_shift_px = 2;   // maximum for methods that rely on the calibration (trustsCalibration)
+  double max_shift_px = 2;    // maximum for methods that rely on the calibration (trustsCalibration)
   std::string check() const;  // empty, or an error message
 };
 

@@ -17,8 +17,8 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr size_t kLeastPixels = 400;  // minimum of blended pixels in a view
-constexpr size_t kWaiting = 4;        // maximum number of pictures queued for scoring
+constexpr size_t kMinPixels = 400;  // minimum of blended pixels in a view
+constexpr size_t kWaiting = 4;      // maximum number of pictures queued for scoring
 constexpr uint8_t kInMatte = 128;
 
 // Mean of factor² pixels each; RGBA with straight alpha.
@@ -76,7 +76,7 @@ bool hasMatte(const Image& picture) {
 std::optional<TrialView> makeView(const TrialFrame& frame, const SharedSight& sight, size_t camera) {
   TrialView out{camera, frame.cameras[camera], {}, {}, {}};
   const int longest = std::max(out.view.width, out.view.height),
-            factor = (longest + kMostTrialSide_px - 1) / kMostTrialSide_px;
+            factor = (longest + kMaxTrialSide_px - 1) / kMaxTrialSide_px;
   Image truth = frame.pictures[camera];
   replaceEdgeColours(truth);
   if (factor > 1) {
@@ -96,7 +96,7 @@ std::optional<TrialView> makeView(const TrialFrame& frame, const SharedSight& si
       out.blended[size_t(y) * size_t(out.box.width) + size_t(x)] = counts;
       count += counts;
     }
-  if (count < kLeastPixels) return std::nullopt;
+  if (count < kMinPixels) return std::nullopt;
   return out;
 }
 
@@ -163,7 +163,7 @@ std::vector<size_t> trialCameras(const TrialFrame& frame) {
   }
   std::vector<size_t> out;
   if (useful.size() < 3) return out;
-  for (const size_t c : chooseCameras(cameras, frame.surface.positions, kMostTrialCameras)) out.push_back(useful[c]);
+  for (const size_t c : chooseCameras(cameras, frame.surface.positions, kMaxTrialCameras)) out.push_back(useful[c]);
   return out;
 }
 

@@ -12,8 +12,8 @@
 
 namespace fourdvt::bake {
 
-constexpr size_t kMostTrialCameras = 8;  // maximum number of left-out cameras
-constexpr int kMostTrialSide_px =
+constexpr size_t kMaxTrialCameras = 8;  // maximum number of left-out cameras
+constexpr int kMaxTrialSide_px =
     1280;  // longer side of a view; cameras with more pixels are scaled down by a whole number
 
 struct TrialFrame {
@@ -31,7 +31,7 @@ struct TrialSums {
   std::vector<MethodScore> scores;  // in the order of the methods; cost: not set
 };
 
-// Cameras to leave out: at most kMostTrialCameras, in directions far from each other; none where fewer than three
+// Cameras to leave out: at most kMaxTrialCameras, in directions far from each other; none where fewer than three
 // have a picture of the surface, since two must remain for blending.
 std::vector<size_t> trialCameras(const TrialFrame& frame);
 

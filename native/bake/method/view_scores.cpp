@@ -52,13 +52,13 @@ glm::dvec2 bestShift(const Image& truth, const Image& picture, const std::vector
     for (double dy = -reach; dy <= reach; dy += step_px)
       for (double dx = -reach; dx <= reach; dx += step_px) {
         const glm::dvec2 at = centre + glm::dvec2(dx, dy);
-        if (std::max(std::abs(at.x), std::abs(at.y)) > kMostShift_px) continue;
+        if (std::max(std::abs(at.x), std::abs(at.y)) > kMaxShift_px) continue;
         const double value = differences(truth, picture, pixels, at, step);
         if (value < least) least = value, best = at;
       }
   };
   const size_t few = std::max<size_t>(1, pixels.size() / 4000), many = std::max<size_t>(1, pixels.size() / 20'000);
-  search(kMostShift_px, 1, few);
+  search(kMaxShift_px, 1, few);
   search(0.5, 0.5, many);
   search(0.25, 0.25, many);
   return best;
@@ -84,14 +84,14 @@ RegisteredScore registeredScore(const Image& truth, const Image& picture, const 
 
 namespace {
 
-constexpr int kMostPixels = 512;        // longer side of a buffer
+constexpr int kMaxPixels = 512;         // longer side of a buffer
 constexpr double kTolerance_m = 0.015;  // tolerance of the depth test, for a person's surface
-constexpr double kLeastCosine = 0.1;    // see render::MethodOptions
+constexpr double kMinCosine = 0.1;      // see render::MethodOptions
 
 PinholeCamera coarser(const PinholeCamera& camera) {
   const int longest = std::max(camera.width, camera.height);
-  if (longest <= kMostPixels) return camera;
-  const auto side = [&](int pixels) { return std::max(1, int(int64_t(pixels) * kMostPixels / longest)); };
+  if (longest <= kMaxPixels) return camera;
+  const auto side = [&](int pixels) { return std::max(1, int(int64_t(pixels) * kMaxPixels / longest)); };
   return scaledCamera(camera, side(camera.width), side(camera.height));
 }
 
@@ -133,7 +133,7 @@ double SharedSight::secondShare(const glm::dvec3& point, const glm::dvec3& norma
     const Seen& s = seen_[c];
     const glm::dvec3 to_camera = glm::normalize(s.centre_in_world - point);
     const double cosine = glm::dot(normal, to_camera), weight = cosine * glm::dot(to_camera, to_eye);
-    if (cosine <= kLeastCosine || weight <= 0) continue;
+    if (cosine <= kMinCosine || weight <= 0) continue;
     const glm::dvec3 at = s.camera.project(point);
     if (at.z <= 0 || at.x < 0 || at.y < 0 || at.x >= s.camera.width || at.y >= s.camera.height) continue;
     const float nearest_m = s.buffer.depth_m[size_t(at.y) * size_t(s.buffer.width) + size_t(at.x)];

@@ -18,10 +18,10 @@
 namespace fourdvt::bake {
 
 struct RegisteredScore {
-  glm::dvec2 shift_px{0};        // picture against truth, in steps of a quarter pixel, at most kMostShift_px
+  glm::dvec2 shift_px{0};        // picture against truth, in steps of a quarter pixel, at most kMaxShift_px
   double psnr_db = 0, ssim = 0;  // inside the mask, after registration
 };
-constexpr int kMostShift_px = 8;
+constexpr int kMaxShift_px = 8;
 
 // RGB of one size; `inside` is not empty.
 RegisteredScore registeredScore(const Image& truth, const Image& picture, const measure::Mask& inside);

@@ -125,8 +125,8 @@ class ReferenceChooser {
     const bool intervals = simplices_[0].interval();
     const int max_segments = intervals ? options.max_references + 1 : kTriangleSegments;
     // The outermost nodes of n segments lie about 4.9 / (n + 1)² from the ends: on a grid this fine they stay apart.
-    const int least_checks = std::max(2 * max_segments, (max_segments + 1) * (max_segments + 1) / 8);
-    checks_ = intervals ? std::max(options.check_weights - 1, least_checks) : kTriangleChecks;
+    const int min_checks = std::max(2 * max_segments, (max_segments + 1) * (max_segments + 1) / 8);
+    checks_ = intervals ? std::max(options.check_weights - 1, min_checks) : kTriangleChecks;
     for (const BlendSimplex& simplex : simplices_) errors_.emplace_back(simplex, mixOf(simplex), checks_, max_segments);
   }
 

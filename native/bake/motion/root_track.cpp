@@ -25,7 +25,7 @@ constexpr double kFewStand = 0.3;    // share of the maximum standing weight at 
 constexpr double kSmoothness = 0.1;  // weight of smooth steps against contacts of certainty 1
 constexpr double kDeclared = 0.05;   // certainty of the declared velocity, which prevails without contacts
 constexpr double kAgreement = 0.2;   // share of the declared speed within which the measured one agrees
-constexpr double kLeastStand = 0.1;  // weight below which a vertex does not stand
+constexpr double kMinStand = 0.1;    // weight below which a vertex does not stand
 // footfalls: the shortest time without landing vertices between two, and the minimum share of the heaviest footfall's
 // vertices.
 constexpr double kRest_s = 0.1, kFootShare = 0.2;
@@ -33,7 +33,7 @@ constexpr int kLongestStand = 32;  // steps after which a contact is split
 // steadySteps: rounds, and the weight of fixed contacts, at the frame of maximum standing weight, in the first and
 // the last.
 constexpr int kSteadyingRounds = 8;
-constexpr double kLeastSteadiness = 1, kMostSteadiness = 10;
+constexpr double kMinSteadiness = 1, kMaxSteadiness = 10;
 
 struct ContactCandidate {  // a vertex near the ground, from one frame to the next
   uint32_t vertex = 0;
@@ -161,7 +161,7 @@ class Contacts {
       for (const ContactCandidate& c : candidates[size_t(t)]) {
         const glm::dvec2 moved(c.moved.x, c.moved.z), slide = moved + steps[size_t(t)].metres;
         const double weight = standing(c, fps) * std::exp(-glm::dot(slide, slide) / square(kSlow_mps / fps));
-        if (weight > kLeastStand) stands.push_back({c.vertex, weight, moved});
+        if (weight > kMinStand) stands.push_back({c.vertex, weight, moved});
       }
       return stands;
     };
@@ -254,7 +254,7 @@ void steadySteps(std::vector<GroundStep>& steps, const std::vector<std::vector<C
   const int count = int(steps.size());
   for (int round = 0; round < kSteadyingRounds; ++round) {
     const double steadiness =
-        kLeastSteadiness * std::pow(kMostSteadiness / kLeastSteadiness, double(round) / (kSteadyingRounds - 1));
+        kMinSteadiness * std::pow(kMaxSteadiness / kMinSteadiness, double(round) / (kSteadyingRounds - 1));
     std::vector<Eigen::Triplet<double>> entries;
     Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(count, 2);
     // Unknown t is the place at frame t + 1; frame 0 is at 0, and a loop continues beyond its end.

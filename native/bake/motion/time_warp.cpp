@@ -259,14 +259,14 @@ bool keepsInside(const Band& band, long start, const std::vector<size_t>& steps,
 // edge.
 Warp warpInBand(const PoseFeatures& reference, const PoseFeatures& member, bool loop, const WarpSearch& search) {
   const size_t phases = reference.size(), frames = member.size();
-  const auto side = std::max<size_t>(8, size_t(std::sqrt(double(search.most_cells) / (2 * kStepsAPhase))));
+  const auto side = std::max<size_t>(8, size_t(std::sqrt(double(search.max_cells) / (2 * kStepsAPhase))));
   const size_t thin_phases = std::min(phases, side), thin_frames = std::min(frames, side);
   const Warp coarse = warpWhole(thinned(reference, thin_phases, loop), thinned(member, thin_frames, loop), loop);
   const std::vector<double> centre = refined(coarse, thin_frames, phases, frames, loop);
   const double frame_steps =
       intervalsOf(frames, loop) / intervalsOf(thin_frames, loop) * Grid::stepsAFrame(phases, frames);
   // Half widths: of the widest band that the cells allow, and of the first band.
-  const size_t most = std::max<size_t>(1, search.most_cells / phases / 2);
+  const size_t most = std::max<size_t>(1, search.max_cells / phases / 2);
   auto half = std::clamp<size_t>(size_t(std::ceil(search.band_frames * frame_steps)), 1, most);
   for (;;) {
     Band band{{}, 2 * half + 1, coarse.mean};
@@ -351,8 +351,8 @@ std::vector<double> warpTime(const PoseFeatures& reference, const PoseFeatures& 
   if (reference.size() < 2 || member.size() < 2) return std::vector<double>(reference.size(), 0);
   const size_t steps = member.size() * size_t(Grid::stepsAFrame(reference.size(), member.size()));
   std::vector<double> time =
-      (reference.size() * steps <= search.most_cells ? warpWhole(reference, member, loop)
-                                                     : warpInBand(reference, member, loop, search))
+      (reference.size() * steps <= search.max_cells ? warpWhole(reference, member, loop)
+                                                    : warpInBand(reference, member, loop, search))
           .time;
   const double pass = double(member.size());
   smooth(time, pass, loop);

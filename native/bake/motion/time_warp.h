@@ -20,13 +20,13 @@ using PoseFeatures = std::vector<std::vector<float>>;
 PoseFeatures poseFeatures(const std::vector<Positions>& frames, bool loop);
 
 struct WarpSearch {
-  size_t most_cells =
+  size_t max_cells =
       size_t(1) << 24;     // phases times steps, 8 bytes each; larger grids are searched in a band of this size
   double band_frames = 2;  // half the first band's width, frames of the thinned member; above 0
 };
 // [phase], one per frame of `reference`: the frame of `member` at that time, fractional and strictly increasing, at a
 // third to three times the mean pace. A loop may begin anywhere and passes its end once, counting modulo. Other
-// motions start and end together. Above search.most_cells the search is coarse to fine: thinned motions are warped,
+// motions start and end together. Above search.max_cells the search is coarse to fine: thinned motions are warped,
 // then all phases in a band round that path. The band is widened up to this size while the path touches its edge.
 std::vector<double> warpTime(const PoseFeatures& reference, const PoseFeatures& member, bool loop,
                              const WarpSearch& search = {});

@@ -12,7 +12,7 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr int kLeastTexels = 64, kTexelStep = 32;  // sides of further layers are then multiples of 16
+constexpr int kMinTexels = 64, kTexelStep = 32;  // sides of further layers are then multiples of 16
 
 bool isShare(double size) { return size <= 1; }
 bool fromCameras(const BakeOptions& o) { return o.appearance == package::AppearanceKind::Cameras; }
@@ -61,8 +61,8 @@ std::string checkSize(const LowerRendition& r, const BakeOptions& o) {
     return "its size must be a multiple of 0.125 from 0.125 to 1";
   }
   if (r.size > o.texture) return "it has more texels than the highest, " + std::to_string(o.texture);
-  if (r.size >= kLeastTexels && std::fmod(r.size, kTexelStep) == 0) return {};
-  return "its size must be a multiple of " + std::to_string(kTexelStep) + " from " + std::to_string(kLeastTexels) +
+  if (r.size >= kMinTexels && std::fmod(r.size, kTexelStep) == 0) return {};
+  return "its size must be a multiple of " + std::to_string(kTexelStep) + " from " + std::to_string(kMinTexels) +
          " texels";
 }
 
@@ -105,7 +105,7 @@ std::string parseRenditions(const std::vector<std::string>& entries, const BakeO
 }
 
 std::vector<LowerRendition> standardRenditions(const BakeOptions& o) {
-  const int texels = std::max(kLeastTexels, (o.texture * 3 / 8 + kTexelStep / 2) / kTexelStep * kTexelStep);
+  const int texels = std::max(kMinTexels, (o.texture * 3 / 8 + kTexelStep / 2) / kTexelStep * kTexelStep);
   const double same = fromCameras(o) ? 1 : o.texture, small = fromCameras(o) ? 0.5 : texels;
   std::vector<LowerRendition> out{{small, coarser(o, 5), o.codec, o.preset}};
   if (const int crf = coarser(o, 7); crf > o.crf) out.push_back({same, crf, o.codec, o.preset});

@@ -34,6 +34,6 @@ struct EncodedSound {
 Result<EncodedSound> encodeSegment(SoundCodec codec, std::span<const float> samples, int channels);
 
 // Maximum number of samples by which the encoded ones may exceed the given ones.
-inline constexpr size_t kMostPadding = 1024;
+inline constexpr size_t kMaxPadding = 1024;
 
 }  // namespace fourdvt::bake

@@ -13,7 +13,7 @@ namespace {
 constexpr const char* kGraph = "motion.bin";  // without its hash
 constexpr const char* kStartFile = "character.start.bin";
 // Maximum bytes of headers in the start file: they delay the first picture, and save the data after it a round trip.
-constexpr size_t kMostHeaderBytes = 4096;
+constexpr size_t kMaxHeaderBytes = 4096;
 
 // Makes empty folders for the character and its report.
 Status makeResultFolders(const Job& job) {
@@ -62,7 +62,7 @@ Status writeStart(const BakeRun& run, package::Character& character, ReportInput
   const package::VideoSample key = index.renditions[0].samples[0];
   if (coarse) index.position_step_m = index.coarse_step_m;
   FOURDVT_ASSIGN(const auto video, platform::readFileRange(folder + s.renditions[0].video_uri, key.offset, key.bytes));
-  const auto follows = std::span(header).first(header.size() <= kMostHeaderBytes ? header.size() : 0);
+  const auto follows = std::span(header).first(header.size() <= kMaxHeaderBytes ? header.size() : 0);
   FOURDVT_ASSIGN(const auto file, job.fromCameras()
                                       ? package::encodeStartFile(index, gop, video, follows, character, s)
                                       : package::encodeStartFile(index, gop, video, follows, job.mesh.decoded));

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <functional>
 
-#include "encode/surfaces.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/stages.h"
 #include "base/length_scale.h"
+#include "encode/surfaces.h"
 #include "mattes/frame_reader.h"
 
 namespace fourdvt::bake {
@@ -33,12 +33,12 @@ void add(Surfaces& all, const TriangleMesh& surface) {
 }
 
 // Maximum number of faces of a streamed surface; 0: unlimited.
-uint64_t mostFaces(const Job& job) { return job.oneTopology() ? 0 : uint64_t(job.options.cameras.faces); }
+uint64_t maxFaces(const Job& job) { return job.oneTopology() ? 0 : uint64_t(job.options.cameras.faces); }
 
 // A simplified surface has at most as many vertices as faces, unless its faces share none.
 Status checkLimit(const Job& job, const std::string& file, const TriangleMesh& surface) {
   uint64_t vertices = surface.positions.size(), faces = surface.faces.size();
-  if (const uint64_t most = mostFaces(job); most > 0 && most < faces) vertices = std::min(vertices, faces = most);
+  if (const uint64_t most = maxFaces(job); most > 0 && most < faces) vertices = std::min(vertices, faces = most);
   return checkSurface(file, vertices, faces);
 }
 
@@ -64,7 +64,7 @@ Status checkFirstFrames(const Job& job) {
 // Shortens GOPs that would take more memory than players allow.
 void shortenGops(Job& job, const Surfaces& all) {
   uint64_t vertices = all.vertices, faces = all.faces;
-  if (const uint64_t most = mostFaces(job); most > 0) {
+  if (const uint64_t most = maxFaces(job); most > 0) {
     faces = std::min(faces, most);
     vertices = std::min(vertices, faces);  // a closed surface has half as many
   }

@@ -99,7 +99,7 @@ Result<package::Sound> encodeAll(const BakeRun& run, const std::string& name, co
   sound.sample_rate = kSoundRate;
   sound.channels = window.channels();
   sound.segment_s = piece.duration_s / double(segments);
-  const int64_t length = samplesOf(piece.duration_s), behind = samplesOf(kOverlap_s) + int64_t(kMostPadding);
+  const int64_t length = samplesOf(piece.duration_s), behind = samplesOf(kOverlap_s) + int64_t(kMaxPadding);
   const size_t channels = size_t(sound.channels);
   std::vector<std::vector<uint8_t>> files(std::size(kSoundCodecs));
   sound.encodings.resize(files.size());

@@ -127,7 +127,7 @@ Status checkClassPictures(const Job& job) {
 // Keeps the cameras named by --cameras, or the best ones where there are more than a character holds. Afterwards
 // options.camera_names has their names if some are left out, else none.
 Status keepCameras(Job& job, const BakeEnvironment& environment) {
-  constexpr auto kMost = size_t(package::kMaxCameras);
+  constexpr auto kMax = size_t(package::kMaxCameras);
   std::vector<PinholeCamera> all;
   for (const capture::CaptureCamera& camera : job.capture.cameras) all.push_back(camera.pinhole);
   std::vector<std::string>& names = job.options.camera_names;
@@ -137,19 +137,19 @@ Status keepCameras(Job& job, const BakeEnvironment& environment) {
   std::vector<size_t> chosen;
   if (asked) {
     FOURDVT_ASSIGN(chosen, camerasByName(all, names));
-  } else if (all.size() <= kMost) {
+  } else if (all.size() <= kMax) {
     return {};
   } else {
     FOURDVT_ASSIGN(const auto surface, capture::readSurfaceFrame(job.capture, job.capture.sequences[0], 0));
-    chosen = chooseCameras(all, surface.positions, kMost);
+    chosen = chooseCameras(all, surface.positions, kMax);
     if (chosen.empty())
       return Error{ErrorId::NothingVisible, job.capture.folder +
                                                 ": no camera sees the first surface: check the axes and units of "
                                                 "meshes and cameras"};
   }
-  if (chosen.size() > kMost)
+  if (chosen.size() > kMax)
     return bad("--cameras: " + std::to_string(chosen.size()) + " cameras; a character holds 1 to " +
-               std::to_string(kMost) + "; leave the option out to have the best ones chosen");
+               std::to_string(kMax) + "; leave the option out to have the best ones chosen");
   names.clear();
   if (chosen.size() == all.size()) return {};
   std::vector<capture::CaptureCamera> kept;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Capture folder with the pictures of another one and meshes or mattes of its own: videos, mattes, plates and
-// calibrations are links, capture.json is rewritten. Meshes and mattes are written by the caller.
+// Makes a capture folder that links to the videos, mattes, plates and calibrations of another one, and has a
+// capture.json of its own. New meshes or mattes, which replace the links, are written by the caller.
 #pragma once
 
 #include <optional>

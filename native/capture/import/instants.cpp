@@ -42,8 +42,8 @@ Status setVideoInstants(Clip& clip, double fps, ClipNotes& notes) {
   if (!clock) return variableRate(clip, fps);
   clip.step_s = clock->step_s;
   for (size_t i = 0; i < clock->instants.size(); ++i) clip.shown.push_back({clock->instants[i], i});
-  if (clock->most_off > std::max(kNotedOff, 2 * clip.listing.tick_s / std::max(clock->step_s, 1e-9)))
-    notes.done.push_back(clip.view.video + ": its pictures lie up to " + printed("%.2f", clock->most_off) +
+  if (clock->max_off > std::max(kNotedOff, 2 * clip.listing.tick_s / std::max(clock->step_s, 1e-9)))
+    notes.done.push_back(clip.view.video + ": its pictures lie up to " + printed("%.2f", clock->max_off) +
                          " frames off a constant rate; the nearest ones are paired");
   return {};
 }

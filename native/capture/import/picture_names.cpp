@@ -6,7 +6,7 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr size_t kMostDigits = 18;       // capacity of an int64_t
+constexpr size_t kMaxDigits = 18;        // capacity of an int64_t
 constexpr size_t kDigitsOfSeconds = 9;   // minimum: seconds since 1970, from 2001 on
 constexpr size_t kDigitsOfFraction = 9;  // nanoseconds
 
@@ -33,7 +33,7 @@ NameParts partsOf(const std::string& name) {
 
 int64_t numberOf(const std::string& digits) {
   int64_t number = 0;
-  for (const char c : digits.substr(0, kMostDigits)) number = 10 * number + (c - '0');
+  for (const char c : digits.substr(0, kMaxDigits)) number = 10 * number + (c - '0');
   return number;
 }
 
@@ -51,10 +51,10 @@ bool alike(const std::vector<NameParts>& names) {
   });
 }
 
-bool allHave(const std::vector<NameParts>& names, size_t group, size_t least_digits, size_t most_digits) {
+bool allHave(const std::vector<NameParts>& names, size_t group, size_t min_digits, size_t max_digits) {
   return std::all_of(names.begin(), names.end(), [&](const NameParts& parts) {
     const size_t digits = parts.digits[group].size();
-    return digits >= least_digits && digits <= most_digits;
+    return digits >= min_digits && digits <= max_digits;
   });
 }
 
@@ -92,7 +92,7 @@ std::vector<int64_t> joined(const std::vector<NameParts>& names, const std::vect
     if (!allHave(names, g, here, here)) return lastNumbers(names);
     digits += here;
   }
-  if (digits > kMostDigits) return lastNumbers(names);
+  if (digits > kMaxDigits) return lastNumbers(names);
   std::vector<int64_t> out;
   for (const NameParts& parts : names) {
     std::string all;

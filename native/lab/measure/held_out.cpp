@@ -77,7 +77,7 @@ class Evaluation {
 
  private:
   Status flickerAt(const capture::CaptureSequence& sequence, size_t camera, mattes::FrameReader& reader) {
-    const uint32_t count = std::min(sequence.frame_count, kMostFlickerFrames);
+    const uint32_t count = std::min(sequence.frame_count, kMaxFlickerFrames);
     const PinholeCamera& view = bakedCamera(camera);
     TrueAndDrawn before;
     Positions mesh_before;

@@ -46,8 +46,8 @@ struct WorstView {
 // turns by 1 degree per picture, kOrbitPictures of them from the first input camera on; no camera has pictures there.
 // NaN if the surface is not visible in both.
 inline constexpr const char* kOrbit = "orbit";
-inline constexpr uint32_t kOrbitPictures = 46;      // beyond one camera spacing of a ring of eight
-inline constexpr uint32_t kMostFlickerFrames = 64;  // per sequence, from frame 0
+inline constexpr uint32_t kOrbitPictures = 46;     // beyond one camera spacing of a ring of eight
+inline constexpr uint32_t kMaxFlickerFrames = 64;  // per sequence, from frame 0
 struct FlickerScore {
   std::string sequence, camera;
   uint32_t frame = 0;  // frame or picture of the orbit: the later of the two

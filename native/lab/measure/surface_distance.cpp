@@ -35,7 +35,7 @@ double squaredDistance(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec
 }
 
 constexpr double kCell_m = 0.02;
-constexpr double kMostCells = 1500;  // along the longest side
+constexpr double kMaxCells = 1500;  // along the longest side
 
 uint64_t keyOf(const glm::ivec3& cell) {
   const auto part = [](int v) { return uint64_t(uint32_t(v + (1 << 20)) & 0x1fffff); };
@@ -56,7 +56,7 @@ struct DistanceToSurface::Grid {
       for (int k = 0; k < 3; ++k) low = glm::min(low, s.positions[f[k]]), high = glm::max(high, s.positions[f[k]]);
     const glm::vec3 size = high - low;
     origin = low;
-    cell_m = std::max(kCell_m, double(std::max({size.x, size.y, size.z})) / kMostCells);
+    cell_m = std::max(kCell_m, double(std::max({size.x, size.y, size.z})) / kMaxCells);
   }
   // Clamps the cell of a far point to the range of a key.
   glm::ivec3 cellOf(const glm::dvec3& point) const {

@@ -18,7 +18,7 @@ namespace fourdvt::stage {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr int kCountedPictures = 1000, kMostPictures = 4096;  // numbers are modulo 4096
+constexpr int kCountedPictures = 1000, kMaxPictures = 4096;  // numbers are modulo 4096
 constexpr int kCellAt240Lines_px = 4;
 constexpr int kCrf = 16;
 
@@ -85,7 +85,7 @@ class StageWriter {
       return wrong(capture_.folder + ": --cameras names one that the capture has not");
     const int otherwise = options_.counter ? kCountedPictures : int(sequence_->frame_count);
     pictures_ = options_.pictures > 0 ? options_.pictures : otherwise;
-    if (options_.counter && pictures_ > kMostPictures) return wrong("--pictures must be at most 4096 with --counter");
+    if (options_.counter && pictures_ > kMaxPictures) return wrong("--pictures must be at most 4096 with --counter");
     cell_px_ = std::max(kCellAt240Lines_px, kCellAt240Lines_px * options_.height / 240);
     return {};
   }

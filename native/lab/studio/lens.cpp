@@ -45,7 +45,7 @@ Result<Lens> Lens::create(const std::array<double, 3>& coefficients, const Pinho
       "a lens of these coefficients folds the picture or needs far more than it shows; choose smaller ones"};
   double r = 0;
   for (; lens.imagedAt(r) < corner; r += 1e-3 * corner)
-    if (lens.slopeAt(r) <= 0.1 || r > kMostEnlarged * corner) return wrong;
+    if (lens.slopeAt(r) <= 0.1 || r > kMaxEnlarged * corner) return wrong;
   if (!lens.any()) return lens;
   const auto beyond = [&](const glm::dvec2& filmed) {
     const glm::dvec2 p = lens.pinholePixel(camera, filmed), size(camera.width, camera.height);

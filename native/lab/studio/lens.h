@@ -15,7 +15,7 @@ class Lens {
  public:
   Lens() = default;  // none
   // Coefficients k1, k2, k3 of capture::Distortion. Errors: InvalidArgument if the lens has no image for a corner of
-  // the filmed picture, maps two places to one, or requires a pinhole picture above kMostEnlarged times the filmed one.
+  // the filmed picture, maps two places to one, or requires a pinhole picture above kMaxEnlarged times the filmed one.
   static Result<Lens> create(const std::array<double, 3>& coefficients, const PinholeCamera& camera);
 
   bool any() const { return k_ != std::array<double, 3>{}; }
@@ -27,7 +27,7 @@ class Lens {
   Image filmed(const PinholeCamera& camera, const Image& drawn_picture) const;
 
   static constexpr int kFiner = 2;
-  static constexpr double kMostEnlarged = 2;
+  static constexpr double kMaxEnlarged = 2;
 
  private:
   explicit Lens(const std::array<double, 3>& coefficients) : k_(coefficients) {}

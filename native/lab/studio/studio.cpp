@@ -123,9 +123,9 @@ class Run {
 };
 
 Status roomIsLargeEnough(const StudioOptions& options, const Rig& rig) {
-  const double least_m = (options.bystander ? 1.25 : 1) * Room::leastSize_m(rig);
-  if (options.room_size_m == 0 || options.room_size_m >= least_m) return {};
-  const std::string size = printed("%.1f", std::ceil(10 * least_m) / 10);
+  const double min_m = (options.bystander ? 1.25 : 1) * Room::leastSize_m(rig);
+  if (options.room_size_m == 0 || options.room_size_m >= min_m) return {};
+  const std::string size = printed("%.1f", std::ceil(10 * min_m) / 10);
   return Error{
       ErrorId::InvalidArgument,
       std::string("the cameras (and the bystander behind them) do not fit into the room; its size must be at least ") +

@@ -7,14 +7,14 @@
 namespace fourdvt::live {
 namespace {
 
-constexpr int kOutlineReach_px = 4;      // margin around differing cells in which pixels are compared
-constexpr float kStrong = 2;             // multiple of the threshold that at least one cell of a part must exceed
-constexpr float kNoiseMargin = 3.5f;     // ratio of threshold to median difference
-constexpr float kMostNoise = 3;          // median difference in tolerances above which the performer fills the picture
-constexpr float kLeastPart = 1.0f / 30;  // minimum size of a part, relative to the largest
-constexpr int kTinyHole_px2 = 24;        // maximum area of holes that are always closed
-constexpr float kDoubtfulHole = 0.7f;    // multiple of the threshold: holes that differ more from the plate are closed
-constexpr int kBlock = 4;                // cells along a block, over which the background's gain is averaged
+constexpr int kOutlineReach_px = 4;    // margin around differing cells in which pixels are compared
+constexpr float kStrong = 2;           // multiple of the threshold that at least one cell of a part must exceed
+constexpr float kNoiseMargin = 3.5f;   // ratio of threshold to median difference
+constexpr float kMaxNoise = 3;         // median difference in tolerances above which the performer fills the picture
+constexpr float kMinPart = 1.0f / 30;  // minimum size of a part, relative to the largest
+constexpr int kTinyHole_px2 = 24;      // maximum area of holes that are always closed
+constexpr float kDoubtfulHole = 0.7f;  // multiple of the threshold: holes that differ more from the plate are closed
+constexpr int kBlock = 4;              // cells along a block, over which the background's gain is averaged
 
 constexpr float kPlain = 1000;  // sum of levels that pulls a gain to 1 far from the background
 
@@ -95,7 +95,7 @@ void CellKey::differences() {
   const float *mr = plate_.channel[0].data(), *mg = plate_.channel[1].data(), *mb = plate_.channel[2].data(),
               *r = means_.channel[0].data(), *g = means_.channel[1].data(), *b = means_.channel[2].data(),
               *tolerance = model_.tolerance.data();
-  const float least = model_.least_shade, most = model_.most_shade;
+  const float least = model_.min_shade, most = model_.max_shade;
   float *out = difference_.data(), *shades = shade_.data();
   for (size_t i = 0; i < difference_.size(); ++i) {
     const float luma = 0.25f * r[i] + 0.5f * g[i] + 0.25f * b[i] + 1;
@@ -121,13 +121,13 @@ void CellKey::textureDifferences() {
 float CellKey::medianDifference() const {
   constexpr int kBins = 64;
   int counts[kBins] = {};
-  for (const float d : difference_) ++counts[std::min(kBins - 1, int(d * (kBins / kMostNoise)))];
+  for (const float d : difference_) ++counts[std::min(kBins - 1, int(d * (kBins / kMaxNoise)))];
   size_t below = 0;
   for (int bin = 0; bin < kBins; ++bin) {
     below += size_t(counts[bin]);
-    if (2 * below >= difference_.size()) return float(bin + 1) * kMostNoise / kBins;
+    if (2 * below >= difference_.size()) return float(bin + 1) * kMaxNoise / kBins;
   }
-  return kMostNoise;
+  return kMaxNoise;
 }
 
 // Dilates or erodes a mask by a square; the border is replicated.
@@ -204,7 +204,7 @@ void CellKey::keepParts(float threshold) {
   };
   const Box box = boxOfEvidence();
   eachPart(1, box, [&] { strong() ? void(largest = std::max(largest, part_.size())) : clear(); });
-  const auto least = std::max(size_t(16 / (cell_px_ * cell_px_)) + 2, size_t(kLeastPart * float(largest)));
+  const auto least = std::max(size_t(16 / (cell_px_ * cell_px_)) + 2, size_t(kMinPart * float(largest)));
   eachPart(1, box, [&] {
     if (part_.size() < least) clear();
   });
@@ -290,8 +290,8 @@ std::array<float, 3> CellKey::gainAt(int x, int y) const {
   };
   std::array<float, 3> gain;
   for (size_t c = 0; c < 3; ++c)
-    gain[c] = std::clamp((sample(block_now_[c]) + kPlain) / (sample(block_plate_[c]) + kPlain), model_.least_shade,
-                         model_.most_shade);
+    gain[c] = std::clamp((sample(block_now_[c]) + kPlain) / (sample(block_plate_[c]) + kPlain), model_.min_shade,
+                         model_.max_shade);
   return gain;
 }
 

@@ -33,8 +33,8 @@ struct CellModel {
   std::vector<float> tolerance;          // [cell] maximum deviation of the background's mean, levels
   std::vector<float> texture_tolerance;  // [cell] maximum RMS deviation of the background's pixels, levels; empty: only
                                          // means are compared
-  float least_shade = 0.55f;             // shade limits of a shadow relative to the plate, in encoded values
-  float most_shade = 1.2f;
+  float min_shade = 0.55f;               // shade limits of a shadow relative to the plate, in encoded values
+  float max_shade = 1.2f;
 };
 
 enum class CellKind : uint8_t { Background, Outline, Performer };

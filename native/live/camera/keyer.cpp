@@ -65,8 +65,8 @@ class PlateKeyer final : public Keyer {
     CellModel model;
     model.plate = mean_;
     if (chroma_) {
-      model.least_shade = kChromaLeastShade;
-      model.most_shade = kChromaMostShade;
+      model.min_shade = kChromaLeastShade;
+      model.max_shade = kChromaMostShade;
     }
     Image three(mean_.width, mean_.height, 3);
     cv::Mat out = wrapped(three);

@@ -15,7 +15,7 @@ namespace {
 constexpr uint8_t kCovered = 0x80;      // bit that is set in coverages above one half
 constexpr double kToleranceStep = 1.5;  // growth factor of the tolerance
 constexpr int kQualityStep = 15;
-constexpr size_t kMostJpegBytes = kMaxCameraMessageBytes - (64u << 10);  // leaves room for the rings
+constexpr size_t kMaxJpegBytes = kMaxCameraMessageBytes - (64u << 10);  // leaves room for the rings
 
 package::Rect wholeOr(const package::Rect& region, const Image& image) {
   if (region.width == 0) return {0, 0, image.width, image.height};
@@ -102,7 +102,7 @@ std::vector<uint8_t> jpegOf(const Image& rgb, const package::Rect& crop, int qua
   do {
     cv::imencode(".jpg", bgr, out, {cv::IMWRITE_JPEG_QUALITY, std::max(1, quality)});
     quality -= kQualityStep;
-  } while (out.size() > kMostJpegBytes && quality > 0);
+  } while (out.size() > kMaxJpegBytes && quality > 0);
   return out;
 }
 

@@ -16,7 +16,7 @@ namespace {
 using asio::ip::tcp;
 
 constexpr double kConnectSeconds = 10, kClientIdleSeconds = 10;
-constexpr size_t kMostClientQueuedBytes = 64u << 20;
+constexpr size_t kMaxClientQueuedBytes = 64u << 20;
 constexpr uint16_t kNormalClose = 1000;
 constexpr double kFirstPause = 0.1;  // pause before the second attempt, s; doubles with each further one
 constexpr double kStable = 2;        // open time that resets the pause, s
@@ -158,7 +158,7 @@ class ClientOnThread final : public Client {
       if (!is_stopping_ && events_.on_message) events_.on_message(bytes, text);
     };
     events.on_end = [this](uint16_t code, const std::string& reason) { ended(code, reason); };
-    pump->run({options_.most_message_bytes, 1e9, kMostClientQueuedBytes}, std::move(events));
+    pump->run({options_.max_message_bytes, 1e9, kMaxClientQueuedBytes}, std::move(events));
     setPump(pump);
     if (events_.on_open) events_.on_open();
   }

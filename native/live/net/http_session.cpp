@@ -13,7 +13,7 @@ namespace {
 
 namespace http = boost::beast::http;
 
-constexpr size_t kMostHeaderBytes = 8 << 10, kPieceBytes = 64 << 10;
+constexpr size_t kMaxHeaderBytes = 8 << 10, kPieceBytes = 64 << 10;
 constexpr double kAnswerSeconds = 30;  // timeout of each write of an answer and of the next request
 constexpr uint16_t kGoingAway = 1001;
 
@@ -71,13 +71,13 @@ class HttpSession final : public Closable, public std::enable_shared_from_this<H
   // Answers a complete header; else reads more.
   void takeHeader() {
     const size_t end = received_.find("\r\n\r\n");
-    if (end == std::string::npos ? received_.size() > kMostHeaderBytes : end + 4 > kMostHeaderBytes) return refuse(431);
+    if (end == std::string::npos ? received_.size() > kMaxHeaderBytes : end + 4 > kMaxHeaderBytes) return refuse(431);
     if (end != std::string::npos) {
       header_ = received_.substr(0, end + 4);
       received_.erase(0, end + 4);
       return take();
     }
-    piece_.resize(kMostHeaderBytes);
+    piece_.resize(kMaxHeaderBytes);
     wire_->readSome(asio::buffer(piece_), [self = shared_from_this()](ErrorCode error, size_t count) {
       if (error) return self->stop();
       self->received_.append(self->piece_, 0, count);

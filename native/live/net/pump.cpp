@@ -130,8 +130,8 @@ class BeastPump final : public Pump, public std::enable_shared_from_this<BeastPu
   void run(const SocketLimits& limits, PumpEvents events) override {
     limits_ = limits;
     events_ = std::move(events);
-    allowance_ = Allowance(limits.most_messages_per_s);
-    ws_->read_message_max(limits.most_message_bytes);
+    allowance_ = Allowance(limits.max_messages_per_s);
+    ws_->read_message_max(limits.max_message_bytes);
     ws_->control_callback([this](websocket::frame_type, beast::string_view) { takeMessage(); });
     read();
   }
@@ -139,7 +139,7 @@ class BeastPump final : public Pump, public std::enable_shared_from_this<BeastPu
   void send(Bytes message, bool text) override {
     if (is_over_) return;
     ++queued_messages_;
-    if ((queued_bytes_ += message->size()) > limits_.most_queued_bytes) {
+    if ((queued_bytes_ += message->size()) > limits_.max_queued_bytes) {
       if (!is_over_.exchange(true)) asio::post(*io_, [self = shared_from_this()] { self->cut(); });
       return;
     }
@@ -267,8 +267,8 @@ namespace {
 
 using asio::ip::tcp;
 
-constexpr size_t kMostRecordBytes = 16 << 10;  // size of a TLS record
-constexpr int kMostDrained = 16;               // maximum number of reads that await the peer's end
+constexpr size_t kMaxRecordBytes = 16 << 10;  // size of a TLS record
+constexpr int kMaxDrained = 16;               // maximum number of reads that await the peer's end
 
 class SocketWire final : public Wire, public std::enable_shared_from_this<SocketWire> {
   // Wraps a handler that keeps the connection alive until it has run.
@@ -309,7 +309,7 @@ class SocketWire final : public Wire, public std::enable_shared_from_this<Socket
     record_.clear();  // merges the parts into one TLS record instead of one per part
     for (const asio::const_buffer& part : parts) {
       const auto* bytes = static_cast<const uint8_t*>(part.data());
-      record_.insert(record_.end(), bytes, bytes + std::min(part.size(), kMostRecordBytes - record_.size()));
+      record_.insert(record_.end(), bytes, bytes + std::min(part.size(), kMaxRecordBytes - record_.size()));
     }
     tls_->async_write_some(asio::const_buffer(asio::buffer(record_)), keeping(std::move(done)));
   }
@@ -328,8 +328,8 @@ class SocketWire final : public Wire, public std::enable_shared_from_this<Socket
     }
     ErrorCode ignored;
     socket_.shutdown(tcp::socket::shutdown_send, ignored);
-    record_.resize(kMostRecordBytes);
-    drain(kMostDrained, std::move(done));
+    record_.resize(kMaxRecordBytes);
+    drain(kMaxDrained, std::move(done));
   }
 
   void close() override {

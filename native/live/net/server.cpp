@@ -10,7 +10,7 @@ namespace {
 
 using asio::ip::tcp;
 
-constexpr size_t kMostRefusing = 64;  // maximum number of connections that await a 503; further ones are cut
+constexpr size_t kMaxRefusing = 64;   // maximum number of connections that await a 503; further ones are cut
 constexpr double kAcceptPause = 0.1;  // pause after a failed accept, e.g. too many open files
 
 Result<std::unique_ptr<asio::ssl::context>> openTls(const ServerOptions& options) {
@@ -107,8 +107,8 @@ class ServerOnThread final : public Server {
       const std::lock_guard lock(core_->mutex);
       count = core_->connections.size();
     }
-    const size_t most = static_cast<size_t>(core_->options.most_connections);
-    if (count >= most + kMostRefusing) return;
+    const size_t most = static_cast<size_t>(core_->options.max_connections);
+    if (count >= most + kMaxRefusing) return;
     ErrorCode ignored;
     socket.set_option(tcp::no_delay(true), ignored);
     socket.set_option(asio::socket_base::send_buffer_size(core_->options.socket_send_bytes), ignored);

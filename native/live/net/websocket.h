@@ -47,9 +47,9 @@ class Connection {
 };
 
 struct SocketLimits {
-  size_t most_message_bytes = 4096;
-  double most_messages_per_s = 20;       // includes pings; average over two seconds; the connection closes above it
-  size_t most_queued_bytes = 16u << 20;  // the connection closes above it
+  size_t max_message_bytes = 4096;
+  double max_messages_per_s = 20;       // includes pings; average over two seconds; the connection closes above it
+  size_t max_queued_bytes = 16u << 20;  // the connection closes above it
 };
 
 // Callbacks of the server's one thread; each must return soon.
@@ -68,7 +68,7 @@ struct ServerOptions {
   std::string address = "127.0.0.1";
   uint16_t port = 0;                       // 0: any free port
   std::string certificate_file, key_file;  // PEM; TLS if both are set
-  int most_connections = 256;
+  int max_connections = 256;
   int socket_send_bytes = 64 << 10;  // size of the system's send buffer: minimum backlog of a slow peer
   double handshake_s = 10;           // timeout of the TLS handshake, and of reading a request
   double idle_s = 20;                // timeout of a ping's answer, after which a WebSocket closes
@@ -90,7 +90,7 @@ struct ClientOptions {
   std::string token;           // sent as "Authorization: Bearer …"; empty: none
   std::string ca_file;         // PEM of a certificate to trust besides the system's, for wss
   double longest_pause_s = 2;  // limit of the growing pause between connection attempts
-  size_t most_message_bytes = 16u << 20;
+  size_t max_message_bytes = 16u << 20;
 };
 
 // Close codes by which a server refuses a client permanently.

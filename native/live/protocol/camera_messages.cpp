@@ -11,7 +11,7 @@ namespace {
 
 enum class Kind : uint8_t { Hello = 1, ClockAnswer, Picture, ClockQuestion, Settings };
 
-constexpr int kMostSide = 4095;
+constexpr int kMaxSide = 4095;
 
 Error invalid(const char* what) {
   return {ErrorId::StreamInvalid,
@@ -29,7 +29,7 @@ package::Rect readRect(ByteReader& in) {
 }
 
 bool isSane(const package::Rect& r) {
-  return (r.width == 0) == (r.height == 0) && r.x + r.width <= kMostSide && r.y + r.height <= kMostSide;
+  return (r.width == 0) == (r.height == 0) && r.x + r.width <= kMaxSide && r.y + r.height <= kMaxSide;
 }
 
 struct WriteFromCamera {
@@ -87,7 +87,7 @@ Result<FromCamera> readHello(ByteReader& in) {
   const auto isPlain = [](char c) { return c > 0x20 && c < 0x7f && c != '"' && c != '\\' && c != '/'; };
   if (!in.ok() || m.camera.empty() || m.camera.size() > 128 || !std::all_of(m.camera.begin(), m.camera.end(), isPlain))
     return invalid("bad name");
-  if (m.width < 1 || m.height < 1 || m.width > kMostSide || m.height > kMostSide) return invalid("bad picture size");
+  if (m.width < 1 || m.height < 1 || m.width > kMaxSide || m.height > kMaxSide) return invalid("bad picture size");
   return FromCamera(std::move(m));
 }
 

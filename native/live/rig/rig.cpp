@@ -20,7 +20,7 @@ namespace {
 using Json = nlohmann::json;
 constexpr double kMaxUnits = 1e6;
 constexpr int kMinSide = 4, kMaxSide = 4095;  // side limits of pictures in messages, pixels
-constexpr int kMostReduction = 16;
+constexpr int kMaxReduction = 16;
 
 const Json& member(const Json& node, const char* key) {
   static const Json null;
@@ -121,8 +121,8 @@ class RigReader {
 
   Status reduce(const Json& node) {
     if (!node.is_null() &&
-        (!node.is_number_integer() || node.get<int64_t>() < 1 || node.get<int64_t>() > kMostReduction))
-      return error("\"reduce\" must be a whole number from 1 to " + std::to_string(kMostReduction));
+        (!node.is_number_integer() || node.get<int64_t>() < 1 || node.get<int64_t>() > kMaxReduction))
+      return error("\"reduce\" must be a whole number from 1 to " + std::to_string(kMaxReduction));
     if (!node.is_null()) rig_.reduce = node.get<int>();
     for (RigCamera& c : rig_.cameras) {
       PinholeCamera& used = c.camera.pinhole;
@@ -272,8 +272,8 @@ namespace {
 
 using Cameras = std::vector<capture::CaptureCamera>;
 
-constexpr int kHalfCells = 48;          // cells of the grid from the middle, along each axis
-constexpr double kLeastDistance = 0.1;  // minimum depth of the box, relative to the farthest camera's distance
+constexpr int kHalfCells = 48;        // cells of the grid from the middle, along each axis
+constexpr double kMinDistance = 0.1;  // minimum depth of the box, relative to the farthest camera's distance
 
 // Point of least squared distance from the cameras' principal rays.
 glm::dvec3 meetingPoint(const Cameras& cameras) {
@@ -321,7 +321,7 @@ std::optional<BoundingBox> commonView(const Cameras& cameras, double ground_y_m)
   double reach_m = 0;
   for (const auto& c : cameras) reach_m = std::max(reach_m, glm::length(c.pinhole.centreInWorld() - middle));
   if (!(reach_m > 0)) return std::nullopt;
-  const double cell_m = reach_m / kHalfCells, nearest_m = kLeastDistance * reach_m;
+  const double cell_m = reach_m / kHalfCells, nearest_m = kMinDistance * reach_m;
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
   for (int z = -kHalfCells; z <= kHalfCells; ++z)
     for (int y = -kHalfCells; y <= kHalfCells; ++y)

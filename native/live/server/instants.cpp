@@ -25,7 +25,7 @@ size_t Instant::count() const {
 Instants::Instants(const InstantRules& rules)
     : rules_(rules),
       period_us_(1e6 / rules.fps),
-      most_slots_(size_t(std::max(8.0, std::ceil(rules.wait_s * rules.fps) + 4))),
+      max_slots_(size_t(std::max(8.0, std::ceil(rules.wait_s * rules.fps) + 4))),
       cameras_(rules.cameras) {}
 
 void Instants::setConnected(size_t camera, bool connected, int64_t now_us) {
@@ -83,7 +83,7 @@ bool Instants::add(size_t camera, std::shared_ptr<const TimedPicture> picture, i
   at.resize(cameras_.size());
   const auto away = [&](const TimedPicture& p) { return std::abs(p.captured_us - timeOf(slot)); };
   if (!at[camera] || away(*picture) < away(*at[camera])) at[camera] = std::move(picture);
-  if (slots_.size() > most_slots_) {  // take() has fallen behind
+  if (slots_.size() > max_slots_) {  // take() has fallen behind
     closed_ = slots_.begin()->first;
     slots_.erase(slots_.begin());
     ++skipped_;
@@ -110,7 +110,7 @@ std::optional<Instants::Taken> Instants::take(int64_t now_us) {
   begin(now_us);
   const auto overdue = [&](int64_t slot) { return double(now_us - timeOf(slot)) >= 1e6 * rules_.wait_s; };
   const auto enough = [&](const Slot& slot) {
-    return size_t(std::count(slot.begin(), slot.end(), nullptr)) + kFewestPictures <= slot.size();
+    return size_t(std::count(slot.begin(), slot.end(), nullptr)) + kMinPictures <= slot.size();
   };
   auto newest = slots_.end();
   for (auto it = slots_.begin(); it != slots_.end(); ++it)
@@ -149,7 +149,7 @@ constexpr int64_t kMuchLonger_us = 2000;  // margin over the shortest round trip
 
 void ClockOffset::add(const ClockAnswer& answer, int64_t now_us) {
   if (std::max(std::abs(answer.camera_us), std::abs(now_us)) > kLatest_us) return;
-  if (answer.server_us > now_us || answer.server_us < now_us - kMostRoundTrip_us) return;
+  if (answer.server_us > now_us || answer.server_us < now_us - kMaxRoundTrip_us) return;
   const int64_t round_trip_us = now_us - answer.server_us;
   const Answer next{round_trip_us, answer.camera_us - (answer.server_us + round_trip_us / 2)};
   // The true offset deviates from an answer's by at most half of the round trip.
@@ -174,25 +174,25 @@ namespace {
 
 constexpr int64_t kReaches_us = 200'000;           // delay until a new tolerance shows in the cameras' outlines
 constexpr double kTooBusy = 1.1, kTooIdle = 0.85;  // multiples of the hull's share between which the tolerance is kept
-constexpr double kMostRise = 1.8, kMostFall = 0.93;   // maximum factors per step
+constexpr double kMaxRise = 1.8, kMaxFall = 0.93;  // maximum factors per step
 constexpr double kRisePower = 0.9, kFallPower = 0.3;  // exponents on the ratio to the target share
-constexpr size_t kMostRatios = 1000;
+constexpr size_t kMaxRatios = 1000;
 
 }  // namespace
 
 ToleranceControl::ToleranceControl(const ToleranceRules& rules, double first_px)
-    : rules_(rules), tolerance_px_(std::clamp(first_px, rules.least_px, rules.most_px)) {}
+    : rules_(rules), tolerance_px_(std::clamp(first_px, rules.min_px, rules.max_px)) {}
 
 bool ToleranceControl::add(int64_t now_us, double hull_busy, double other_busy) {
   if (!began_ || now_us < stepped_us_) began_ = true, stepped_us_ = now_us;
-  const double hull_share = std::max(rules_.busy_share - other_busy, rules_.least_hull_share);
-  if (now_us - stepped_us_ >= kReaches_us && ratios_.size() < kMostRatios) ratios_.push_back(hull_busy / hull_share);
+  const double hull_share = std::max(rules_.busy_share - other_busy, rules_.min_hull_share);
+  if (now_us - stepped_us_ >= kReaches_us && ratios_.size() < kMaxRatios) ratios_.push_back(hull_busy / hull_share);
   if (now_us - stepped_us_ < kStep_us || ratios_.empty()) return false;
   const double ratio = median(ratios_);
   double factor = 1;
-  if (ratio > kTooBusy) factor = std::min(std::pow(ratio, kRisePower), kMostRise);
-  if (ratio < kTooIdle) factor = std::max(std::pow(std::max(ratio, 1e-3), kFallPower), kMostFall);
-  const double next_px = std::clamp(tolerance_px_ * factor, rules_.least_px, rules_.most_px);
+  if (ratio > kTooBusy) factor = std::min(std::pow(ratio, kRisePower), kMaxRise);
+  if (ratio < kTooIdle) factor = std::max(std::pow(std::max(ratio, 1e-3), kFallPower), kMaxFall);
+  const double next_px = std::clamp(tolerance_px_ * factor, rules_.min_px, rules_.max_px);
   stepped_us_ = now_us;
   ratios_.clear();
   if (next_px == tolerance_px_) return false;

@@ -22,7 +22,7 @@ struct InstantRules {
   double lost_s = 0.5;  // time without a picture after which a camera is no longer waited for
 };
 
-constexpr size_t kFewestPictures = 2;  // minimum number of pictures for a hull
+constexpr size_t kMinPictures = 2;  // minimum number of pictures for a hull
 
 struct TimedPicture {
   CameraPicture picture;
@@ -50,7 +50,7 @@ class Instants {
     std::vector<Instant> skipped;  // older complete instants, ascending
   };
   // Newest instant that is due: all awaited cameras have a picture, or wait_s has passed. Older slots are closed.
-  // Instants with fewer than kFewestPictures pictures are dropped.
+  // Instants with fewer than kMinPictures pictures are dropped.
   std::optional<Taken> take(int64_t now_us);
   // Latest time at which the next instant falls due; none: no pictures are held.
   std::optional<int64_t> due_us() const;
@@ -82,7 +82,7 @@ class Instants {
 
   InstantRules rules_;
   double period_us_;
-  size_t most_slots_;
+  size_t max_slots_;
   std::vector<Camera> cameras_;
   std::map<int64_t, Slot> slots_;  // every slot has at least one picture
   int64_t closed_ = INT64_MIN;     // slots up to this one are closed
@@ -94,14 +94,14 @@ class Instants {
 class ClockOffset {
  public:
   // `now_us`: server's clock at the answer's arrival. Answers to impossible questions (from the future, or more than
-  // kMostRoundTrip_us ago) are ignored. A jump of the camera's clock by more than kJump_us restarts the estimate.
+  // kMaxRoundTrip_us ago) are ignored. A jump of the camera's clock by more than kJump_us restarts the estimate.
   void add(const ClockAnswer& answer, int64_t now_us);
   void reset() { answers_.clear(); }
   bool known() const { return !answers_.empty(); }
   int64_t offset_us() const { return offset_us_; }  // camera's clock minus server's; 0 before the first answer
   int64_t toServer(int64_t camera_us) const { return camera_us - offset_us_; }
 
-  static constexpr int64_t kMostRoundTrip_us = 5'000'000, kJump_us = 250'000;
+  static constexpr int64_t kMaxRoundTrip_us = 5'000'000, kJump_us = 250'000;
   static constexpr int64_t kLatest_us = int64_t(1) << 60;  // limit of valid times
 
  private:
@@ -139,13 +139,13 @@ class Recent {
     double value;
   };
   static constexpr int64_t kSecond_us = 1'000'000;
-  static constexpr size_t kMost = 1000;
+  static constexpr size_t kMax = 1000;
 
   static bool isRecent(const Value& v, int64_t now_us) {
     return v.time_us <= now_us && now_us - v.time_us < kSecond_us;
   }
   void forget(int64_t now_us) {
-    while (!values_.empty() && (!isRecent(values_.front(), now_us) || values_.size() > kMost)) values_.pop_front();
+    while (!values_.empty() && (!isRecent(values_.front(), now_us) || values_.size() > kMax)) values_.pop_front();
   }
 
   std::deque<Value> values_;
@@ -153,9 +153,9 @@ class Recent {
 
 // Limits and targets of ToleranceControl.
 struct ToleranceRules {
-  double least_px = 0.5, most_px = 16;
+  double min_px = 0.5, max_px = 16;
   double busy_share = 0.75;
-  double least_hull_share = 0.15;  // minimum share of the frame's time for the hull
+  double min_hull_share = 0.15;  // minimum share of the frame's time for the hull
 };
 
 // Controls the tolerance of outlines such that the work for a frame takes a target share of the frame's time: raised

@@ -10,10 +10,10 @@
 namespace fourdvt::live {
 namespace {
 
-constexpr double kMostBitsPerTexel = 0.5;  // average over half a second, for any crf
-constexpr double kLeastRate = 1e6;         // bits per second
-constexpr int kWhole = 1 << 20;            // GOP length that suppresses automatic keyframes
-constexpr uint8_t kParameterSet = 7;       // NAL unit type of a sequence parameter set
+constexpr double kMaxBitsPerTexel = 0.5;  // average over half a second, for any crf
+constexpr double kMinRate = 1e6;          // bits per second
+constexpr int kWhole = 1 << 20;           // GOP length that suppresses automatic keyframes
+constexpr uint8_t kParameterSet = 7;      // NAL unit type of a sequence parameter set
 
 // RFC 6381 codec string of an Annex B sample with a sequence parameter set; else empty.
 std::string codecOf(const std::vector<uint8_t>& sample) {
@@ -96,7 +96,7 @@ class X264Encoder final : public LiveEncoder {
     c.color_trc = AVCOL_TRC_BT709;
     c.colorspace = AVCOL_SPC_BT709;
     c.chroma_sample_location = AVCHROMA_LOC_CENTER;
-    const double rate = std::max(kLeastRate, kMostBitsPerTexel * rules_.width * rules_.height * rules_.fps);
+    const double rate = std::max(kMinRate, kMaxBitsPerTexel * rules_.width * rules_.height * rules_.fps);
     c.rc_max_rate = int64_t(rate);
     c.rc_buffer_size = int(std::min(rate / 2, 1e9));
     av_opt_set(c.priv_data, "preset", rules_.preset, 0);
@@ -188,8 +188,8 @@ std::string liveManifest(const Rig& rig, const ManifestInput& input) {
   const Json extension = {{"version", kLiveFormatVersion},
                           {"appearance", "cameras"},
                           {"name", rig.name.empty() ? "live" : rig.name.substr(0, kLongestName)},
-                          {"vertexCount", kMostVertices},
-                          {"faceCount", kMostFaces},
+                          {"vertexCount", kMaxVertices},
+                          {"faceCount", kMaxFaces},
                           {"bounds", {{"min", pointJson(rig.bounds.min)}, {"max", pointJson(rig.bounds.max)}}},
                           {"groundY", rig.ground_y_m},
                           {"lengthScale", 1},

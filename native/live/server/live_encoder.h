@@ -39,7 +39,7 @@ class LiveEncoder {
   virtual const std::string& codec() const = 0;
 };
 
-constexpr uint32_t kMostVertices = 65536, kMostFaces = 65536;  // maximum of any frame
+constexpr uint32_t kMaxVertices = 65536, kMaxFaces = 65536;  // maximum of any frame
 constexpr float kPositionStep_m = 0.001f;
 
 struct ManifestInput {

@@ -18,7 +18,7 @@ using silhouette::Ring, reconstruct::SilhouetteCone;
 constexpr double kSpeck_m3 = 3e-6;         // same as in offline hulls
 constexpr double kSecondTolerance_px = 2;  // tolerance of the second attempt
 constexpr int kSmallWidth = 96;            // pixels
-constexpr size_t kFewestCarving = 2;
+constexpr size_t kMinCarving = 2;
 
 double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
@@ -50,10 +50,10 @@ class Attempts {
     if (tryOut(cones_)) return std::move(out_);
     for (SilhouetteCone& cone : cones_) silhouette::simplifyRings(cone.outline.rings, kSecondTolerance_px);
     if (inTime() && tryOut(cones_)) return std::move(out_);
-    for (size_t k = cones_.size(); k-- > 0 && cones_.size() > kFewestCarving;)
+    for (size_t k = cones_.size(); k-- > 0 && cones_.size() > kMinCarving;)
       if (crosses(cones_[k].outline.rings)) leaveOut(k);
     if (!out_.left_out.empty() && inTime() && tryOut(cones_)) return std::move(out_);
-    for (size_t k = 0; k < cones_.size() && cones_.size() > kFewestCarving && inTime(); ++k) {
+    for (size_t k = 0; k < cones_.size() && cones_.size() > kMinCarving && inTime(); ++k) {
       std::vector<SilhouetteCone> others = cones_;
       others.erase(others.begin() + long(k));
       if (!tryOut(others)) continue;
@@ -79,7 +79,7 @@ class Attempts {
     cameras_.erase(cameras_.begin() + long(k));
   }
 
-  bool inTime() const { return watch_.ms() < rules_.most_ms; }
+  bool inTime() const { return watch_.ms() < rules_.max_ms; }
 
   const LiveHullRules& rules_;
   std::vector<SilhouetteCone> cones_;
@@ -128,7 +128,7 @@ Result<LiveHull> HullMaker::make(std::span<const std::vector<Ring16>* const> rin
     cones.push_back(std::move(cone));
     cameras.push_back(c);
   }
-  if (cones.size() < kFewestCarving)
+  if (cones.size() < kMinCarving)
     return Error{ErrorId::NothingVisible, "fewer than two cameras have an outline; check them on the console"};
   std::vector<PinholeCamera> carving;
   for (const size_t c : cameras) carving.push_back(cameras_[c]);
@@ -139,7 +139,7 @@ Result<LiveHull> HullMaker::make(std::span<const std::vector<Ring16>* const> rin
 
 void HullMaker::clean(std::span<const PinholeCamera> carving, TriangleMesh& mesh) const {
   if (mesh.faces.empty()) return;
-  reconstruct::dropUnseen(mesh, carving, std::max(kFewestCarving, (carving.size() + 1) / 2));
+  reconstruct::dropUnseen(mesh, carving, std::max(kMinCarving, (carving.size() + 1) / 2));
   reconstruct::dropHollows(mesh);
   reconstruct::dropSpecks(mesh, kSpeck_m3);
   std::vector<silhouette::Silhouette> views;  // coverage is not needed
@@ -147,7 +147,7 @@ void HullMaker::clean(std::span<const PinholeCamera> carving, TriangleMesh& mesh
   std::vector<const silhouette::Silhouette*> pointers;
   for (const auto& view : views) pointers.push_back(&view);
   reconstruct::dropNeedless(mesh, pointers, kSpeck_m3);
-  reconstruct::simplify(mesh, rules_.most_triangles);
+  reconstruct::simplify(mesh, rules_.max_triangles);
 }
 
 // Accumulates an edge's part within one row of pixels, from x0 to x1 and covering `height` of the row (negative:

@@ -15,8 +15,8 @@
 namespace fourdvt::live {
 struct LiveHullRules {
   BoundingBox bounds;  // metres; reconstruction is limited to this box
-  size_t most_triangles = 20000;
-  double most_ms = 100;  // time limit after which no further attempt begins
+  size_t max_triangles = 20000;
+  double max_ms = 100;  // time limit after which no further attempt begins
 };
 
 struct LiveHull {

@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kJpegQuality = 85;
 constexpr double kFirstTolerance_px = 1, kWorthTelling = 0.1;  // minimum relative change that is sent to cameras
-constexpr int kFewestFramesToKey = 3;                          // minimum distance of keys requested by viewers
+constexpr int kMinFramesToKey = 3;                             // minimum distance of keys requested by viewers
 constexpr int64_t kWarnAgain_us = 5'000'000;
 
 int64_t now_us() {
@@ -44,7 +44,7 @@ std::vector<PinholeCamera> pinholesOf(const Rig& rig) {
 
 Status checkOptions(const Rig& rig, const PipelineOptions& o) {
   const auto invalid = [](const std::string& text) { return Error{ErrorId::InvalidArgument, text}; };
-  if (rig.cameras.size() < kFewestPictures || rig.cameras.size() > size_t(package::kMaxCameras))
+  if (rig.cameras.size() < kMinPictures || rig.cameras.size() > size_t(package::kMaxCameras))
     return invalid(rig.path + ": a live stage has 2 to " + std::to_string(package::kMaxCameras) + " cameras, not " +
                    std::to_string(rig.cameras.size()) + "; add or remove some");
   if (!(rig.fps >= 1 && rig.fps <= 120)) return invalid(rig.path + ": \"fps\" must be 1 to 120; correct it");
@@ -53,8 +53,8 @@ Status checkOptions(const Rig& rig, const PipelineOptions& o) {
   if (!(o.picture_share > 0 && o.picture_share <= 1))
     return invalid("the share of the picture must be above 0 and at most 1; correct it");
   if (o.crf < 0 || o.crf > 51) return invalid("crf must be 0 to 51; correct it");
-  if (o.most_gop < 1) return invalid("a key is needed every 1 or more frames; correct it");
-  if (!(o.least_tolerance_px > 0 && o.least_tolerance_px <= o.most_tolerance_px && o.most_tolerance_px <= 64))
+  if (o.max_gop < 1) return invalid("a key is needed every 1 or more frames; correct it");
+  if (!(o.min_tolerance_px > 0 && o.min_tolerance_px <= o.max_tolerance_px && o.max_tolerance_px <= 64))
     return invalid("tolerances must be above 0 and at most 64 pixels, the least first; correct them");
   if (!(o.busy_share > 0)) return invalid("the share of a frame's time must be above 0; correct it");
   return {};
@@ -102,7 +102,7 @@ class LivePipeline final : public Pipeline {
         painter_(size),
         cameras_(rig.cameras.size()),
         instants_({rig.cameras.size(), rig.fps, options.wait_s, options.lost_s}),
-        control_({options.least_tolerance_px, options.most_tolerance_px, options.busy_share}, kFirstTolerance_px),
+        control_({options.min_tolerance_px, options.max_tolerance_px, options.busy_share}, kFirstTolerance_px),
         tolerance_px_(control_.tolerance_px()),
         wanted_crf_(options.crf),
         tiles_(pinholes_, size),
@@ -316,18 +316,18 @@ class LivePipeline final : public Pipeline {
     const std::vector<package::QuantisedSurface> surface{
         encode::quantisedSurface(grid, mesh.positions, mesh.faces, true)};
     FOURDVT_ASSIGN(auto encoded, package::encodeSurfaceChunk(shownTiles(frame.tiles, crops), surface));
-    if (encoded.vertex_count > kMostVertices || encoded.face_count > kMostFaces)
+    if (encoded.vertex_count > kMaxVertices || encoded.face_count > kMaxFaces)
       return Error{ErrorId::Internal, "a surface of too many triangles"};
     return std::move(encoded.bytes);
   }
 
   // Chooses keys and layouts: a key is due, requested, or required because the performer leaves a tile's source.
   void chooseTiles(FrameInWork& frame, bool empty, std::span<const package::Rect> crops) {
-    bool key = since_key_ + 1 >= options_.most_gop || tiles_.tiles().empty();
+    bool key = since_key_ + 1 >= options_.max_gop || tiles_.tiles().empty();
     if (!empty && tiles_.wantsLayout(boxes_, crops)) key = true;
     {
       const std::lock_guard lock(mutex_);
-      key = key || picture_failed_ || (want_key_ && since_key_ + 1 >= kFewestFramesToKey);
+      key = key || picture_failed_ || (want_key_ && since_key_ + 1 >= kMinFramesToKey);
       if (key) want_key_ = picture_failed_ = false;
     }
     if (key && (!empty || tiles_.tiles().empty())) {

@@ -20,8 +20,8 @@ struct PipelineOptions {
   double lost_s = 0.5;         // time without a picture after which a camera is no longer waited for
   double picture_share = 0.5;  // texels of the packed picture over the cameras' pixels
   int crf = 23;                // H.264 rate factor
-  int most_gop = 12;           // maximum frames from key to key
-  double least_tolerance_px = 0.5, most_tolerance_px = 16;
+  int max_gop = 12;            // maximum frames from key to key
+  double min_tolerance_px = 0.5, max_tolerance_px = 16;
   double busy_share = 0.75;   // target share of a frame's time for hull and picture
   std::string record_folder;  // capture folder to write; empty: none
 };

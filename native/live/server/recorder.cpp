@@ -142,9 +142,9 @@ class FolderRecorder final : public Recorder {
     bool overflow = false;
     {
       const std::lock_guard lock(mutex_);
-      const bool full = waiting_.size() >= kMostWaiting;
+      const bool full = waiting_.size() >= kMaxWaiting;
       overflow = full && !overflowed_ && whole;
-      overflowed_ = full || (overflowed_ && waiting_.size() > kMostWaiting / 2);
+      overflowed_ = full || (overflowed_ && waiting_.size() > kMaxWaiting / 2);
       const bool ends = overflowed_ || !whole || instant.slot != last_slot_ + 1;
       if (ends && !ended_) waiting_.emplace_back(std::nullopt), ended_ = true;
       last_slot_ = instant.slot;
@@ -200,7 +200,7 @@ class FolderRecorder final : public Recorder {
   Status write(Instant instant) {
     if (!take_) {
       begun_.push_back(std::move(instant));
-      if (begun_.size() < kFewestFrames) return {};
+      if (begun_.size() < kMinFrames) return {};
       FOURDVT_ASSIGN(take_, Take::open(folder_ + "/" + nextName(), cameras_, rig_.fps));
       for (const Instant& early : begun_) FOURDVT_TRY(writeFrame(early));
       begun_.clear();

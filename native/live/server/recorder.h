@@ -15,8 +15,8 @@ namespace fourdvt::live {
 
 class Recorder {
  public:
-  static constexpr uint32_t kFewestFrames = 5;  // shorter takes are dropped
-  static constexpr size_t kMostWaiting = 64;    // maximum queue of instants, above which the take ends
+  static constexpr uint32_t kMinFrames = 5;  // shorter takes are dropped
+  static constexpr size_t kMaxWaiting = 64;  // maximum queue of instants, above which the take ends
 
   // on_warning: called on the recorder's thread and on that of add(). Errors: WriteFailed (the folder cannot be
   // written, or is not empty), InvalidArgument (cameras of odd sizes), and those of the plates.

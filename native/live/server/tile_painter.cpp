@@ -263,7 +263,7 @@ class FfmpegJpeg final : public JpegDecoder {
     if (!codec) return Error{ErrorId::Unsupported, "this FFmpeg decodes no JPEG; install one that does"};
     context_.reset(avcodec_alloc_context3(codec));
     context_->thread_count = 1;
-    context_->max_pixels = kMostPixels;
+    context_->max_pixels = kMaxPixels;
     context_->err_recognition = AV_EF_EXPLODE;
     if (avcodec_open2(context_.get(), codec, nullptr) < 0)
       return Error{ErrorId::Unsupported, "the JPEG decoder of this FFmpeg does not open"};
@@ -297,7 +297,7 @@ class FfmpegJpeg final : public JpegDecoder {
   }
 
  private:
-  static constexpr int64_t kMostPixels = int64_t(4096) * 4096;
+  static constexpr int64_t kMaxPixels = int64_t(4096) * 4096;
 
   AvContext context_;
   AvFrame frame_;
@@ -317,8 +317,8 @@ namespace {
 
 using package::Rect;
 
-constexpr double kRoomShare = 0.25, kLeastRoomShare = 0.15;  // margins relative to the performer's longer side
-constexpr int kRoomPixels = 16, kLeastRoomPixels = 8;
+constexpr double kRoomShare = 0.25, kMinRoomShare = 0.15;  // margins relative to the performer's longer side
+constexpr int kRoomPixels = 16, kMinRoomPixels = 8;
 constexpr double kTooLarge = 1.6;  // maximum area, relative to the required region
 constexpr int64_t kUnseen_us = 1'000'000;
 
@@ -338,7 +338,7 @@ std::vector<bool> CameraRegions::update(std::span<const Rect> boxes, int64_t now
     if (boxes[c].width == 0) continue;  // not visible in this camera: region unchanged
     const Rect all{0, 0, cameras_[c].width, cameras_[c].height};
     const Rect wanted = padded(boxes[c], kRoomShare, kRoomPixels, all);
-    const Rect least = padded(boxes[c], kLeastRoomShare, kLeastRoomPixels, all);
+    const Rect least = padded(boxes[c], kMinRoomShare, kMinRoomPixels, all);
     const Rect& now = regions_[c].width == 0 ? all : regions_[c];
     if (areaOf(common(least, now)) == areaOf(least) && areaOf(now) <= kTooLarge * areaOf(wanted)) continue;
     regions_[c] = wanted;

@@ -11,7 +11,7 @@
 namespace fourdvt::mattes {
 namespace {
 
-constexpr size_t kFewestSamples = 3;
+constexpr size_t kMinSamples = 3;
 
 // One frame of one sequence.
 struct Instant {
@@ -62,7 +62,7 @@ void tell(const MattesEnvironment& environment, const std::string& stage) {
 Status addClipPlates(const capture::Capture& capture, const MattesEnvironment& environment,
                      std::vector<MatteSource>& sources, const std::vector<bool>& wanted) {
   const std::vector<Instant> samples = samplesOf(capture);
-  if (samples.size() < kFewestSamples)
+  if (samples.size() < kMinSamples)
     return Error{ErrorId::InvalidArgument,
                  capture.background_folder +
                      ": not every camera has a plate, and there are too few frames to find the "

@@ -77,7 +77,7 @@ Status SequenceMattes::checkPlates(const MattesFrame& frame) {
     const cv::Mat& own = frame.mattes[i].own;
     Image key_alone(own.cols, own.rows, 1);
     std::copy(own.begin<uint8_t>(), own.end<uint8_t>(), key_alone.pixels.begin());
-    if (capture::keepsTheBorder(key_alone) || frame.mattes[i].residual_levels > kMostResidual)
+    if (capture::keepsTheBorder(key_alone) || frame.mattes[i].residual_levels > kMaxResidual)
       return plateDoesNotFit(key->path(), pictures_[i].path(), capture_->cameras[i].pinhole.name);
   }
   return {};

@@ -31,9 +31,9 @@ uint32_t texelsOf(const package::Rendition& r) {
 
 Ladder::Ladder(uint32_t quality) : quality_(quality), slow_s_(kRest_s) {}
 
-void Ladder::setQuality(uint32_t quality, uint32_t most_texels) {
+void Ladder::setQuality(uint32_t quality, uint32_t max_texels) {
   quality_ = quality;
-  most_texels_ = most_texels;
+  max_texels_ = max_texels;
 }
 
 bool Ladder::leaveOut(const package::Sequence& s, uint32_t rendition) {
@@ -104,7 +104,7 @@ uint32_t Ladder::highest(const package::Sequence& s) const {
   const uint32_t top = uint32_t(s.renditions.size()) - 1;
   if (quality_ != kAutomaticRendition) return allowed(s, std::min(quality_, top));
   uint32_t r = top;
-  while (r > 0 && (tooSlow(s, r) || (most_texels_ > 0 && texelsOf(s.renditions[r]) > most_texels_))) --r;
+  while (r > 0 && (tooSlow(s, r) || (max_texels_ > 0 && texelsOf(s.renditions[r]) > max_texels_))) --r;
   return allowed(s, r);
 }
 

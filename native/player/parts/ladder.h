@@ -17,9 +17,9 @@ class Ladder {
  public:
   explicit Ladder(uint32_t quality);
 
-  // quality: a rendition number (clamped to the sequence's highest), or one of the constants above. most_texels:
+  // quality: a rendition number (clamped to the sequence's highest), or one of the constants above. max_texels:
   // maximum width of layer 1, or of the layout, in the automatic choice; 0: unlimited.
-  void setQuality(uint32_t quality, uint32_t most_texels);
+  void setQuality(uint32_t quality, uint32_t max_texels);
   // Excludes a rendition that cannot be decoded here. False: none of the sequence is left.
   bool leaveOut(const package::Sequence& sequence, uint32_t rendition);
   // Excludes a rendition whose video file cannot be fetched or differs from the manifest. The sequence keeps its
@@ -58,7 +58,7 @@ class Ladder {
   // Nearest allowed rendition to `r`, lower ones first.
   uint32_t allowed(const package::Sequence& sequence, uint32_t r) const;
 
-  uint32_t quality_, most_texels_ = 0;
+  uint32_t quality_, max_texels_ = 0;
   uint32_t left_out_ = 0;  // bit mask of renditions
   std::vector<const package::Rendition*> missing_, rough_;
   double bytes_ = 0, seconds_ = 0;   // decayed sums

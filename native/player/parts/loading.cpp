@@ -14,7 +14,7 @@ using Kind = FetchPurpose::Kind;
 
 namespace {
 
-constexpr int kMostAhead = 4;           // GOPs per sequence: every landing frame of a short loop
+constexpr int kMaxAhead = 4;            // GOPs per sequence: every landing frame of a short loop
 constexpr size_t kSoonGops = 2;         // nearest GOPs of a need
 constexpr uint64_t kBudgetDivisor = 2;  // share of the budget for needs and beginnings
 constexpr double kAhead_s = 6;          // held or in flight
@@ -240,7 +240,7 @@ void Loading::fetchAhead(std::span<const Landing> landings) {
 void Loading::requestAhead(GopKey key) {
   if (std::find(ahead_.begin(), ahead_.end(), key) == ahead_.end()) {
     const auto of_sequence = [&](const GopKey& other) { return other.sequence == key.sequence; };
-    if (std::count_if(ahead_.begin(), ahead_.end(), of_sequence) >= kMostAhead) return;
+    if (std::count_if(ahead_.begin(), ahead_.end(), of_sequence) >= kMaxAhead) return;
     ahead_.push_back(key);
   }
   const uint32_t rendition = ladder_.lowest(sequence(key.sequence));

@@ -11,7 +11,7 @@ namespace fourdvt {
 namespace {
 
 constexpr uint32_t kRowsAhead = 12;  // beyond the shown or sought frame
-constexpr size_t kMostJobs = 4;      // two tracks, present and next GOP each
+constexpr size_t kMaxJobs = 4;       // two tracks, present and next GOP each
 // Range, in slices, of a tick's decoding time while seeking, nominally half the tick: nothing moves until the frame is
 // decoded.
 constexpr double kMinSlices = 3, kMaxSlices = 8;
@@ -107,9 +107,8 @@ void Loading::decodeAhead(std::span<const Need> needs, bool seeking) {
   if (!slice_ || mesh_state_ != PartState::Present) return;
   jobs_.clear();
   SliceLeft left{*slice_};
-  const double least_s = slice_->seconds * kMinSlices, most_s = slice_->seconds * kMaxSlices;
-  if (slice_->now_s)
-    left.end_s = slice_->now_s() + (seeking ? std::clamp(tick_s_ / 2, least_s, most_s) : slice_->seconds);
+  const double min_s = slice_->seconds * kMinSlices, max_s = slice_->seconds * kMaxSlices;
+  if (slice_->now_s) left.end_s = slice_->now_s() + (seeking ? std::clamp(tick_s_ / 2, min_s, max_s) : slice_->seconds);
   for (uint32_t ahead = 0; ahead <= kRowsAhead; ++ahead)
     for (const Need& need : needs)
       if (const Ahead at = reach(need, ahead); at.gop) {
@@ -173,7 +172,7 @@ void Loading::giveAway(const Ahead& at, bool urgent) {
   if (!gop.job || gop.decodedRows() == at.row_count) return;
   const auto known = std::find_if(jobs_.begin(), jobs_.end(), [&](const Job& job) { return job.id == gop.job; });
   if (known == jobs_.end()) {
-    if (jobs_.size() < kMostJobs) jobs_.push_back({gop.job, at.key, room ? at.row_count : urgent ? at.row + 1 : 0});
+    if (jobs_.size() < kMaxJobs) jobs_.push_back({gop.job, at.key, room ? at.row_count : urgent ? at.row + 1 : 0});
   } else if (room || urgent) {
     known->frames = std::max(known->frames, at.row + 1);
   }

@@ -34,11 +34,11 @@ uint32_t Loading::choose(GopKey key, double ahead_s, bool stands) const {
 uint32_t Loading::chooseStill(GopKey key) const {
   const package::Sequence& q = sequence(key.sequence);
   const package::StreamIndex& streamed = index(key.sequence);
-  const double most_bytes = ladder_.throughput_bps() / 8 * kStill_s;
+  const double max_bytes = ladder_.throughput_bps() / 8 * kStill_s;
   for (uint32_t r = ladder_.highest(q); r > ladder_.lowest(q); --r) {
     const auto& chunks = q.hasCoarseGeometry(r) ? stream(key.sequence).coarse.chunks : streamed.chunks;
     const double bytes = double(streamed.renditions[r].videoOf(key.gop).bytes) + chunks[key.gop].bytes;
-    if (!ladder_.isOut(q, r) && bytes <= most_bytes) return r;
+    if (!ladder_.isOut(q, r) && bytes <= max_bytes) return r;
   }
   return ladder_.lowest(q);
 }
@@ -67,13 +67,13 @@ void Loading::raise(const std::vector<GopKey>& keys, bool stands) {
 // Highest rendition, or an intermediate one if that is expected to take long.
 uint32_t Loading::raised(int sequence_index, uint32_t from) const {
   const package::Sequence& q = sequence(sequence_index);
-  const double most_bytes = ladder_.throughput_bps() / 8 * kRaise_s;
+  const double max_bytes = ladder_.throughput_bps() / 8 * kRaise_s;
   uint32_t to = ladder_.highest(q);
-  if (most_bytes <= 0) return to;
+  if (max_bytes <= 0) return to;
   for (uint32_t r = to; r > from; --r) {
     if (ladder_.isOut(q, r)) continue;
     to = r;
-    if (double(q.renditions[r].video_bytes) <= most_bytes) break;
+    if (double(q.renditions[r].video_bytes) <= max_bytes) break;
   }
   return to;
 }

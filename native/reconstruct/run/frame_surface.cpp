@@ -23,7 +23,7 @@ namespace {
 constexpr double kFairingLoss = 0.002;                    // maximum loss of a camera's overlap by fairing
 constexpr double kRoughVoxel_m = 0.02, kSpeck_m3 = 3e-6;  // normalised to a person
 constexpr double kCoarsestReduced_m = 0.01;  // normalised to a person: maximum pixel size after reduction for stereo
-constexpr size_t kFewestPixels = 16;         // minimum size of a silhouette
+constexpr size_t kMinPixels = 16;            // minimum size of a silhouette
 
 silhouette::Silhouette silhouetteOf(const PinholeCamera& camera, const Image& rgba) {
   silhouette::Silhouette out{camera, Image(rgba.width, rgba.height, 1)};
@@ -204,7 +204,7 @@ Result<FrameSurface> SurfaceMaker::make(std::span<const Image> pictures) {
   std::vector<silhouette::Silhouette> carving = out.silhouettes;
   std::vector<std::unique_ptr<silhouette::SilhouetteDistance>> distances(cameras.size());
   inParallel(cameras.size(), [&](size_t i) {
-    if (pixelsInside(carving[i]) < kFewestPixels) return;
+    if (pixelsInside(carving[i]) < kMinPixels) return;
     for (size_t k = 0; k < captured_[i].pixels.size(); ++k)
       if (captured_[i].pixels[k] < 128) carving[i].coverage.pixels[k] = 255;  // unseen space is not carved
     distances[i] = std::make_unique<silhouette::SilhouetteDistance>(carving[i].coverage);

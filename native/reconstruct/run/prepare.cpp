@@ -21,7 +21,7 @@ namespace fourdvt::reconstruct {
 namespace {
 
 const capture::FolderWriter kWriter{"reconstruct", kReportJson, ""};
-constexpr size_t kFewestCalibrated = 4;  // cameras; the silhouettes of fewer hardly contradict each other
+constexpr size_t kMinCalibrated = 4;  // cameras; the silhouettes of fewer hardly contradict each other
 
 }  // namespace
 
@@ -114,7 +114,7 @@ Status Preparation::linkFrames() {
 // Calibrates and synchronises cameras with silhouettes that each camera has by itself: mattes computed jointly already
 // agree with each other.
 Status Preparation::calibrate() {
-  if (given_.cameras.size() < kFewestCalibrated) return {};
+  if (given_.cameras.size() < kMinCalibrated) return {};
   refine::CalibrationOptions options;
   options.times = out_.options.synchronise, options.cameras = out_.options.refine_cameras;
   const auto found = refine::calibrate(given_, environment_.open_video, options, [&](const std::string& what, double) {

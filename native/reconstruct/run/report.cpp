@@ -22,7 +22,7 @@ using report::fixedText, report::Json, report::Values;
 constexpr size_t kColumns = 8;     // cameras side by side
 constexpr int kSheetHeight = 420;  // pixels of one picture
 constexpr double kLowOverlap = 0.95;
-constexpr double kMostCover = 0.9, kMostFilled = 0.7;  // above, mattes hardly have an outline
+constexpr double kMaxCover = 0.9, kMaxFilled = 0.7;  // above, mattes hardly have an outline
 constexpr double kDeep_m = 0.03;  // normalised to a person: maximum colour-coded depth behind the hull
 
 struct Stage {
@@ -137,11 +137,11 @@ report::Table coverTable(const capture::Capture& capture, const std::vector<Reco
 std::vector<std::string> coverWarnings(const capture::Capture& capture, const ReconstructedSequence& s) {
   std::vector<std::string> out;
   for (size_t camera = 0; camera < capture.cameras.size(); ++camera)
-    if (const double cover = meanOf(s, &FrameFigures::cover, camera); cover > kMostCover)
+    if (const double cover = meanOf(s, &FrameFigures::cover, camera); cover > kMaxCover)
       out.push_back(s.name + ", camera \"" + capture.cameras[camera].pinhole.name + "\" (" + fixedText(100 * cover, 0) +
                     " %): the mattes cover nearly the whole picture, so that overlap says nothing; check them, white "
                     "is the object");
-  if (const double share = filledShare(s); share > kMostFilled)
+  if (const double share = filledShare(s); share > kMaxFilled)
     out.push_back(s.name + ": the surface fills " + fixedText(100 * share, 0) + " % of the " +
                   volumeText(s.frames.front().seen_m3) +
                   " that more than half of the cameras see, as if mattes covered their pictures; check them, white is "

@@ -20,11 +20,11 @@
 namespace fourdvt::reconstruct {
 namespace {
 
-constexpr size_t kFewestJudged = 3;  // silhouettes; two hardly contradict each other
+constexpr size_t kMinJudged = 3;  // silhouettes; two hardly contradict each other
 
 bool wasJudged(const FrameFigures& figures) {
   return std::count_if(figures.overlap.begin(), figures.overlap.end(), [](double v) { return !std::isnan(v); }) >=
-         std::ptrdiff_t(kFewestJudged);
+         std::ptrdiff_t(kMinJudged);
 }
 
 }  // namespace
@@ -96,7 +96,7 @@ Status SequenceFrames::checkAgreement(uint32_t frame, const std::vector<Image>& 
     masks.push_back(mask);
     seeing += cv::countNonZero(mask) > 0;
   }
-  if (seeing < kFewestJudged) return {};
+  if (seeing < kMinJudged) return {};
   agreed_ = true;
   const auto why = mattes::disagreement(cameras, masks);
   if (!why) return {};

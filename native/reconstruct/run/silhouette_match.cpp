@@ -114,22 +114,22 @@ SilhouetteMatch silhouetteMatch(const silhouette::Silhouette& silhouette, const 
   return {overlapOf(drawn, silhouette), outlineDistance_px(drawn, silhouette)};
 }
 
-double movedShare(const PinholeCamera& camera, const TriangleMesh& hull, const TriangleMesh& surface, double least_m) {
+double movedShare(const PinholeCamera& camera, const TriangleMesh& hull, const TriangleMesh& surface, double min_m) {
   size_t moved = 0, all = 0;
   for (const float deeper_m : depthBehindHull(camera, hull, surface)) {
     if (std::isnan(deeper_m)) continue;
-    ++all, moved += deeper_m >= least_m;
+    ++all, moved += deeper_m >= min_m;
   }
   return all ? double(moved) / double(all) : 0;
 }
 
 Image movedPicture(const PinholeCamera& camera, const Image& rgba, const TriangleMesh& hull,
-                   const TriangleMesh& surface, double most_m) {
+                   const TriangleMesh& surface, double max_m) {
   const std::vector<float> behind = depthBehindHull(camera, hull, surface);
   Image out(rgba.width, rgba.height, 3, 24);
   for (size_t i = 0; i < behind.size(); ++i) {
     if (!std::isfinite(behind[i])) continue;
-    const double share = std::clamp(behind[i] / most_m, 0.0, 1.0);
+    const double share = std::clamp(behind[i] / max_m, 0.0, 1.0);
     uint8_t* to = out.pixels.data() + 3 * i;
     to[0] = uint8_t(150 + 90 * share), to[1] = to[2] = uint8_t(150 - 110 * share);
   }

@@ -16,18 +16,18 @@ struct SilhouetteMatch {
 };
 SilhouetteMatch silhouetteMatch(const silhouette::Silhouette& silhouette, const TriangleMesh& surface);
 
-// Share of the hull's picture where the surface lies at least `least_m` behind the hull along the optical axis, or is
+// Share of the hull's picture where the surface lies at least `min_m` behind the hull along the optical axis, or is
 // missing.
-double movedShare(const PinholeCamera& camera, const TriangleMesh& hull, const TriangleMesh& surface, double least_m);
+double movedShare(const PinholeCamera& camera, const TriangleMesh& hull, const TriangleMesh& surface, double min_m);
 
 // RGB, cropped to the performer: the camera's picture with the outlines of surface (green) and silhouette (red) where
 // they differ; and the surface alone, shaded from the camera.
 struct SurfacePictures {
   Image over_picture, shaded;
 };
-// Picture of the same crop: the surface from grey at the hull to red at `most_m` or more behind it.
+// Picture of the same crop: the surface from grey at the hull to red at `max_m` or more behind it.
 Image movedPicture(const PinholeCamera& camera, const Image& rgba, const TriangleMesh& hull,
-                   const TriangleMesh& surface, double most_m);
+                   const TriangleMesh& surface, double max_m);
 SurfacePictures surfacePictures(const silhouette::Silhouette& silhouette, const Image& rgba,
                                 const TriangleMesh& surface);
 

@@ -78,7 +78,7 @@ float fused(const std::vector<MapAtPoint>& maps, const glm::vec3& point, float h
   float total = 0;
   for (const MapAtPoint& map : maps)
     if (map.at(point, truncation, evidence[n])) total += evidence[n++].weight;
-  if (total <= options.least_weight) return hull_m;
+  if (total <= options.min_weight) return hull_m;
   const float middle = median(evidence.data(), n, total);
   float sum = 0, weight = 0;
   for (int k = 0; k < n; ++k) {

@@ -13,8 +13,8 @@ namespace fourdvt::reconstruct {
 struct FusionOptions {
   double truncation_m = 0.03;  // maximum depth behind a map's surface with data
   double hull_stays_m =
-      0.003;  // maps no deeper than this are ignored; from three times as much on they replace the hull
-  double least_weight = 0.25;  // minimum total weight of the maps; below, the hull is kept
+      0.003;                 // maps no deeper than this are ignored; from three times as much on they replace the hull
+  double min_weight = 0.25;  // minimum total weight of the maps; below, the hull is kept
 };
 
 // Fused distance on the hull's grid.

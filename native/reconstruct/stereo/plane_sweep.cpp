@@ -12,7 +12,7 @@ namespace fourdvt::reconstruct {
 namespace {
 
 constexpr int kTableWidth = 1024;
-constexpr size_t kMostCompared =
+constexpr size_t kMaxCompared =
     32;  // maximum number of cameras whose mattes bound the depths, by the uniforms available on every GPU
 const char kTableDefine[] = "TABLE_WIDTH 1024\n";
 
@@ -44,12 +44,13 @@ glm::mat4 pixelFromReference(const PinholeCamera& camera, const PinholeCamera& r
                    glm::inverse(intrinsics(reference)));
 }
 
-// Sources, then other cameras: all, or an even subset if there are too many.
+// Indices of the cameras to compare: all sources, then the other cameras, evenly spaced ones if they exceed the
+// maximum.
 std::vector<size_t> comparedOrder(size_t cameras, const std::vector<size_t>& sources) {
   std::vector<size_t> others, order = sources;
   for (size_t c = 0; c < cameras; ++c)
     if (std::find(sources.begin(), sources.end(), c) == sources.end()) others.push_back(c);
-  const size_t room = std::min(cameras, kMostCompared) - sources.size();
+  const size_t room = std::min(cameras, kMaxCompared) - sources.size();
   for (size_t k = 0; k < room; ++k) order.push_back(others[k * others.size() / room]);
   return order;
 }
@@ -81,7 +82,7 @@ Result<PlaneSweep> PlaneSweep::create(gpu::Device& device, std::span<const Pinho
 Result<gpu::ProgramId> PlaneSweep::programFor(size_t sources) {
   if (cost_programs_.size() <= sources) cost_programs_.resize(sources + 1);
   if (!cost_programs_[sources]) {
-    const std::string defines = "CAMERAS " + std::to_string(std::min(cameras_.size(), kMostCompared)) + "\nSOURCES " +
+    const std::string defines = "CAMERAS " + std::to_string(std::min(cameras_.size(), kMaxCompared)) + "\nSOURCES " +
                                 std::to_string(sources) + "\nRADIUS " + std::to_string(options_.radius) +
                                 "\nSPACING float(" + std::to_string(options_.spacing) + ")\nCORRELATION_SHARE float(" +
                                 std::to_string(options_.correlation_share) + ")\n";
@@ -197,7 +198,7 @@ namespace {
 constexpr uint16_t kFar = 20000;     // exceeds all path costs
 constexpr int kSameMinimum = 2;      // planes: labels this close to the best one are the same minimum
 constexpr float kClearMargin = 254;  // margin over the second minimum, in a sum over eight directions, for weight 1
-constexpr float kLeastWeight = 0.05f;
+constexpr float kMinWeight = 0.05f;
 using Path = std::array<uint16_t, kMaxLabels + 2>;  // label l at l + 1, kFar at both ends
 
 struct PathState {
@@ -297,7 +298,7 @@ struct Sums {
         rival = l;
     const float margin = rival < 0 ? 0 : float(sums[rival] + rival * bias - sums[label] - label * bias) / kClearMargin;
     const float match = 1 - float(costs[label]) / 254;
-    return std::clamp(margin, kLeastWeight, 1.0f) * match * match;
+    return std::clamp(margin, kMinWeight, 1.0f) * match * match;
   }
 };
 

@@ -13,18 +13,18 @@
 namespace fourdvt::refine {
 namespace {
 
-constexpr uint32_t kMostFrames = 48, kFewestFrames = 8;  // per sequence
-constexpr uint32_t kMostKeyedFrames = 16;                // limit if mattes have to be computed
-constexpr size_t kMostClips = 4;                         // sequences used for poses
-constexpr int kRounds = 3;                               // alternations of times and cameras
+constexpr uint32_t kMaxFrames = 48, kMinFramesPerSequence = 8;  // per sequence
+constexpr uint32_t kMaxKeyedFrames = 16;                        // limit if mattes have to be computed
+constexpr size_t kMaxClips = 4;                                 // sequences used for poses
+constexpr int kRounds = 3;                                      // alternations of times and cameras
 // Minimum change of a time; it must exceed kDeviations standard deviations, too.
-constexpr double kLeastFrames = 0.1, kDeviations = 3;
+constexpr double kMinOffsetFrames = 0.1, kDeviations = 3;
 // Times and poses are accepted if the outline error falls below this share of the previous one, and the previous one
 // exceeded the mattes' own error.
 constexpr double kClearGain = 0.7, kConsistentPixels = 0.1;
-constexpr double kMostNear_deg = 0.1, kAsGood = 1.2;  // cameras that stay as given, see keepAsGiven
-constexpr double kFarShare = 0.1;                     // share of a camera's outline; above, the camera is inconsistent
-constexpr size_t kDrawnPoints = 2000;                 // outline points in the report's picture
+constexpr double kMaxNear_deg = 0.1, kAsGood = 1.2;  // cameras that stay as given, see keepAsGiven
+constexpr double kFarShare = 0.1;                    // share of a camera's outline; above, the camera is inconsistent
+constexpr size_t kDrawnPoints = 2000;                // outline points in the report's picture
 constexpr float kDrawnReachPixels = 30;
 constexpr double kCulprit = 0.5;  // without that camera, the others' error falls below this share
 
@@ -74,10 +74,10 @@ class Calibrator {
 
   Status read(const OpenVideo& open_video) {
     const size_t sequences =
-        std::min(capture_.sequences.size(), options_.times ? capture_.sequences.size() : kMostClips);
+        std::min(capture_.sequences.size(), options_.times ? capture_.sequences.size() : kMaxClips);
     FOURDVT_ASSIGN(const bool keys, keyed(capture_, open_video));
-    const uint32_t most = keys ? kMostKeyedFrames : kMostFrames;
-    const auto frames = uint32_t(std::max<size_t>(kFewestFrames, 2 * most / (1 + sequences)));
+    const uint32_t most = keys ? kMaxKeyedFrames : kMaxFrames;
+    const auto frames = uint32_t(std::max<size_t>(kMinFramesPerSequence, 2 * most / (1 + sequences)));
     for (size_t s = 0; s < sequences; ++s) {
       const capture::CaptureSequence& sequence = capture_.sequences[s];
       FOURDVT_ASSIGN(auto clip,
@@ -106,12 +106,12 @@ class Calibrator {
     for (size_t s = 0; s < clips_.size(); ++s) {
       const double share = double(s) / double(clips_.size());
       if (!go_on("times of " + capture_.sequences[s].name, 0.3 + 0.2 * share)) return;
-      times_[s] = fitTimes(clips_[s], {now_, offsets_[s], ignored_}, {round == 0 ? options_.most_frames : 0});
+      times_[s] = fitTimes(clips_[s], {now_, offsets_[s], ignored_}, {round == 0 ? options_.max_frames : 0});
       std::vector<double> offsets(given_.size(), 0.0);
       for (size_t c = 0; c < given_.size(); ++c) {
         const CameraTime& time = times_[s][c];
-        const bool clear =
-            time.known && std::abs(time.offset_frames) >= std::max(kLeastFrames, kDeviations * time.deviation_frames);
+        const bool clear = time.known && std::abs(time.offset_frames) >=
+                                             std::max(kMinOffsetFrames, kDeviations * time.deviation_frames);
         if (clear) offsets[c] = time.offset_frames;
       }
       if (!explainsMore(clips_[s], offsets)) std::fill(offsets.begin(), offsets.end(), 0.0);
@@ -162,8 +162,8 @@ class Calibrator {
     if (!extent.known) return;
     std::vector<double> near_deg;
     for (const CameraRefit& refit : refits_)
-      near_deg.push_back(std::min(kMostNear_deg, kDeviations * glm::length(refit.turn_deviation_deg)));
-    const auto fewer = leastTurned(given_, cameras, extent.middle_in_world, near_deg);
+      near_deg.push_back(std::min(kMaxNear_deg, kDeviations * glm::length(refit.turn_deviation_deg)));
+    const auto fewer = minTurned(given_, cameras, extent.middle_in_world, near_deg);
     if (outside(timed(), fewer) <= std::max(kConsistentPixels, kAsGood * outside(timed(), cameras))) cameras = fewer;
   }
 
@@ -269,7 +269,7 @@ class Calibrator {
       }
       for (size_t s = 0; s < out_.sequences.size() && options_.times; ++s) {
         const CameraTime& time = camera.times[s];
-        if (time.known && std::abs(time.offset_frames) > options_.most_frames - 0.5) {
+        if (time.known && std::abs(time.offset_frames) > options_.max_frames - 0.5) {
           out_.warnings.push_back(
               printed("%s, camera \"%s\" (%.1f frames): is off by that or more, the most that is searched; search "
                       "further (--most-offset)",

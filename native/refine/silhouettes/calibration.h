@@ -17,7 +17,7 @@ namespace fourdvt::refine {
 
 struct CalibrationOptions {
   bool times = true, cameras = true;
-  int most_frames = 8;  // limit of a time offset
+  int max_frames = 8;  // limit of a time offset
 };
 
 struct CameraCalibration {

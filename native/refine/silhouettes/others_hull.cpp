@@ -11,7 +11,7 @@ namespace {
 constexpr int kDepths = 64;      // samples along a ray
 constexpr int kFiner = 2;        // rounds of refinement around the best sample
 constexpr int kFinerDepths = 4;  // per side
-constexpr size_t kFewestOthers = 2;
+constexpr size_t kMinOthers = 2;
 constexpr double kBlock_m = 0.2;
 constexpr float kFarPixels = 2;  // beyond, a point contradicts the hull
 constexpr int kSearchSteps = 16, kRootSteps = 3;
@@ -44,7 +44,7 @@ Extent extentOf(const SilhouetteClip& clip, const RigState& rig, double instant)
     seen.push_back({&camera, box->first, box->second});
   }
   Extent out;
-  if (seen.size() < kFewestOthers + 1) return out;
+  if (seen.size() < kMinOthers + 1) return out;
   out.middle_in_world = glm::inverse(left) * right;
   for (const Seen& s : seen) {
     const glm::dvec3 p = s.camera->project(out.middle_in_world);
@@ -79,7 +79,7 @@ OthersHull::OthersHull(const SilhouetteClip& clip, const RigState& rig, size_t c
     other.scale = camera_.fx / view.fx;
     others_.push_back(other);
   }
-  usable_ = others_.size() >= kFewestOthers + tolerated && 3 * others_.size() >= 2 * possible;
+  usable_ = others_.size() >= kMinOthers + tolerated && 3 * others_.size() >= 2 * possible;
 }
 
 float OthersHull::insideAt(const std::vector<Other>& others, double depth_m) const {
@@ -98,7 +98,7 @@ float OthersHull::insideAt(const std::vector<Other>& others, double depth_m) con
       second = std::min(second, here);
     if (tolerated_ == 0 && lowest < -1e4f) break;
   }
-  return seen < kFewestOthers + tolerated_ ? -1e6f : tolerated_ > 0 ? second : lowest;
+  return seen < kMinOthers + tolerated_ ? -1e6f : tolerated_ > 0 ? second : lowest;
 }
 
 OthersHull::Deepest OthersHull::alongRay(const glm::vec2& pixel) const {
@@ -125,7 +125,7 @@ std::optional<OutlinePoint> OthersHull::outlineAt(const EdgePoint& edge, float r
   Deepest here = alongRay(edge.pixel);
   if (!here.seen) return std::nullopt;
   const bool outward = here.inside_pixels >= 0;
-  const float most = outward ? std::min(kMostSlackPixels, reach_pixels) : reach_pixels, sign = outward ? 1.0f : -1.0f;
+  const float most = outward ? std::min(kMaxSlackPixels, reach_pixels) : reach_pixels, sign = outward ? 1.0f : -1.0f;
   // Brackets the crossing between a position inside the hull and one outside, then applies the secant method.
   float in = 0, out = 0, value_in = here.inside_pixels, value_out = here.inside_pixels, way = 0;
   Deepest at = here;
@@ -168,7 +168,7 @@ StickOut stickOut(const SilhouetteClip& clip, const RigState& rig, size_t camera
       if (!deepest.seen) continue;
       const float outside = std::max(0.0f, -deepest.inside_pixels);
       ++out.points;
-      out.mean_pixels += std::min(outside, kMostOutsidePixels);
+      out.mean_pixels += std::min(outside, kMaxOutsidePixels);
       out.far_share += outside > kFarPixels;
     }
   }

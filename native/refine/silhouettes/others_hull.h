@@ -49,8 +49,8 @@ class OthersHull {
   Deepest alongRay(const glm::vec2& pixel) const;
 
   // Point of the hull's outline along the silhouette's normal; none if they are further apart than `reach_pixels`, or
-  // the hull exceeds the silhouette by more than kMostSlackPixels.
-  static constexpr float kMostSlackPixels = 8;
+  // the hull exceeds the silhouette by more than kMaxSlackPixels.
+  static constexpr float kMaxSlackPixels = 8;
   std::optional<OutlinePoint> outlineAt(const EdgePoint& edge, float reach_pixels) const;
 
  private:
@@ -72,10 +72,10 @@ class OthersHull {
 // Distance by which a camera's silhouettes exceed the hull of all others that are not ignored.
 struct StickOut {
   size_t points = 0;       // on outlines
-  double mean_pixels = 0;  // in the clip's pictures; a point counts at most kMostOutsidePixels
+  double mean_pixels = 0;  // in the clip's pictures; a point counts at most kMaxOutsidePixels
   double far_share = 0;    // share of points that exceed it by more than two pixels
 };
-constexpr float kMostOutsidePixels = 8;
+constexpr float kMaxOutsidePixels = 8;
 // Uses about `per_picture` points in each of at most `frames` frames.
 StickOut stickOut(const SilhouetteClip& clip, const RigState& rig, size_t camera, size_t frames, size_t per_picture,
                   size_t tolerated);

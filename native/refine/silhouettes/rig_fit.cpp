@@ -11,10 +11,10 @@ namespace fourdvt::refine {
 namespace {
 
 constexpr size_t kFrames = 12, kPoints = 60;  // per clip; per picture
-constexpr size_t kMostRounds = 8;             // changes per camera, on average
+constexpr size_t kMaxRounds = 8;              // changes per camera, on average
 constexpr size_t kSeveral = 3;                // cameras
 constexpr int kPlaceRounds = 50;
-constexpr double kLeastTurn_rad = 1e-5;
+constexpr double kMinTurn_rad = 1e-5;
 
 std::vector<BlockedPoint> pointsOf(const std::vector<TimedClip>& clips, const std::vector<PinholeCamera>& cameras,
                                    const std::vector<char>& ignored, size_t camera, float reach_pixels) {
@@ -51,7 +51,7 @@ class Rig {
     const size_t cameras = given_.size();
     std::vector<char> asked(cameras, 1);
     bool everyone = true;
-    for (size_t round = 0; round < kMostRounds * cameras && go_on_(); ++round) {
+    for (size_t round = 0; round < kMaxRounds * cameras && go_on_(); ++round) {
       const int best = sweep(asked, deviations);
       if (best < 0 && everyone) break;
       everyone = best < 0;
@@ -110,8 +110,8 @@ std::vector<CameraRefit> fitRig(const std::vector<TimedClip>& clips, const std::
   return Rig(clips, given, ignored, go_on).fit();
 }
 
-std::vector<PinholeCamera> leastTurned(const std::vector<PinholeCamera>& given, const std::vector<PinholeCamera>& found,
-                                       const glm::dvec3& middle_in_world, const std::vector<double>& near_deg) {
+std::vector<PinholeCamera> minTurned(const std::vector<PinholeCamera>& given, const std::vector<PinholeCamera>& found,
+                                     const glm::dvec3& middle_in_world, const std::vector<double>& near_deg) {
   const size_t cameras = given.size();
   // A shift `at` of the performer corresponds to rotations by_place[c] · at of camera c, radians.
   std::vector<glm::dvec3> turn(cameras);
@@ -128,7 +128,7 @@ std::vector<PinholeCamera> leastTurned(const std::vector<PinholeCamera>& given, 
     glm::dmat3 left(1e-9);
     glm::dvec3 right(0);
     for (size_t c = 0; c < cameras; ++c) {
-      const double weight = 1 / std::max(kLeastTurn_rad, glm::length(turn[c] - by_place[c] * at));
+      const double weight = 1 / std::max(kMinTurn_rad, glm::length(turn[c] - by_place[c] * at));
       left += weight * glm::transpose(by_place[c]) * by_place[c];
       right += weight * glm::transpose(by_place[c]) * turn[c];
     }

@@ -24,8 +24,8 @@ std::vector<CameraRefit> fitRig(const std::vector<TimedClip>& clips, const std::
 
 // Rigs that differ by a shift of the performer's position fit equally well. Returns the one with the minimum sum of
 // rotation angles, with cameras within `near_deg` [camera] of it as given. `middle_in_world`: performer's centre.
-std::vector<PinholeCamera> leastTurned(const std::vector<PinholeCamera>& given, const std::vector<PinholeCamera>& found,
-                                       const glm::dvec3& middle_in_world, const std::vector<double>& near_deg);
+std::vector<PinholeCamera> minTurned(const std::vector<PinholeCamera>& given, const std::vector<PinholeCamera>& found,
+                                     const glm::dvec3& middle_in_world, const std::vector<double>& near_deg);
 
 // Outline errors [camera] over all clips.
 std::vector<StickOut> stickOut(const std::vector<TimedClip>& clips, const std::vector<PinholeCamera>& cameras,

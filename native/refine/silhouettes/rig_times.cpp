@@ -16,23 +16,23 @@ constexpr double kFramesCost = 0.002;  // pixels per frame: prefers the smaller 
 constexpr int kCoarseRounds = 6, kFineRounds = 10;
 constexpr double kSettledFrames = 0.01, kLargestStep = 1, kDamping = 0.7;
 constexpr float kReachPixels = 12;
-constexpr double kMostDeviation = 0.2;  // frames; above, an offset counts as unknown
+constexpr double kMaxDeviation = 0.2;  // frames; above, an offset counts as unknown
 constexpr size_t kToleratedFrom =
     7;  // cameras; from this number on, one other camera may be inconsistent in a comparison
 
 // Whole number of frames near `middle` with which a camera fits the others best.
 double bestWhole(const SilhouetteClip& clip, const RigState& rig, size_t camera, double middle,
                  const TimeOptions& options, size_t tolerated) {
-  const int count = 2 * options.most_frames + 1;
+  const int count = 2 * options.max_frames + 1;
   std::vector<double> costs(count, 1e9);
   inParallel(count, [&](int i) {
     RigState tried = rig;
-    tried.offset_frames[camera] = middle + i - options.most_frames;
+    tried.offset_frames[camera] = middle + i - options.max_frames;
     const StickOut cost = stickOut(clip, tried, camera, kCoarseFrames, kCoarsePoints, tolerated);
-    if (cost.points > 0) costs[i] = cost.mean_pixels + kFramesCost * std::abs(i - options.most_frames);
+    if (cost.points > 0) costs[i] = cost.mean_pixels + kFramesCost * std::abs(i - options.max_frames);
   });
   const auto least = std::min_element(costs.begin(), costs.end());
-  return *least < 1e9 ? middle + double(least - costs.begin()) - options.most_frames : rig.offset_frames[camera];
+  return *least < 1e9 ? middle + double(least - costs.begin()) - options.max_frames : rig.offset_frames[camera];
 }
 
 // Optimises whole frames, camera by camera, until none changes.
@@ -60,7 +60,7 @@ double stepTimes(const SilhouetteClip& clip, const std::vector<size_t>& frames, 
   });
   double largest = 0;
   for (size_t c = 0; c < cameras; ++c) {
-    out[c].known = steps[c].solvable && steps[c].frames_deviation < kMostDeviation;
+    out[c].known = steps[c].solvable && steps[c].frames_deviation < kMaxDeviation;
     out[c].deviation_frames = steps[c].frames_deviation;
     if (!out[c].known) continue;
     const double step = std::clamp(kDamping * steps[c].change.frames, -kLargestStep, kLargestStep);
@@ -76,7 +76,7 @@ std::vector<CameraTime> fitTimes(const SilhouetteClip& clip, const RigState& giv
   RigState rig = given;
   const size_t cameras = rig.cameras.size();
   std::vector<CameraTime> out(cameras);
-  if (options.most_frames > 0) fitWhole(clip, rig, options, cameras >= kToleratedFrom ? 1 : 0);
+  if (options.max_frames > 0) fitWhole(clip, rig, options, cameras >= kToleratedFrom ? 1 : 0);
   const std::vector<size_t> frames = clip.spreadFrames(kFineFrames);
   for (int round = 0; round < kFineRounds; ++round)
     if (stepTimes(clip, frames, rig, out) < kSettledFrames) break;

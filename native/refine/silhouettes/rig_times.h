@@ -14,7 +14,7 @@ struct CameraTime {
 };
 
 struct TimeOptions {
-  int most_frames = 8;  // maximum difference of an offset from the median; 0: fractions only
+  int max_frames = 8;  // maximum difference of an offset from the median; 0: fractions only
 };
 
 // Fits one offset per camera; their median is 0, since absolute time is not observable. `rig`: calibration and initial

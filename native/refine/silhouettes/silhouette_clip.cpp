@@ -118,10 +118,10 @@ std::vector<EdgePoint> SilhouetteClip::edge(size_t camera, size_t frame, size_t 
 }
 
 Result<SilhouetteClip> readSilhouetteClip(const capture::Capture& capture, const capture::CaptureSequence& sequence,
-                                          const OpenVideo& open_video, uint32_t most_frames, size_t clips,
+                                          const OpenVideo& open_video, uint32_t max_frames, size_t clips,
                                           const std::function<bool(double share)>& on_frame) {
-  const uint32_t count = std::min(sequence.frame_count, most_frames);
-  const int reduction = reductionOf(capture, most_frames * uint32_t(clips));
+  const uint32_t count = std::min(sequence.frame_count, max_frames);
+  const int reduction = reductionOf(capture, max_frames * uint32_t(clips));
   std::vector<PinholeCamera> cameras;
   for (const auto& camera : capture.cameras) cameras.push_back(reducedCamera(camera.pinhole, reduction));
   const uint32_t first = (sequence.frame_count - count) / 2;

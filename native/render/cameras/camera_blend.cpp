@@ -34,11 +34,11 @@ std::vector<size_t> camerasTowards(std::span<const PinholeCamera> cameras, const
 }
 
 CameraUniforms::CameraUniforms(std::span<const PinholeCamera> cameras, std::span<const size_t> chosen,
-                               const DepthMaps& maps, const BlendPictures& pictures, float least_cosine,
+                               const DepthMaps& maps, const BlendPictures& pictures, float min_cosine,
                                float length_scale)
     : maps_(maps),
       pictures_(pictures),
-      least_cosine_(least_cosine),
+      min_cosine_(min_cosine),
       depth_bias_(kDepthBias_m * length_scale),
       reach_(maps.reach()),
       depth_rows_(maps.rows()) {
@@ -67,7 +67,7 @@ void CameraUniforms::addTo(gpu::Draw& draw) const {
   for (const gpu::Uniform& uniform :
        {gpu::uniform("u_picture_size", pictures_.size), gpu::uniform("u_depth_rows", depth_rows_),
         gpu::uniform("u_reach", reach_), gpu::uniform("u_depth_bias", depth_bias_),
-        gpu::uniform("u_least_cosine", least_cosine_),
+        gpu::uniform("u_least_cosine", min_cosine_),
         gpu::uniform("u_pixel_from_character", std::span<const glm::mat4>(pixel_from_character_)),
         gpu::uniform("u_centres", std::span<const glm::vec4>(centres_)),
         gpu::uniform("u_pixel_spans", std::span<const glm::vec4>(pixel_spans_)),
@@ -87,7 +87,7 @@ std::string CameraUniforms::defines(size_t camera_count, const BlendPictures& pi
 Status UnseenFill::makeTables(gpu::Device& device, const CharacterModel& model) {
   if (model.vertex_count <= table_vertices_) return {};
   // Reserves a quarter more, since the next surface has a similar size.
-  const uint32_t vertices = std::min(model.vertex_count + model.vertex_count / 4, model.mostVertices());
+  const uint32_t vertices = std::min(model.vertex_count + model.vertex_count / 4, model.maxVertices());
   table_vertices_ = 0;
   for (Table* table : {&seen_, &colors_[0], &colors_[1]}) {
     *table = {};

@@ -35,7 +35,7 @@ class CameraUniforms {
   // Requires up-to-date depth maps of the chosen cameras. length_scale: the model's. An out-of-range camera index
   // stands for a camera that sees nothing; at least one index is valid.
   CameraUniforms(std::span<const PinholeCamera> cameras, std::span<const size_t> chosen, const DepthMaps& maps,
-                 const BlendPictures& pictures, float least_cosine, float length_scale);
+                 const BlendPictures& pictures, float min_cosine, float length_scale);
   void addTo(gpu::Draw& draw) const;
   // Returns the defines of programs for such draws.
   static std::string defines(size_t camera_count, const BlendPictures& pictures);
@@ -43,7 +43,7 @@ class CameraUniforms {
  private:
   const DepthMaps& maps_;
   const BlendPictures pictures_;
-  float least_cosine_, depth_bias_, reach_;
+  float min_cosine_, depth_bias_, reach_;
   int depth_rows_;
   std::vector<glm::mat4> pixel_from_character_;
   std::vector<glm::vec4> centres_, pixel_spans_, sizes_near_far_, sources_, tiles_;

@@ -36,7 +36,7 @@ Status FigureCameras::prepare(gpu::Device& device, const CharacterModel& model, 
 }
 
 CameraUniforms FigureCameras::uniforms(const CameraLook& look, const MethodOptions& options) const {
-  return CameraUniforms(look.cameras, chosen_, *maps_, picturesOf(look), options.least_cosine, length_scale_);
+  return CameraUniforms(look.cameras, chosen_, *maps_, picturesOf(look), options.min_cosine, length_scale_);
 }
 
 std::string FigureCameras::defines(const CameraLook& look, const MethodOptions& options) const {
@@ -106,13 +106,13 @@ void FigureCameras::setRegions(const CharacterModel& model, const CameraLook& lo
 Status FigureCameras::fill(gpu::Device& device, const CharacterModel& model, const CameraLook& look,
                            const MethodOptions& options) {
   if (fill_geometry_ == model.geometry_serial && fill_picture_ == look.serial && fill_cameras_ == chosen_ &&
-      fill_least_cosine_ == options.least_cosine)
+      fill_min_cosine_ == options.min_cosine)
     return {};
   FOURDVT_TRY(fill_.update(device, model, chosen_.size(), picturesOf(look), uniforms(look, options)));
   fill_geometry_ = model.geometry_serial;
   fill_picture_ = look.serial;
   fill_cameras_ = chosen_;
-  fill_least_cosine_ = options.least_cosine;
+  fill_min_cosine_ = options.min_cosine;
   return {};
 }
 

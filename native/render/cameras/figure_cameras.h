@@ -46,7 +46,7 @@ class FigureCameras {
   UnseenFill fill_;
   uint64_t fill_geometry_ = 0, fill_picture_ = 0;
   std::vector<size_t> fill_cameras_;
-  float fill_least_cosine_ = 0;
+  float fill_min_cosine_ = 0;
   std::vector<size_t> chosen_;
   size_t nearest_ = 0;
   int fills_ = 0;

@@ -13,7 +13,7 @@ namespace fourdvt::render {
 namespace {
 
 using gpu::PixelFormat;
-constexpr int kLeastSide = 64;  // pixels of a view's side; a quarter of less is too small for flow
+constexpr int kMinSide = 64;  // pixels of a view's side; a quarter of less is too small for flow
 
 class Floating final : public Method {
  public:
@@ -32,11 +32,11 @@ class Floating final : public Method {
     while (figures_.size() <= number) figures_.emplace_back();
     Figure& figure = figures_[number];
     FOURDVT_TRY(surface_.prepare(device));
-    FOURDVT_TRY(figure.cameras.prepare(device, model, look, view, options, FloatingPictures::kMost));
+    FOURDVT_TRY(figure.cameras.prepare(device, model, look, view, options, FloatingPictures::kMax));
     FOURDVT_TRY(pictures_.update(device, model, look, view, options, figure.cameras));
     FOURDVT_TRY(resizeGroup(device, view.width, view.height, {PixelFormat::RGBA8}, false, figure.shown));
     using Warp = PictureBlend::Warp;
-    if (form_ == FloatingForm::Linear || pictures_.count() == 1 || std::min(view.width, view.height) < kLeastSide)
+    if (form_ == FloatingForm::Linear || pictures_.count() == 1 || std::min(view.width, view.height) < kMinSide)
       return blend_.draw(device, {pictures_.weights(), pictures_.all()}, Warp::None, figure.shown);
     const bool is_star = form_ == FloatingForm::Star;
     FOURDVT_TRY(is_star ? star_.update(device, pictures_, blend_) : floatPairs(device));
@@ -73,7 +73,7 @@ class Floating final : public Method {
       for (size_t j = 0; j < n; ++j) {
         if (j == i) continue;
         FOURDVT_TRY(pairs_->compute(pictures_.picture(i), pictures_.picture(j), flows_[0].width, flows_[0].height));
-        FOURDVT_TRY(sum_.draw(device, {pairs_->flow(), pictures_.weights(), int(j), before, kMostBetweenPictures},
+        FOURDVT_TRY(sum_.draw(device, {pairs_->flow(), pictures_.weights(), int(j), before, kMaxBetweenPictures},
                               to->target.id()));
         before = to->textures[0].id();
         to = to == &flows_[i] ? &flows_[kScratch] : &flows_[i];
@@ -82,13 +82,13 @@ class Floating final : public Method {
     return {};
   }
 
-  static constexpr size_t kScratch = FloatingPictures::kMost;
+  static constexpr size_t kScratch = FloatingPictures::kMax;
   const FloatingForm form_;
   FloatingStar star_;                  // mean form
   std::unique_ptr<FlowSource> pairs_;  // pair form
   std::vector<Figure> figures_;        // indexed by figure
   FloatingPictures pictures_;
-  PictureGroup flows_[FloatingPictures::kMost + 1];  // by rank, for pairs, and scratch
+  PictureGroup flows_[FloatingPictures::kMax + 1];  // by rank, for pairs, and scratch
   FlowSum sum_;
   PictureBlend blend_;
   SurfacePicture surface_;
@@ -104,7 +104,7 @@ Result<std::unique_ptr<Method>> makeFloating(gpu::Device& device, FloatingForm f
 
 namespace {
 
-constexpr int kMost = FloatingPictures::kMost;
+constexpr int kMax = FloatingPictures::kMax;
 constexpr int kLongestSide = 1024;  // maximum texels of a flow field's side
 constexpr int kSideStep = 64;       // multiple of sizes, against changes from frame to frame
 constexpr int kOctaves = 1;         // flow is computed at half size
@@ -132,7 +132,7 @@ struct PairFlows {
 };
 
 bool showsAlike(const MethodOptions& a, const MethodOptions& b) {
-  return a.visibility == b.visibility && a.unseen == b.unseen && a.least_cosine == b.least_cosine &&
+  return a.visibility == b.visibility && a.unseen == b.unseen && a.min_cosine == b.min_cosine &&
          a.floating.radius_px == b.floating.radius_px;
 }
 
@@ -144,7 +144,7 @@ class FloatingStatic final : public Method {
                  const CharacterView& view, const MethodOptions& options) override {
     while (figures_.size() <= number) figures_.push_back(std::make_unique<Figure>());
     Figure& figure = *figures_[number];
-    FOURDVT_TRY(figure.cameras.prepare(device, model, look, view, options, kMost));
+    FOURDVT_TRY(figure.cameras.prepare(device, model, look, view, options, kMax));
     FOURDVT_TRY(resize(device, model, look, options, figure));
     FOURDVT_TRY(computeMissing(device, model, look, options, figure));
     const std::string defines = figure.cameras.defines(look, options);
@@ -172,7 +172,7 @@ class FloatingStatic final : public Method {
     figure.cameras.addTo(draw, view, options);
     draw.textures.push_back({"u_weights", figure.seen.weights()});
     draw.textures.push_back({"u_flows", figure.flows.texture.id()});
-    draw.uniforms.push_back(gpu::uniform("u_most", kMostBetweenPictures));
+    draw.uniforms.push_back(gpu::uniform("u_most", kMaxBetweenPictures));
     draw.uniforms.push_back(gpu::uniform("u_places", std::span<const glm::vec4>(places)));
     draw.uniforms.push_back(gpu::uniform("u_layers", std::span<const glm::vec4>(layers)));
     device.draw(draw);
@@ -260,7 +260,7 @@ class FloatingStatic final : public Method {
         FOURDVT_TRY(add_.draw(device,
                               {.flow = flow_->flow(),
                                .weights = pictures_.weights(),
-                               .most = static_cast<float>(kMostBetweenPictures * camera_heights)},
+                               .most = static_cast<float>(kMaxBetweenPictures * camera_heights)},
                               flows.targets[layer].id()));
         flows.pairs[layer] = {chosen[i], chosen[j], true};
       }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Floating Textures (FT): optical flow aligns the camera pictures in the view before they are blended. Martin Eisemann,
 // Bert De Decker, Marcus Magnor, Philippe Bekaert, Edilson de Aguiar, Naveed Ahmed, Christian Theobalt, Anita Sellent:
-// Floating Textures. Computer Graphics Forum 27(2) (Eurographics), 2008. Up to FloatingPictures::kMost cameras.
+// Floating Textures. Computer Graphics Forum 27(2) (Eurographics), 2008. Up to FloatingPictures::kMax cameras.
 #pragma once
 
 #include <memory>

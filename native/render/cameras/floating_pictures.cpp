@@ -55,7 +55,7 @@ Status SoftVisibility::update(gpu::Device& device, gpu::TextureId hidden, gpu::T
   }
   FOURDVT_TRY(resizeGroup(device, width, height, {PixelFormat::RGBA8}, false, across_));
   FOURDVT_TRY(resizeGroup(device, width, height, {PixelFormat::RGBA16F}, false, soft_));
-  const float radius = std::clamp(radius_px, 1.0f, kMostRadius_px);
+  const float radius = std::clamp(radius_px, 1.0f, kMaxRadius_px);
   FOURDVT_TRY(drawFullscreen(device, across_program_, across_.target.id(), {{"u_hidden", hidden}},
                              {gpu::uniform("u_radius", radius)}));
   return drawFullscreen(device, down_program_, soft_.target.id(),
@@ -206,7 +206,7 @@ Status FloatingStar::update(gpu::Device& device, const FloatingPictures& picture
       FOURDVT_TRY(sum_.draw(device,
                             {.flow = round.source->flow(),
                              .weights = pictures.weights(),
-                             .most = kMostFromMean,
+                             .most = kMaxFromMean,
                              .scale = glm::vec2(size) / glm::vec2(round_size)},
                             round.flows[i].target.id()));
     }

@@ -27,7 +27,7 @@ Status resizeGroup(gpu::Device& device, int width, int height, const std::vector
 // Soft visibility (FT Eq. 8) with exact distances, for four cameras at a time.
 class SoftVisibility {
  public:
-  static constexpr float kMostRadius_px = 128;
+  static constexpr float kMaxRadius_px = 128;
   // Draws weights × min(distance to the nearest hidden pixel / radius, 1). hidden: RGBA8, a channel per camera, 1 where
   // the camera does not see the surface; weights: RGBA16F, a channel per camera. Errors: GpuFailure.
   Status update(gpu::Device& device, gpu::TextureId hidden, gpu::TextureId weights, int width, int height,
@@ -42,9 +42,9 @@ class SoftVisibility {
 
 class FloatingPictures {
  public:
-  static constexpr int kMost = 4;  // maximum cameras: channels of a texture and colour targets of a draw
+  static constexpr int kMax = 4;  // maximum cameras: channels of a texture and colour targets of a draw
 
-  // Requires `cameras` prepared with the same arguments and at most kMost cameras; the view may differ. Errors:
+  // Requires `cameras` prepared with the same arguments and at most kMax cameras; the view may differ. Errors:
   // GpuFailure.
   Status update(gpu::Device& device, const CharacterModel& model, const CameraLook& look, const CharacterView& view,
                 const MethodOptions& options, const FigureCameras& cameras);
@@ -83,7 +83,7 @@ FlowOptions floatingFlow(FloatingFlow between, int octaves);
 
 // Maximum displacement (FlowSum's `most`) between two pictures and from their mean: shares of the view's height, in
 // still mode of the camera picture's.
-constexpr float kMostBetweenPictures = 0.0125f, kMostFromMean = 0.006f;
+constexpr float kMaxBetweenPictures = 0.0125f, kMaxFromMean = 0.006f;
 
 // Sum of flow fields, each weighted by one camera's share of the pixel (FT Eq. 6), in pixels of the weights. Flow and
 // target may differ in size; the flow is then sampled.

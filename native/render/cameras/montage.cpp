@@ -84,7 +84,7 @@ struct Figure4D {
 };
 
 bool servesAlike(const MethodOptions& a, const MethodOptions& b) {
-  return a.visibility == b.visibility && a.least_cosine == b.least_cosine &&
+  return a.visibility == b.visibility && a.min_cosine == b.min_cosine &&
          a.montage.discontinuity_px == b.montage.discontinuity_px &&
          a.montage.vote_threshold == b.montage.vote_threshold && a.montage.vote_reach_px == b.montage.vote_reach_px &&
          a.montage.clamp_m == b.montage.clamp_m;
@@ -164,7 +164,7 @@ class Montage final : public Method {
       return {};
     const bool only_votes = kind_ == Kind::Holoportation;
     const int rows = static_cast<int>(tableRows(model.vertex_count)), vertex_count = int(model.vertex_count);
-    const int room = static_cast<int>(tableRows(model.mostVertices()));
+    const int room = static_cast<int>(tableRows(model.maxVertices()));
     FOURDVT_TRY(
         makePair(device, gpu::PixelFormat::RGBA8, CharacterModel::kTableWidth, std::max(room, rows), figure.serves));
     FOURDVT_ASSIGN(const gpu::ProgramId serves,
@@ -247,7 +247,7 @@ class Montage final : public Method {
   }
 
   CameraUniforms uniforms(const Figure4D& figure, const CameraLook& look, const MethodOptions& options) const {
-    return CameraUniforms(look.cameras, figure.in_slots, figure.cameras.maps(), picturesOf(look), options.least_cosine,
+    return CameraUniforms(look.cameras, figure.in_slots, figure.cameras.maps(), picturesOf(look), options.min_cosine,
                           figure.cameras.lengthScale());
   }
 

@@ -38,7 +38,7 @@ Status Sweep::prepare(gpu::Device& device, size_t number, const CharacterModel& 
                       const CharacterView& view, const MethodOptions& options) {
   SweepOptions sweep = options.sweep;
   if (model.sweep_band_m > 0) sweep.band_m = model.sweep_band_m;
-  if (sweep.planes < kPlanesPerBlock || sweep.planes > kMostPlanes || sweep.planes % kPlanesPerBlock ||
+  if (sweep.planes < kPlanesPerBlock || sweep.planes > kMaxPlanes || sweep.planes % kPlanesPerBlock ||
       !(sweep.band_m > 0))
     return Error{ErrorId::InvalidArgument, "a sweep has 4 to 32 planes, in steps of 4, and a band"};
   while (figures_.size() <= number) figures_.emplace_back();
@@ -50,7 +50,7 @@ Status Sweep::prepare(gpu::Device& device, size_t number, const CharacterModel& 
   FOURDVT_TRY(makePrograms(device, job.defines, sweep.planes));
   Cause cause{
       model.geometry_serial, look.serial,  view.clip_from_character, view.width,         view.height,
-      sweep.planes,          sweep.band_m, options.least_cosine,     options.visibility, figure.cameras.chosen()};
+      sweep.planes,          sweep.band_m, options.min_cosine,       options.visibility, figure.cameras.chosen()};
   if (figure.cause == cause) return {};
   figure.cause = std::move(cause);
   drawSurface(device, model, view, figure);

@@ -18,7 +18,7 @@ class Sweep final : public Method {
  public:
   // Maximum depth of the band before the surface: the performer lies behind hulls and outset meshes.
   static constexpr float kBefore_m = 0.004f;
-  static constexpr int kMostPlanes = 32, kPlanesPerBlock = 4;
+  static constexpr int kMaxPlanes = 32, kPlanesPerBlock = 4;
 
   // Errors: as Method, and InvalidArgument for unsupported planes or band (SweepOptions).
   Status prepare(gpu::Device& device, size_t number, const CharacterModel& model, const CameraLook& look,
@@ -36,7 +36,7 @@ class Sweep final : public Method {
     uint64_t geometry = 0, picture = 0;
     glm::mat4 clip_from_character{0};
     int width = 0, height = 0, planes = 0;
-    float band_m = 0, least_cosine = 0;
+    float band_m = 0, min_cosine = 0;
     Visibility visibility = Visibility::None;
     std::vector<size_t> cameras;
     bool operator==(const Cause&) const = default;

@@ -13,8 +13,8 @@ Status SurfaceNeighbours::update(gpu::Device& device, const CharacterModel& mode
   if (model.vertex_count > vertices_ || model.face_count > faces_) {
     // Reserves a quarter more, since the next surface has a similar size.
     const auto room = [](uint32_t count, uint32_t most) { return std::max(count, std::min(count + count / 4, most)); };
-    const uint32_t vertices = room(model.vertex_count, model.mostVertices()),
-                   faces = room(model.face_count, model.mostFaces());
+    const uint32_t vertices = room(model.vertex_count, model.maxVertices()),
+                   faces = room(model.face_count, model.maxFaces());
     vertices_ = faces_ = 0;
     is_filled_ = false;
     FOURDVT_ASSIGN(table_,
@@ -77,7 +77,7 @@ void runPass(gpu::Device& device, gpu::TargetId target, uint32_t vertices, const
   device.endPass();
 }
 
-uint32_t roomFor(const CharacterModel& model) { return std::max(model.vertex_count, model.mostVertices()); }
+uint32_t roomFor(const CharacterModel& model) { return std::max(model.vertex_count, model.maxVertices()); }
 
 }  // namespace
 
@@ -112,7 +112,7 @@ Status SurfaceFields::updateDistances(gpu::Device& device, const CharacterModel&
   FOURDVT_TRY(makeProgram(device, "field_spread.frag", spread_program_));
   FOURDVT_TRY(neighbours_.update(device, model));
   const int vertex_count = static_cast<int>(model.vertex_count);
-  const float per_metre = 1 / std::max(clamp_m, 1e-4f), least_side = 1 / (kSidesPerStep * float(steps));
+  const float per_metre = 1 / std::max(clamp_m, 1e-4f), min_side = 1 / (kSidesPerStep * float(steps));
   const auto draw = [&](const Pair& to, const gpu::Program& program, const char* low, const char* high,
                         FieldTables from) {
     runPass(device, to.target.id(), model.vertex_count,
@@ -122,7 +122,7 @@ Status SurfaceFields::updateDistances(gpu::Device& device, const CharacterModel&
                           {low, from.low},
                           {high, from.high}},
              .uniforms = {gpu::uniform("u_vertex_count", vertex_count), gpu::uniform("u_per_metre", per_metre),
-                          gpu::uniform("u_least_side", least_side)},
+                          gpu::uniform("u_least_side", min_side)},
              .vertex_count = 3});
   };
   draw(distances_[0], seams_program_, "u_serves_low", "u_serves_high", serves);

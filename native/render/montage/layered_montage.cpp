@@ -18,9 +18,9 @@ namespace {
 // independent of surface orientation, with (0, 2) and 5 cm: 24.33 / .8131.
 constexpr glm::vec2 kPowers(2, 4);     // exponents of the aims: surface and ray, view and ray
 constexpr int kVaryingsOfDevice = 15;  // maximum guaranteed by WebGL2
-// Fields are dropped when there are more than kMostFields and they have not been prepared for kKept prepares. No
+// Fields are dropped when there are more than kMaxFields and they have not been prepared for kKept prepares. No
 // picture has that many parts: all of them are prepared before the first is drawn.
-constexpr size_t kMostFields = 16;
+constexpr size_t kMaxFields = 16;
 constexpr uint64_t kKept = 256;
 
 // Slot tables, low and high, and their programs.
@@ -95,7 +95,7 @@ class LayeredMontage final : public LayeredPass {
     own.share = std::clamp(2 * part.members[drawn].weight - 1, 0.0f, 1.0f);
     own.used = ++clock_;
     FOURDVT_TRY(updateFields(device, model, part, view, options, own));
-    if (members_.size() > kMostFields)
+    if (members_.size() > kMaxFields)
       std::erase_if(members_, [&](const auto& entry) { return entry.second.used + kKept < clock_; });
     return {};
   }

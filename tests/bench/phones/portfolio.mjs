@@ -49,7 +49,7 @@ export async function measurePortfolio(site, count) {
     const before = await shown();
     await page.waitForTimeout(1000);
     const back = (await shown()) - before;
-    const { contexts, modules, errors, mostDecoders: decoders } = await note();
+    const { contexts, modules, errors, maxDecoders: decoders } = await note();
     const [firstMs, ...others] = steps;
     return { contexts, modules, decoders, errors: errors.length, firstMs, steps: others, failed, unseenBytes, peak, back };
   } finally {
@@ -63,7 +63,7 @@ export async function measurePressure(site, count) {
   const server = await servePortfolio(site), browser = await launch();
   try {
     const { page, ...seen } = await pressPhone(browser, server.url, count);
-    const { mostDecoders: decoders, errors } = await holdings(page);
+    const { maxDecoders: decoders, errors } = await holdings(page);
     return { ...seen, decoders, errors: errors.length };
   } finally {
     await browser.close();

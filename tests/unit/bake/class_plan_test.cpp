@@ -70,7 +70,7 @@ TEST(TimeWarp, PaceKeepsItsBounds) {
   }
 }
 
-double mostApart(const std::vector<double>& a, const std::vector<double>& b, double pass) {
+double maxApart(const std::vector<double>& a, const std::vector<double>& b, double pass) {
   double most = 0;
   for (size_t p = 0; p < a.size(); ++p) most = std::max(most, std::abs(std::remainder(a[p] - b[p], pass)));
   return most;
@@ -84,16 +84,16 @@ TEST(TimeWarp, ABandRoundTheThinnedWarpFindsThePathOfTheWholeSearch) {
         155, loop, [=](double u) { return u + 0.05 * std::sin(kTau * u) + 0.004 * std::sin(9 * kTau * u) + offset; });
     const std::vector<double> whole = warpTime(reference, member, loop);
     WarpSearch few;
-    few.most_cells = 200 * 155 * 11 / 10;  // a tenth of what the whole search takes
+    few.max_cells = 200 * 155 * 11 / 10;  // a tenth of what the whole search takes
     const std::vector<double> band = warpTime(reference, member, loop, few);
     ASSERT_EQ(band.size(), 200u);
-    EXPECT_LT(mostApart(band, whole, 155), 0.25) << "frames, a few steps; loop " << loop;
+    EXPECT_LT(maxApart(band, whole, 155), 0.25) << "frames, a few steps; loop " << loop;
     std::vector<double> even;
     for (size_t p = 0; p < 200; ++p) even.push_back(whole[0] + double(p) * (loop ? 155 / 200. : 154 / 199.));
-    EXPECT_GT(mostApart(whole, even, 155), 3) << "the member's time is not its mean pace";
+    EXPECT_GT(maxApart(whole, even, 155), 3) << "the member's time is not its mean pace";
     // A band that is too narrow is widened until the path keeps off its edges.
     few.band_frames = 0.05;
-    EXPECT_LT(mostApart(warpTime(reference, member, loop, few), whole, 155), 0.25)
+    EXPECT_LT(maxApart(warpTime(reference, member, loop, few), whole, 155), 0.25)
         << "frames, a few steps; loop " << loop;
   }
 }

@@ -134,7 +134,7 @@ TEST(Registration, FindsHowFarAPictureLiesOff) {
     EXPECT_GT(found.psnr_db, 25) << "but for the border, which is repeated";
   }
   const RegisteredScore far = registeredScore(truth, dotted(90, 70, {40, 0}), inside);
-  EXPECT_LE(std::abs(far.shift_px.x), kMostShift_px);
+  EXPECT_LE(std::abs(far.shift_px.x), kMaxShift_px);
 }
 
 TEST(Registration, LooksAtNothingOutside) {

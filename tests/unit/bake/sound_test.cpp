@@ -49,7 +49,7 @@ TEST_P(SoundTest, SegmentsDecodeToTheirSamplesAtTheirTime) {
     const auto encoded = encodeSegment(codec, clicks(count, channels, at), channels);
     ASSERT_TRUE(encoded.ok()) << encoded.error().message;
     EXPECT_GE(encoded.value().samples, count);
-    EXPECT_LE(encoded.value().samples, count + kMostPadding);
+    EXPECT_LE(encoded.value().samples, count + kMaxPadding);
     ASSERT_TRUE(platform::writeFileAtomic(file.string(), encoded.value().bytes).ok());
     auto reader = platform::AudioReader::open(file.string(), kSoundRate);
     ASSERT_TRUE(reader.ok()) << reader.error().message;

@@ -170,7 +170,7 @@ TEST_F(Access, TokenFilesAreMadeForTheirOwnerAndRead) {
   EXPECT_FALSE(read.value().made);
   EXPECT_EQ(read.value().tokens.camera, made.value().tokens.camera);
   EXPECT_EQ(read.value().tokens.console, made.value().tokens.console);
-  EXPECT_GE(made.value().tokens.viewer.size(), kFewestTokenCharacters);
+  EXPECT_GE(made.value().tokens.viewer.size(), kMinTokenCharacters);
   EXPECT_NE(made.value().tokens.viewer, made.value().tokens.camera);
   EXPECT_EQ(readOrMakeTokens(folder_ + "/no/folder").error().id, ErrorId::WriteFailed);
   const std::string right = "camera 1234567890123456\n# note\n\nviewer 2234567890123456\n";

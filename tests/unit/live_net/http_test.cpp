@@ -120,7 +120,7 @@ TEST_F(Http, AClientThatReadsNoneOfAFileHarmsNobody) {
 
 TEST_F(Http, AnswersConnectionsBeyondTheMostWith503) {
   server_.reset();
-  options_.most_connections = 2;
+  options_.max_connections = 2;
   start();
   {
     const auto one = openRaw(), two = openRaw();

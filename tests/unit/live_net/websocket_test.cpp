@@ -35,7 +35,7 @@ TEST_F(WebSockets, CloseHandshakeEndsTheConnectionOnce) {
 }
 
 TEST_F(WebSockets, RefusesAMessageThatIsTooLarge) {
-  handler_.limits.most_message_bytes = 1000;
+  handler_.limits.max_message_bytes = 1000;
   start();
   const auto socket = openRaw();
   socket->send(clientFrame(std::string(1000, 'x')));
@@ -58,7 +58,7 @@ TEST_F(WebSockets, NeverWaitsForAMessageThatSaysItIsTooLarge) {
 }
 
 TEST_F(WebSockets, ClosesWhoSendsTooManyMessages) {
-  handler_.limits.most_messages_per_s = 5;
+  handler_.limits.max_messages_per_s = 5;
   start();
   const auto socket = openRaw();
   std::string burst;
@@ -73,7 +73,7 @@ TEST_F(WebSockets, ClosesWhoSendsTooManyMessages) {
 }
 
 TEST_F(WebSockets, CountsPingsAsMessages) {
-  handler_.limits.most_messages_per_s = 5;
+  handler_.limits.max_messages_per_s = 5;
   start();
   const auto socket = openRaw();
   std::string burst;
@@ -137,7 +137,7 @@ TEST_F(WebSockets, TruncatedHandshakesHarmNobody) {
 }
 
 TEST_F(WebSockets, ADeadClientIsCutAtItsLimitAndOthersGoOn) {
-  handler_.limits.most_queued_bytes = 1 << 20;
+  handler_.limits.max_queued_bytes = 1 << 20;
   options_.idle_s = 10 * kPatience;  // not closed by that
   start();
   const auto dead = openRaw(4096);  // never reads

@@ -115,7 +115,7 @@ package::Rect rectOf(const nlohmann::json& j) { return {j[0], j[1], j[2], j[3]};
 
 TEST(LivePipeline, MakesFramesThatAReaderTakes) {
   PipelineOptions options;
-  options.most_gop = 5;
+  options.max_gop = 5;
   Stage stage(options);
   ASSERT_TRUE(stage.pipeline);
   stage.run(kFrames);
@@ -262,7 +262,7 @@ TEST(LivePipeline, RefusesWhatCannotWork) {
   options.picture_share = 0;
   EXPECT_TRUE(refused(ballRig(), options));
   options = {};
-  options.least_tolerance_px = 20;
+  options.min_tolerance_px = 20;
   EXPECT_TRUE(refused(ballRig(), options));
 }
 

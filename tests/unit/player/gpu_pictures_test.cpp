@@ -66,7 +66,7 @@ Played playAtRandom(SimulatedEdge& edge, int frames) {
 }
 
 EdgeOptions paced(uint32_t seed) {
-  EdgeOptions options{.seed = seed, .least_decoded = 4};
+  EdgeOptions options{.seed = seed, .min_decoded = 4};
   options.player.picture_kind = kRgba;
   options.player.paced = true;
   return options;

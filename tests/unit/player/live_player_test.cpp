@@ -300,10 +300,10 @@ TEST(LivePlayer, OutOfSightItClosesItsDecoderWhenTheStreamStops) {
 
 TEST(LivePlayer, WhatWaitsIsBoundedWhereTheEdgeDoesNotKeepUp) {
   LiveEdge edge;
-  const uint64_t most_bytes = 8 * liveMessage(6, false).size();
+  const uint64_t max_bytes = 8 * liveMessage(6, false).size();
   for (uint32_t number = 0; number < 100; ++number) {
     edge.send(number, number % 50 == 0);
-    EXPECT_LE(edge.player->stats().encoded_bytes_held, most_bytes);
+    EXPECT_LE(edge.player->stats().encoded_bytes_held, max_bytes);
   }
   edge.decode();
   edge.tick();

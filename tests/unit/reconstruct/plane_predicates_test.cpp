@@ -8,8 +8,8 @@
 namespace fourdvt::reconstruct {
 namespace {
 
-constexpr double kMost = 1 << 29;
-const Plane kX{{kMost - 1, 1, 2, 0}}, kY{{1, kMost - 3, 1, 0}}, kZ{{2, 5, kMost - 7, 0}};
+constexpr double kMax = 1 << 29;
+const Plane kX{{kMax - 1, 1, 2, 0}}, kY{{1, kMax - 3, 1, 0}}, kZ{{2, 5, kMax - 7, 0}};
 
 int side(const Plane& a, const Plane& b, const Plane& c, const Plane& d) {
   return PlanePoint(PlaneLine(a, b), c).side(d);
@@ -18,7 +18,7 @@ int side(const Plane& a, const Plane& b, const Plane& c, const Plane& d) {
 TEST(PlanePredicates, OneUnitOfAnOffsetDecides) {
   // The three planes meet in the origin; doubles cannot tell 2^-29 from nothing here.
   for (int unit : {-1, 0, 1}) {
-    const Plane d{{kMost, -kMost + 1, kMost - 2, double(unit)}};
+    const Plane d{{kMax, -kMax + 1, kMax - 2, double(unit)}};
     EXPECT_EQ(side(kX, kY, kZ, d), unit);
     EXPECT_EQ(side(kY, kX, kZ, d), unit);
     EXPECT_EQ(side(kZ, kX, kY, d), unit);
@@ -28,12 +28,12 @@ TEST(PlanePredicates, OneUnitOfAnOffsetDecides) {
 TEST(PlanePredicates, HeadingIsTheOrientationOfTheNormals) {
   EXPECT_EQ(PlanePoint(PlaneLine(kX, kY), kZ).heading(), 1);
   EXPECT_EQ(PlanePoint(PlaneLine(kY, kX), kZ).heading(), -1);
-  const Plane in_between{{kMost / 2, kMost / 2, 0, 17}};
-  EXPECT_EQ(PlanePoint(PlaneLine({{kMost, 0, 0, 1}}, {{0, kMost, 0, 2}}), in_between).heading(), 0);
+  const Plane in_between{{kMax / 2, kMax / 2, 0, 17}};
+  EXPECT_EQ(PlanePoint(PlaneLine({{kMax, 0, 0, 1}}, {{0, kMax, 0, 2}}), in_between).heading(), 0);
   // Nearly parallel to the line: still a heading.
-  const Plane x{{kMost, 0, 0, 1}}, y{{0, kMost, 0, 2}};
-  EXPECT_EQ(PlanePoint(PlaneLine(x, y), {{kMost, kMost, 1, 0}}).heading(), 1);
-  EXPECT_EQ(PlanePoint(PlaneLine(x, y), {{kMost, kMost, -1, 0}}).heading(), -1);
+  const Plane x{{kMax, 0, 0, 1}}, y{{0, kMax, 0, 2}};
+  EXPECT_EQ(PlanePoint(PlaneLine(x, y), {{kMax, kMax, 1, 0}}).heading(), 1);
+  EXPECT_EQ(PlanePoint(PlaneLine(x, y), {{kMax, kMax, -1, 0}}).heading(), -1);
 }
 
 TEST(PlanePredicates, AnswersDoNotDependOnTheOrder) {
@@ -86,7 +86,7 @@ TEST(PlanePredicates, AlmostParallelPlanesAreToldApart) {
     EXPECT_EQ(point.position(), glm::dvec3(3, -5, 2));
     for (int unit : {-1, 0, 1}) {
       EXPECT_EQ(point.side({{1, 0, 0, -3.0 + unit}}), unit);
-      EXPECT_EQ(point.side({{kMost / 2 - 1, kMost / 2 - 3, 7, kMost - 26 + unit}}), unit);
+      EXPECT_EQ(point.side({{kMax / 2 - 1, kMax / 2 - 3, 7, kMax - 26 + unit}}), unit);
     }
   }
 }

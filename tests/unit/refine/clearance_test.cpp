@@ -42,7 +42,7 @@ TEST(Clearance, OfAPlateIsAShareOfItsThickness) {
   const auto found = clearances(thin);
   EXPECT_EQ(found.size(), 4 * thin.faces.size());
   for (const Clearance& c : found) {
-    EXPECT_NEAR(c.most_m, 0.8f * kThick_m, 1e-6);
+    EXPECT_NEAR(c.max_m, 0.8f * kThick_m, 1e-6);
     float own = 0, other = 0;
     for (int k = 0; k < 3; ++k) own += c.shares[k], other += c.shares[3 + k];
     EXPECT_NEAR(own, -1, 1e-5);
@@ -68,12 +68,12 @@ TEST(Clearance, PlacesInsideAnotherPartHaveNone) {
 }
 
 TEST(Clearance, CountsWhereMostFramesHaveIt) {
-  const Clearance often{.place = 3, .most_m = 0.002f}, wider{.place = 3, .most_m = 0.004f},
-      seldom{.place = 7, .most_m = 0.001f};
+  const Clearance often{.place = 3, .max_m = 0.002f}, wider{.place = 3, .max_m = 0.004f},
+      seldom{.place = 7, .max_m = 0.001f};
   const auto usual = usualClearances({wider, seldom, often, wider}, 4);
   ASSERT_EQ(usual.size(), 1u);
   EXPECT_EQ(usual[0].place, 3u);
-  EXPECT_FLOAT_EQ(usual[0].most_m, 0.004f);
+  EXPECT_FLOAT_EQ(usual[0].max_m, 0.004f);
   EXPECT_TRUE(usualClearances({often, wider}, 4).empty());
 }
 
@@ -85,7 +85,7 @@ TEST(Clearance, TwoSidesGiveWayAlike) {
   for (const Clearance& c : found) {
     float closing = 0;
     for (int k = 0; k < 6; ++k) closing += c.shares[k] * offsets[c.vertices[k]];
-    EXPECT_LE(closing, c.most_m + 1.1e-5f);
+    EXPECT_LE(closing, c.max_m + 1.1e-5f);
   }
   for (const float offset : offsets) EXPECT_NEAR(offset, -0.0016f, 2e-4);
   std::vector<float> outwards(thin.positions.size(), 0.003f);

@@ -101,7 +101,7 @@ TEST(Rig, OfRigsThatFitAlikeTheOneThatTurnsFewestIsKept) {
     camera = changed(camera, {.turn_rad = glm::cross(glm::normalize(p), glm::normalize(q))});
   }
   found[6] = changed(found[6], {.turn_rad = {0.4 * kRadians, 0, 0}});
-  const auto fewer = leastTurned(given, found, {0, 0, 0}, std::vector<double>(8, 0.01));
+  const auto fewer = minTurned(given, found, {0, 0, 0}, std::vector<double>(8, 0.01));
   for (size_t c = 0; c < given.size(); ++c) {
     if (c == 6)
       EXPECT_NEAR(degreesApart(fewer[c], given[c]), 0.4, 0.01);

@@ -116,9 +116,10 @@ export class Controls {
     this.#marks = document.createElement('datalist');
     this.#marks.id = 'chapters';
     this.#time.setAttribute('list', 'chapters');
-    // A press of it unlocks sound, too.
+    // A press of the mute button also unlocks sound that the browser blocks, before its click arrives: the state at the
+    // beginning of the press selects what the click does.
     const isSilent = (): boolean => viewer.muted || sound.blocked;
-    let silent: boolean | null = null; // when the press began, which may unlock it
+    let silent: boolean | null = null; // at the beginning of the press; null: no press
     this.#mute = make('button', 'mute', () => {
       viewer.muted = !(silent ?? isSilent());
       silent = null;

@@ -13,19 +13,19 @@ const START_US = 1_000_000; // of the timeline: decoding times before the first 
 const INSIDE_US = FRAME_US / 4; // seeks lead into a frame, not onto its edge
 const NEAR_S = 0.1; // from the goal: the element plays into it
 const TRY_MS = 80; // between offers of a sought picture
-const MOST_TRIES = 25;
+const MAX_TRIES = 25;
 const KEPT_BEHIND_S = 4;
-const MOST_BEHIND_S = 12;
+const MAX_BEHIND_S = 12;
 const HAVE_CURRENT_DATA = 2; // readyState
-const LEAST_RATE = 0.0625; // the range that browsers play at
-const MOST_RATE = 16;
+const MIN_RATE = 0.0625; // the range that browsers play at
+const MAX_RATE = 16;
 const RATE_STEP = 0.03; // smaller changes are not worth an adjustment
 const STUCK_MS = 2000; // of turns without what is awaited, before the element is sent there; twice as long each further time
 const SEEK_MS = 6000; // likewise, while it seeks: a slow machine may be on the way
 const LONGEST_TURN_MS = 100; // that counts: a page that stands still awaits nothing
-const MOST_NUDGES = 2;
+const MAX_NUDGES = 2;
 const HELD_BACK_US = 30 * FRAME_US; // browsers keep the last pictures to themselves until more samples come, or their end
-const MOST_SKIPPED = 8; // frames
+const MAX_SKIPPED = 8; // frames
 const REFUSED_MS = 1000; // before a refused play() is tried again
 
 type MediaSourceClass = typeof MediaSource;
@@ -205,7 +205,7 @@ class VideoElementDecoder implements PictureDecoder {
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => {
       if (this.#goal >= 0) this.#onFrame(this.#goal);
-      else if (this.#pace <= 0 && tries < MOST_TRIES && this.#video && this.#taken === this.#again) {
+      else if (this.#pace <= 0 && tries < MAX_TRIES && this.#video && this.#taken === this.#again) {
         this.#offer(this.#again);
         this.#offerLater(tries + 1);
       }
@@ -250,7 +250,7 @@ class VideoElementDecoder implements PictureDecoder {
   #freeBehind(): void {
     const { buffered, currentTime } = this.#video!;
     if (this.#ended) return; // it would take the end away
-    if (this.#goal >= 0 || !buffered.length || currentTime - buffered.start(0) < MOST_BEHIND_S) return;
+    if (this.#goal >= 0 || !buffered.length || currentTime - buffered.start(0) < MAX_BEHIND_S) return;
     this.#then(() => this.#buffer!.remove(0, currentTime - KEPT_BEHIND_S));
   }
 
@@ -277,7 +277,7 @@ class VideoElementDecoder implements PictureDecoder {
       this.#goal = -1;
     }
     if (this.#pace <= 0 || this.#picture) return video.paused ? undefined : video.pause();
-    const rate = Math.min(Math.max((this.#pace * FRAME_US) / 1e6, LEAST_RATE), MOST_RATE);
+    const rate = Math.min(Math.max((this.#pace * FRAME_US) / 1e6, MIN_RATE), MAX_RATE);
     if (Math.abs(rate / video.playbackRate - 1) > RATE_STEP) video.playbackRate = rate;
     // One that has ended would begin again at the front.
     if (video.paused && !video.ended) video.play().catch((reason: unknown) => this.#onRefused(reason));
@@ -299,7 +299,7 @@ class VideoElementDecoder implements PictureDecoder {
   // The picture to come; one by one they take longer than the pace allows, so that some are left out.
   get #nextUs(): number {
     const passed = this.#isRefused ? Math.floor(((performance.now() - this.#takenMs) / 1000) * this.#pace) : 1;
-    return Math.min(this.#taken + FRAME_US * Math.min(Math.max(1, passed), MOST_SKIPPED), this.#last);
+    return Math.min(this.#taken + FRAME_US * Math.min(Math.max(1, passed), MAX_SKIPPED), this.#last);
   }
 
   // --- an element that stands still ---
@@ -312,7 +312,7 @@ class VideoElementDecoder implements PictureDecoder {
     if (!this.#video) return;
     this.#stuckMs = this.#isAwaited ? this.#stuckMs + turnMs : 0;
     if (this.#stuckMs < (this.#video.seeking ? SEEK_MS : STUCK_MS) * 2 ** this.#nudges) return;
-    if (++this.#nudges > MOST_NUDGES) return this.#fail('taken-away', 'the <video> element stands still');
+    if (++this.#nudges > MAX_NUDGES) return this.#fail('taken-away', 'the <video> element stands still');
     this.#stuckMs = 0;
     if (this.#goal < 0) this.#goal = this.#nextUs;
     if (this.#goal === Infinity) return;

@@ -45,6 +45,6 @@ export class Appearance implements Feature {
   resize(): void {
     const { element, commands, size } = this.#viewer;
     const quality = qualityOf(element, size.height), { quality: before } = commands.settings;
-    if (before?.rendition !== quality.rendition || before.mostTexels !== quality.mostTexels) commands.set('quality', quality);
+    if (before?.rendition !== quality.rendition || before.maxTexels !== quality.maxTexels) commands.set('quality', quality);
   }
 }

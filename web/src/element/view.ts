@@ -7,7 +7,7 @@ import { valueOf } from './properties.js';
 import type { Feature, Viewer } from './viewer.js';
 
 const ATTRIBUTES = /^(m\w+-)?camera-(orbit|target|follow)$|^field-of-view$/;
-const LEAST_FIELD_DEG = 5, MOST_FIELD_DEG = 120, DEFAULT_FIELD_DEG = 35;
+const MIN_FIELD_DEG = 5, MAX_FIELD_DEG = 120, DEFAULT_FIELD_DEG = 35;
 
 export class View implements Feature {
   readonly #viewer: Viewer;
@@ -60,7 +60,7 @@ export class View implements Feature {
 
   #apply(): void {
     const { element, camera, character, reducedMotion } = this.#viewer, field = valueOf(element, 'field-of-view');
-    camera.fov = field >= LEAST_FIELD_DEG && field <= MOST_FIELD_DEG ? field : DEFAULT_FIELD_DEG;
+    camera.fov = field >= MIN_FIELD_DEG && field <= MAX_FIELD_DEG ? field : DEFAULT_FIELD_DEG;
     camera.setLimits(element.getAttribute('min-camera-orbit'), element.getAttribute('max-camera-orbit'));
     camera.setTarget(parseTarget(element.getAttribute('camera-target')));
     camera.setFollow(valueOf(element, 'camera-follow'));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The element <fourdvt-viewer>: its public interface, over the features. Attributes and events follow <model-viewer> and the media
+// Public interface of the element <fourdvt-viewer>, which the objects of this folder implement. Attributes and events follow <model-viewer> and the media
 // element; web/README.md lists them.
 import type { UploadChoice } from '../decode/upload-path.js';
 import type { LiveState } from '../live/live.js';

@@ -18,11 +18,11 @@ const HIDDEN_MS = 10_000;   // a page that is hidden for longer lets the connect
 const FIRST_PAUSE_MS = 250;
 const LONGEST_PAUSE_MS = 4000;
 const PATIENCE = 7;         // connections that fail before the first error, if none has ever been made
-const MOST_BYTES = 2 ** 23; // of a message
-const MOST_INVALID = 5;     // connections in a row that brought something invalid
+const MAX_BYTES = 2 ** 23; // of a message
+const MAX_INVALID = 5;     // connections in a row that brought something invalid
 const GOOD_FRAMES = 25;     // end the row
-const MOST_EARLY = 8;       // frames that wait for the player
-const MOST_PONGS = 12;      // the clock is taken from the quickest of so many
+const MAX_EARLY = 8;       // frames that wait for the player
+const MAX_PONGS = 12;      // the clock is taken from the quickest of so many
 const SLOTS = 4;            // decoded pictures
 const CLOSED = { token: 4401, origin: 4403 };
 
@@ -276,8 +276,8 @@ export class LiveStream {
   #onMessage(data: string | ArrayBuffer): void {
     this.#met = true;
     this.#heardMs = this.#page.now();
-    if (typeof data === 'string') return data.length > MOST_BYTES ? this.#refuse('a message of more than 8 MiB') : this.#onText(data);
-    if (data.byteLength > MOST_BYTES) this.#refuse('a message of more than 8 MiB');
+    if (typeof data === 'string') return data.length > MAX_BYTES ? this.#refuse('a message of more than 8 MiB') : this.#onText(data);
+    if (data.byteLength > MAX_BYTES) this.#refuse('a message of more than 8 MiB');
     else if (!this.#greeted) this.#refuse('a frame before the manifest');
     else this.#onFrame(new Uint8Array(data));
   }
@@ -307,7 +307,7 @@ export class LiveStream {
     this.#frameMs = this.#heardMs;
     const actor = this.#host.actor();
     if (!actor) { // it is being made; one that begins after a gap waits for a key by itself
-      if (this.#early.push(bytes) > MOST_EARLY) this.#early = [];
+      if (this.#early.push(bytes) > MAX_EARLY) this.#early = [];
       return;
     }
     for (const frame of [...this.#early.splice(0), bytes]) {
@@ -348,7 +348,7 @@ export class LiveStream {
     const now = this.#page.now();
     if (!(t <= now)) return;
     this.#pongs.push({ tripMs: now - t, aheadMs: serverUs / 1000 - (t + now) / 2 });
-    this.#pongs.splice(0, this.#pongs.length - MOST_PONGS);
+    this.#pongs.splice(0, this.#pongs.length - MAX_PONGS);
   }
 
   // --- reports to the host ---
@@ -357,7 +357,7 @@ export class LiveStream {
   #refuse(problem: string): void {
     const message = `${this.#name}: ${problem.replace(/^live stream: /, '')}`;
     this.#drop();
-    if (++this.#invalid >= MOST_INVALID) return this.#end('stream-invalid', `${message} (${MOST_INVALID} times in a row); update the server or this page`);
+    if (++this.#invalid >= MAX_INVALID) return this.#end('stream-invalid', `${message} (${MAX_INVALID} times in a row); update the server or this page`);
     this.#report('stream-invalid', message);
     this.#connectLater();
   }

@@ -74,7 +74,7 @@ export class Companions {
     const actor = session.makeActor({ transport, manifest, start: new Uint8Array() }, commands, host);
     this.#others.set(companion, { actor, transport });
     void advise(manifest, actor, false, this.#session.options.files);
-    // A listener of its first events may have removed it.
+    // Listeners of the companion's first events may have ended the companion or the session: undoes its registration.
     if (companion.left.aborted || session.signal.aborted) this.remove(companion);
     session.wake();
   }

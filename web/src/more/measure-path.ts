@@ -113,7 +113,7 @@ export function isSubFaster(gl: WebGL2RenderingContext, video: HTMLVideoElement)
 // --- what the browser gives back ---
 
 const KNOWN = Uint8Array.of(255, 0, 0, 255, 0, 255, 0, 255, 255, 255, 0, 255, 0, 0, 255, 255); // four pixels
-const MOST_OFF = 64; // some browsers change the lowest bits, which does no harm
+const MAX_OFF = 64; // some browsers change the lowest bits, which does no harm
 const readable = new WeakMap<WebGL2RenderingContext, boolean>();
 
 /** Returns true if textures can be read back, by the calls that the player reads barcodes with. Keeps the GL state. */
@@ -139,7 +139,7 @@ function readsKnown(gl: WebGL2RenderingContext): boolean {
     gl.bufferData(gl.PIXEL_PACK_BUFFER, pixels.length, gl.STREAM_READ);
     gl.readPixels(0, 0, width, 1, gl.RGBA, gl.UNSIGNED_BYTE, 0);
     gl.getBufferSubData(gl.PIXEL_PACK_BUFFER, 0, pixels);
-    return pixels.every((value, i) => Math.abs(value - KNOWN[i]!) <= MOST_OFF);
+    return pixels.every((value, i) => Math.abs(value - KNOWN[i]!) <= MAX_OFF);
   } catch {
     return false;
   } finally {

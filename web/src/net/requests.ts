@@ -9,10 +9,10 @@ const FIRST_PAUSE_MS = 300;
 const LONGEST_PAUSE_MS = 6000;
 const LONGEST_SERVER_PAUSE_MS = 60_000; // by Retry-After
 const STALL_S = 10; // without a byte
-export const MOST_BYTES = 2 ** 25; // of a file whose length is not in the manifest
-const MOST_TRIES = 7; // of a server that has never answered: about 10 s, if no request stalls
+export const MAX_BYTES = 2 ** 25; // of a file whose length is not in the manifest
+const MAX_TRIES = 7; // of a server that has never answered: about 10 s, if no request stalls
 const PROBE_AGAIN_MS = 15_000; // of a server that has answered no probe
-const MOST_BREAKS = 4; // of an answer, at the same byte
+const MAX_BREAKS = 4; // of an answer, at the same byte
 const REDIRECTED = 'the address that it redirects to'; // in place of an origin, which browsers hide
 
 const silent = new Map<string, number>(); // origins, and when they left a probe without an answer
@@ -44,7 +44,7 @@ export interface Answer {
   drop(): void;
 }
 
-// Origins that have answered: outages of theirs are transient.
+// Origins that have answered at least once: a failed connection to one of them is retried.
 const answered = new Set([globalThis.origin]);
 
 // Ends early if the browser finds a network again.
@@ -92,13 +92,13 @@ export async function patiently<T>(url: string, attempt: () => Promise<T>, repor
   // Permanent for this request, although transient by itself.
   const check = (fault: PassingFault): void => {
     if (globalThis.navigator?.onLine === false) return;
-    if (!answered.has(fault.origin) && ++tries === MOST_TRIES) {
+    if (!answered.has(fault.origin) && ++tries === MAX_TRIES) {
       const hint = globalThis.crossOriginIsolated ? ', or does not allow this page (Access-Control-Allow-Origin)' : '';
       throw cannotLoad(url, `${fault.origin} has never answered${hint}; correct the address, or start its server`);
     }
     breaks = fault.brokeAtBytes === brokeAtBytes ? breaks + 1 : 1;
     ({ brokeAtBytes } = fault);
-    if (breaks === MOST_BREAKS) {
+    if (breaks === MAX_BREAKS) {
       throw cannotLoad(url, `the answer breaks off after ${brokeAtBytes} bytes each time; let the server send the file's true Content-Length, and no Content-Encoding that it does not have`);
     }
   };
@@ -137,7 +137,7 @@ export async function request({ url, address = url, init = {}, signal }: FileReq
     throw new PassingFault(origin, { pauseMs: Math.min(1000 * (Number(headers.get('Retry-After')) || 0), LONGEST_SERVER_PAUSE_MS) });
   }
   const reader = response.body?.getReader();
-  let bytes = 0, limit = MOST_BYTES;
+  let bytes = 0, limit = MAX_BYTES;
   const broken = (): never => {
     const stalled = watched.aborted;
     end();
@@ -178,7 +178,7 @@ export async function request({ url, address = url, init = {}, signal }: FileReq
         else to.close();
       },
     }),
-    async read(most = MOST_BYTES) {
+    async read(most = MAX_BYTES) {
       limit = most;
       if (!headers.has('Content-Encoding')) check(Number(headers.get('Content-Length')));
       const parts: Uint8Array[] = [];

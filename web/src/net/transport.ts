@@ -4,7 +4,7 @@
 import { keep } from '../page/promises.js';
 import { ViewerError } from '../report/errors.js';
 import { cannotLoad, isPartOfPage, originOf, PageFault, PassingFault, shortened, StatusFault } from './faults.js';
-import { request, MOST_BYTES, patiently, type Answer, type Report } from './requests.js';
+import { request, MAX_BYTES, patiently, type Answer, type Report } from './requests.js';
 
 /** Returns the address that a file is fetched from, for example a presigned one. */
 export type SignAddress = (url: string) => string | Promise<string>;
@@ -186,7 +186,7 @@ export class Transport {
     if (/^(blob|data):/.test(this.#base)) value.uri = this.#nameFor(value.uri);
     if (!/^data:/.test(value.uri)) {
       const url = this.#locate(value.uri);
-      this.#lengths.set(url, Math.max(this.#lengths.get(url) ?? 0, (value.byteOffset ?? 0) + (value.byteLength ?? MOST_BYTES)));
+      this.#lengths.set(url, Math.max(this.#lengths.get(url) ?? 0, (value.byteOffset ?? 0) + (value.byteLength ?? MAX_BYTES)));
     }
     return value;
   }

@@ -5,7 +5,7 @@
 /** Arguments of fdvt_set_quality, wasm/abi.txt. */
 export interface Quality {
   rendition: number;
-  mostTexels: number;
+  maxTexels: number;
 }
 
 const HIGHEST = -1, AUTOMATIC = -2; // of fdvt_set_quality
@@ -17,7 +17,7 @@ export const savesData = (): boolean =>
 
 export function qualityOf(element: Element, heightPixels: number): Quality {
   const quality = element.getAttribute('quality') || 'auto', number = Number(quality);
-  if (quality === 'highest') return { rendition: HIGHEST, mostTexels: 0 };
-  if (Number.isInteger(number) && number >= 0) return { rendition: number, mostTexels: 0 };
-  return savesData() ? { rendition: 0, mostTexels: 0 } : { rendition: AUTOMATIC, mostTexels: TEXELS_PER_PIXEL * heightPixels };
+  if (quality === 'highest') return { rendition: HIGHEST, maxTexels: 0 };
+  if (Number.isInteger(number) && number >= 0) return { rendition: number, maxTexels: 0 };
+  return savesData() ? { rendition: 0, maxTexels: 0 } : { rendition: AUTOMATIC, maxTexels: TEXELS_PER_PIXEL * heightPixels };
 }

@@ -4,14 +4,14 @@
 import { DEFAULT_METHOD } from './commands.js';
 import { VISIBILITIES, type Method, type Visibility } from './wasm-player.js';
 
-const MOST_CAMERAS = 31; // of a character
+const MAX_CAMERAS = 31; // of a character
 
 export function methodOf(element: Element): Method {
   const cameras = Number(element.getAttribute('cameras') ?? NaN);
   const visibility = element.getAttribute('visibility') as Visibility | null;
   return {
     name: element.getAttribute('method') || DEFAULT_METHOD.name,
-    closest: Number.isInteger(cameras) && cameras >= 0 && cameras <= MOST_CAMERAS ? cameras : DEFAULT_METHOD.closest,
+    closest: Number.isInteger(cameras) && cameras >= 0 && cameras <= MAX_CAMERAS ? cameras : DEFAULT_METHOD.closest,
     visibility: visibility && VISIBILITIES.includes(visibility) ? visibility : DEFAULT_METHOD.visibility,
   };
 }

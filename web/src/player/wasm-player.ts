@@ -142,7 +142,7 @@ export class WasmPlayer {
       if (!this.character()?.fromCameras) return; // layered characters have none
       this.#check(this.#m._fdvt_set_method(this.#h, ...this.#text(name), closest, VISIBILITIES.indexOf(visibility)));
     },
-    quality: ({ rendition, mostTexels }) => this.#m._fdvt_set_quality(this.#h, rendition, mostTexels),
+    quality: ({ rendition, maxTexels }) => this.#m._fdvt_set_quality(this.#h, rendition, maxTexels),
     options: (options) => this.#m._fdvt_set_options(this.#h, this.#put(bytesOfOptions(options))),
     scene: (meshes) => this.#setScene(meshes),
     sequence: (name) => this.#check(this.#m._fdvt_select(this.#h, ...this.#text(name))),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A character on the page's stage: loads and opens it, hands on its player's events, and reopens it where necessary. drawing.ts draws
-// it, later.ts has the second part. One for each src and stage; nothing of it runs after dispose().
+// Session: loads a character onto the page's stage, forwards its player's events, and reopens it where necessary. There is one
+// session per src and stage; after dispose() none of its callbacks run. drawing.ts draws the character; later.ts holds the code
+// that is loaded after the first picture.
 import { choosePath, kindOf, rememberedPath, type UploadPath } from '../decode/upload-path.js';
 import type { LiveStream } from '../live/live.js';
 import type { ActorHost, Bake, SessionSide, SidePlayer } from '../more/session-side.js';

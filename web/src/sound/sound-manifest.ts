@@ -2,7 +2,7 @@
 // Reads the sound of a motion from a manifest (native/package/FORMAT.md, "Sound"). Part of fourdvt-more.js.
 import { extensionOf } from '../net/manifest.js';
 
-const MOST_SEGMENTS = 65_536, MOST_BYTES = 2 ** 24, MOST_SEGMENT_S = 60, LEAST_SEGMENT_S = 0.5;
+const MAX_SEGMENTS = 65_536, MAX_BYTES = 2 ** 24, MAX_SEGMENT_S = 60, MIN_SEGMENT_S = 0.5;
 
 /** A file of sound in a file of them. */
 export interface SoundSegment {
@@ -31,11 +31,11 @@ const isNumber = (value: unknown, low: number, high: number): value is number =>
 function readEncoding(given: Record<string, unknown>, rate: number): SoundEncoding {
   const { uri, type, priming, segments } = given;
   if (typeof uri !== 'string' || typeof type !== 'string' || !isNumber(priming, 0, 65_536)) throw new TypeError('an encoding needs uri, type and priming');
-  if (!Array.isArray(segments) || segments.length < 1 || segments.length > MOST_SEGMENTS) throw new TypeError('segments must be a list');
+  if (!Array.isArray(segments) || segments.length < 1 || segments.length > MAX_SEGMENTS) throw new TypeError('segments must be a list');
   let offset = 0;
   const list = (segments as unknown[]).map((pair) => {
     const [bytes, samples] = Array.isArray(pair) ? pair as unknown[] : [];
-    if (!isNumber(bytes, 1, MOST_BYTES) || !isNumber(samples, 1, MOST_BYTES)) throw new TypeError('a segment must be [bytes, samples]');
+    if (!isNumber(bytes, 1, MAX_BYTES) || !isNumber(samples, 1, MAX_BYTES)) throw new TypeError('a segment must be [bytes, samples]');
     const segment = { offset, bytes, durationS: samples / rate };
     offset += bytes;
     return segment;
@@ -49,12 +49,12 @@ export function readSound(manifest: unknown, sequence: string): SoundTrack | nul
   const sound = sequences?.find(({ name }) => name === sequence)?.sound as Record<string, unknown> | undefined;
   if (!sound) return null;
   const { sampleRate, segmentDuration, encodings, steps } = sound;
-  if (!isNumber(sampleRate, 8000, 192_000) || !isNumber(segmentDuration, 1e-3, MOST_SEGMENT_S) || !Array.isArray(encodings)) {
+  if (!isNumber(sampleRate, 8000, 192_000) || !isNumber(segmentDuration, 1e-3, MAX_SEGMENT_S) || !Array.isArray(encodings)) {
     throw new TypeError('sound needs sampleRate, segmentDuration and encodings');
   }
   const several = (encodings as { segments?: unknown[] }[])[0]?.segments?.length ?? 0;
   if (encodings.length < 1 || encodings.length > 8 || encodings.some((e: { segments?: unknown[] }) => e?.segments?.length !== several)) throw new TypeError('encodings must be 1 to 8, with as many segments each');
-  if (several > 1 && segmentDuration < LEAST_SEGMENT_S) throw new TypeError('segmentDuration is too short');
+  if (several > 1 && segmentDuration < MIN_SEGMENT_S) throw new TypeError('segmentDuration is too short');
   if (steps !== undefined && !(Array.isArray(steps) && steps.every((phase) => isNumber(phase, 0, 1)))) throw new TypeError('steps must be phases');
   return {
     segmentS: segmentDuration,

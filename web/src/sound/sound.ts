@@ -19,7 +19,7 @@ const AHEAD_S = 0.6; // of scheduled sound
 const FETCH_S = 2; // before a segment is scheduled
 const FADE_S = 0.008, OVERLAP_S = 0.02; // that segments go on behind their end
 const REST_MS = 700; // without a turn of the page's loop: the viewer does not run
-const MOST_RATE = 4;
+const MAX_RATE = 4;
 const STEPS_AHEAD_S = 0.25; // a step is scheduled so much before it is due
 
 /** The element: the members that are used here. */
@@ -218,7 +218,7 @@ export class Sound {
     const { duration } = this.#viewer, { segmentS } = this.#track!, buffers = this.#buffers!;
     const pass = loops ? Math.floor(mediaS / duration + 1e-9) : 0, within = mediaS - pass * duration;
     if (!(duration > 0) || within >= duration - 1e-6) return null;
-    const index = Math.min(buffers.count - 1, Math.floor(within / segmentS + 1e-9)), sound = buffers.get(index, Math.ceil((AHEAD_S + FETCH_S) * MOST_RATE / segmentS) + 2);
+    const index = Math.min(buffers.count - 1, Math.floor(within / segmentS + 1e-9)), sound = buffers.get(index, Math.ceil((AHEAD_S + FETCH_S) * MAX_RATE / segmentS) + 2);
     const endS = index === buffers.count - 1 ? duration : (index + 1) * segmentS;
     return sound && { startS: pass * duration + index * segmentS, endS: pass * duration + endS, sound };
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The mesh blend at run time against the full non-linear one: linear, and with R precomputed corrections.
 #include "motion/blend.h"
+
 #include <cmath>
 #include <functional>
 
@@ -15,7 +16,7 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr int kMostReferences = 6, kCheckWeights = 25;  // as in the bake's own check
+constexpr int kMaxReferences = 6, kCheckWeights = 25;  // as in the bake's own check
 constexpr int kRepeats = 31;
 
 double milliseconds(const std::function<void()>& run) {
@@ -36,10 +37,10 @@ class RunTimeBlend {
     frames_.frame_count = 1;
     frames_.vertex_count = static_cast<uint32_t>(members[0].size());
     frames_.member_count = static_cast<uint32_t>(members.size());
-    frames_.reference_count = kMostReferences;
+    frames_.reference_count = kMaxReferences;
     for (const Positions& member : members)
       for (const glm::vec3& p : member) frames_.positions.push_back(glm::ivec3(p / index_.position_step_m));
-    frames_.offsets.resize(size_t(kMostReferences) * frames_.vertex_count, glm::ivec3(1));
+    frames_.offsets.resize(size_t(kMaxReferences) * frames_.vertex_count, glm::ivec3(1));
   }
   double ms(int references) {
     const motion::BlendWeights halves{{0.5f, 0.5f}, std::vector<float>(static_cast<size_t>(references), 0.3f)};
@@ -57,7 +58,7 @@ class RunTimeBlend {
 Result<Rows> measureBlend(const MotionSubject& subject) {
   MotionStage& stage = subject.stage;
   FOURDVT_ASSIGN(auto blend, bake::NonlinearBlend::create(stage.mesh().topology, stage.mesh().positions));
-  bake::HybridErrors errors({{0, 1, 1}}, bake::HybridMix::Polynomial, kCheckWeights - 1, kMostReferences + 1);
+  bake::HybridErrors errors({{0, 1, 1}}, bake::HybridMix::Polynomial, kCheckWeights - 1, kMaxReferences + 1);
   for (const uint32_t phase : subject.phases(subject.quick() ? 2 : subject.motion().frame_count)) {
     FOURDVT_TRY(checkStop(subject.context));
     FOURDVT_TRY(stage.show(phase));
@@ -70,7 +71,7 @@ Result<Rows> measureBlend(const MotionSubject& subject) {
   const float halves[] = {0.5f, 0.5f};
   const double solved_ms = milliseconds([&] { blend->blend(members, halves); });
   RowWriter(out, rows::kMotionBlend, name, rows::kNonlinear, "").add(rows::kBlendMs, solved_ms, "ms");
-  for (int references = 0; references <= kMostReferences; ++references) {
+  for (int references = 0; references <= kMaxReferences; ++references) {
     const bool baked = references == static_cast<int>(subject.motion().reference_count);
     const RowWriter row(out, rows::kMotionBlend, name, references ? rows::kHybrid : rows::kLinear,
                         "references=" + std::to_string(references) + (baked ? " baked=1" : ""));

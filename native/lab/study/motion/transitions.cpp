@@ -18,7 +18,7 @@ namespace fourdvt::study {
 namespace {
 
 constexpr double kLatency_s = 0.4;
-constexpr int kMostTicks = 75, kTicksAfter = 6;
+constexpr int kMaxTicks = 75, kTicksAfter = 6;
 constexpr int kPasses = 2;     // passes of a loop, for the skate
 constexpr int kOwnPasses = 8;  // passes of a class, whose frames fall on different ticks in each pass
 
@@ -163,7 +163,7 @@ Status TransitionPart::simulate(const package::Sequence& from, const package::Se
   FOURDVT_TRY(watched_->start(from.name, frame, WatchedPlayer::middleParameter(from)));
   FOURDVT_TRY(watched_->player().goTo(to.name));
   bool faded = false;
-  for (int i = 0, after = 0; i < kMostTicks && after < kTicksAfter; ++i) {
+  for (int i = 0, after = 0; i < kMaxTicks && after < kTicksAfter; ++i) {
     FOURDVT_TRY(checkStop(subject_.context));
     FOURDVT_ASSIGN(auto change, watched_->tick());
     const bool fading = watched_->player().inTransition();

@@ -9,7 +9,7 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr double kMostBlendMm = 1, kMostFlowPx = 0.3, kLeastGradient = 0.95, kMostCost = 1.3, kMostLatency_s = 0.4;
+constexpr double kMaxBlendMm = 1, kMaxFlowPx = 0.3, kMinGradient = 0.95, kMaxCost = 1.3, kMaxLatency_s = 0.4;
 // Rounding of pictures to whole levels: share of a mean change of 40, a tenth of a level.
 constexpr double kChangeRounding = 0.0025;
 
@@ -26,13 +26,13 @@ double largest(const StudyValues& v, const char* table, const char* quantity, co
 
 Judgement blendGoal(const StudyValues& v) {
   const double error = v.mean(rows::kMotionBlend, rows::kHybrid, "baked=1", rows::kErrorMaxMm);
-  return judged("Hybrid mesh blend, as baked: at most 1 mm from the non-linear one", error, error <= kMostBlendMm,
+  return judged("Hybrid mesh blend, as baked: at most 1 mm from the non-linear one", error, error <= kMaxBlendMm,
                 fixed<2>(error) + " mm", "See the table for what more corrections would leave.");
 }
 
 Judgement flowGoal(const StudyValues& v) {
   const double difference = v.mean(rows::kMotionFlow, rows::kFlowGpu, "against=opencv", rows::kDifferenceMeanPx);
-  return judged("flow-gpu within 0.3 px of OpenCV's Farnebäck in the mean", difference, difference <= kMostFlowPx,
+  return judged("flow-gpu within 0.3 px of OpenCV's Farnebäck in the mean", difference, difference <= kMaxFlowPx,
                 fixed<3>(difference) + " px", "See the 95th percentile: whether few pixels or all differ.");
 }
 
@@ -62,7 +62,7 @@ Judgement sharpnessGoal(const StudyValues& v) {
                baked = v.mean(rows::kMotionSharpness, rows::kAlignBaked, "w=0.50", rows::kGradientRatio),
                flow = v.mean(rows::kMotionSharpness, rows::kFlowGpu, "w=0.50", rows::kGradientRatio);
   return judged("Half way as sharp as the members: gradient energy at least 0.95 with baked alignment, less without",
-                baked - none, baked >= kLeastGradient && baked > none, fixed<3>(baked) + ", plain " + fixed<3>(none),
+                baked - none, baked >= kMinGradient && baked > none, fixed<3>(baked) + ", plain " + fixed<3>(none),
                 "Run-time flow keeps " + fixed<3>(flow) +
                     ". What is missing is detail that the members do not share: codec noise, folds, other cameras.");
 }
@@ -76,7 +76,7 @@ void costGoals(const StudyValues& v, std::vector<Judgement>& out) {
     characters = std::isnan(characters) ? count : std::min(characters, count);
   }
   out.push_back(
-      judged("Baked alignment at most 1.3 × the plain blend", most, most <= kMostCost, fixed<2>(most) + " ×", ""));
+      judged("Baked alignment at most 1.3 × the plain blend", most, most <= kMaxCost, fixed<2>(most) + " ×", ""));
   out.push_back(judged("More than one baked character in the time of one with run-time flow", characters,
                        characters > 1, fixed<2>(characters), ""));
 }
@@ -84,7 +84,7 @@ void costGoals(const StudyValues& v, std::vector<Judgement>& out) {
 void transitionGoals(const StudyValues& v, std::vector<Judgement>& out) {
   const double latency = std::max(largest(v, rows::kMotionTransitions, rows::kLatencyMaxS),
                                   largest(v, rows::kMotionTransitions, rows::kLatencyPlayedS));
-  out.push_back(judged("Transitions are seen within 0.4 s of the request", latency, latency <= kMostLatency_s + 1e-9,
+  out.push_back(judged("Transitions are seen within 0.4 s of the request", latency, latency <= kMaxLatency_s + 1e-9,
                        secondsText(latency) + " at most, as planned and as played",
                        "See which pair waits; the player prepares the target first."));
   const double step = largest(v, rows::kMotionTransitions, rows::kStepMm, rows::kOwnStepMm),
