@@ -18,7 +18,7 @@
 namespace fourdvt::bake {
 
 // Measures pops: the mesh's movement from tick to tick during a cross-fade as the player renders it
-// (player/parts/transitions.cpp), relative to the movement of the motions by themselves. A larger movement is visible
+// (player/parts/motion.cpp), relative to the movement of the motions by themselves. A larger movement is visible
 // as a pop. Exact for the given vertices; whole frames are shown, so that fast motions occasionally advance by one
 // frame more between two ticks. Pictures are ignored: their change follows the mean of the vertices' steps.
 

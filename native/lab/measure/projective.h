@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Baseline: plain projective texturing of the mesh from all camera pictures with a depth test, blended per fragment by
-// Eq. 3-4 of Volino and Hilton: Layered View-Dependent Texture Maps, CVMP 2013 (corrected sign, camera-to-point rays).
-// CPU only; no layers, texture atlas or codec.
+// LVDT Eq. 3-4 (Volino and Hilton: Layered View-Dependent Texture Maps, CVMP 2013), with corrected sign and rays from
+// the camera to the point. CPU only; no layers, texture atlas or codec.
 #pragma once
 
 #include <span>
