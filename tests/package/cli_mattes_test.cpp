@@ -79,7 +79,7 @@ TEST_F(Mattes, PreviewIsAReportAlone) {
 TEST_F(Mattes, GoOnAfterAnInterruption) {
   const std::string target = folder_ + "/resumed";
   const Outcome stopped = interrupted(FOURDVT_BIN, "mattes " + capture_ + " -o " + target,
-                                      target + ".work/mattes/walk/000001.json", folder_ + "/log");
+                                      target + ".work/mattes/walk/000001.bin", folder_ + "/log");
   EXPECT_NE(stopped.code, 0);
   EXPECT_FALSE(exists(target));
   const Outcome other = fourdvt("mattes " + capture_ + " -o " + target + " --resume --mattes-alone");
