@@ -63,7 +63,7 @@ export function readSource(text) {
   return { comments: comments.filter((comment) => !comment.text.startsWith('SPDX')).concat(firstPages(comments)), code };
 }
 
-// What follows a licence line in the same comment.
+// Text after a licence line in the same comment.
 function firstPages(comments) {
   const found = comments.find((comment) => comment.text.startsWith('SPDX'));
   const text = found?.text.replace(/^SPDX-License-Identifier: \S+\s*/, '');
