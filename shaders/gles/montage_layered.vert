@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Variant of layered.vert with the fields of the cameras of one drawn member's ranks.
+// Variant of layered.vert that passes on, for one drawn member, the field of the camera at each rank.
 #include "layered_vertex.glsl"
 out vec4 v_fields[(LAYERS + 3) / 4];  // by rank
 uniform int u_field_member;           // drawn member that has fields

@@ -63,7 +63,7 @@ struct BakeOptions {
   // Quantisation of streamed vertices; none: 0.25 mm from layers, 1 mm from cameras for a person, and in proportion for
   // smaller and larger surfaces.
   std::optional<double> position_step_m;
-  // Likewise, for renditions with fewer texels than the highest; 0: as the others; none: 2 mm for a person.
+  // Quantisation for renditions below the highest; 0: position_step_m; none: 2 mm for a person.
   std::optional<double> coarse_step_m;
   int gutter_texels = 10;        // width of the gutter round every chart, texels of layer 1; limits in check()
   refine::RefineOptions refine;  // refinement of the mesh and the cameras, before any rendering

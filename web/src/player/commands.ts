@@ -102,7 +102,8 @@ export class Commands {
     return done;
   }
 
-  // During a transition the state is the start of its target. During a seek the settings have the place that is sought.
+  // Keeps placement, sequence and frame for a new instance: during a transition frame 0 of its target, during a seek the
+  // frame that the settings request.
   #keepState(instance: Instance): void {
     const state = instance.state();
     if (!state?.hasFrame) return;
