@@ -72,7 +72,7 @@ Image traced(const PinholeCamera& camera, size_t index, const Shape& shape, cons
 }
 
 struct Hull {
-  std::vector<Silhouette> silhouettes;
+  std::vector<silhouette::Silhouette> silhouettes;
   std::vector<CarvingView> views;
   SparseDistance distance;
   TriangleMesh mesh;
@@ -105,7 +105,8 @@ class StereoTest : public GlFixture {
       for (size_t i = 0; i < coverage.pixels.size(); ++i) coverage.pixels[i] = pictures[c].pixels[4 * i + 3];
       out.silhouettes.push_back({cameras[c], coverage});
     }
-    for (const Silhouette& s : out.silhouettes) out.views.push_back({&s, SilhouetteDistance(s.coverage)});
+    for (const silhouette::Silhouette& s : out.silhouettes)
+      out.views.push_back({&s, silhouette::SilhouetteDistance(s.coverage)});
     out.distance = carve(out.views, kVoxel_m).take();
     out.mesh = zeroSurface(out.distance, 0);
     dropSpecks(out.mesh, 27 * kVoxel_m * kVoxel_m * kVoxel_m);
