@@ -146,17 +146,19 @@ class LookDrawer {
   int width_ = 0, height_ = 0;
 };
 
-class Aligner final : public SurfaceAligner {
+}  // namespace
+
+class SurfaceAligner::Views {
  public:
-  Aligner(const package::BaseMesh& mesh, const AlignmentOptions& options, std::unique_ptr<LookDrawer> drawer)
+  Views(const package::BaseMesh& mesh, const AlignmentOptions& options, std::unique_ptr<LookDrawer> drawer)
       : mesh_(mesh),
         options_(options),
         frames_(computeSurfaceFrames(mesh.topology, mesh.positions)),
-        smoother_(TangentSmoother::create(mesh.topology, mesh.positions, frames_, options.smoothness)),
+        smoother_(mesh.topology, mesh.positions, frames_, options.smoothness),
         drawer_(std::move(drawer)) {}
 
   Result<AlignedFrame> align(const Positions& middle, const render::Appearance& appearance,
-                             const render::PictureTextures& picture) override {
+                             const render::PictureTextures& picture) {
     const size_t vertices = mesh_.topology.vertex_count, others = size_t(appearance.member_count) - 1;
     if (middle.size() != vertices)
       return Error{ErrorId::InvalidArgument, "alignment: positions are not those of the character's mesh"};
@@ -211,7 +213,7 @@ class Aligner final : public SurfaceAligner {
       for (ViewObservations& view : seen) views.push_back(std::move(view[other]));
       const auto begin = result.displacement_m.begin() + ptrdiff_t(other * vertices);
       const auto estimates = liftFlow(views, Field(begin, begin + ptrdiff_t(vertices)));
-      Field field = smoother_->solve(estimates);
+      Field field = smoother_.solve(estimates);
       bound(field);
       std::copy(field.begin(), field.end(), begin);
       for (const VertexEstimate& estimate : estimates) {
@@ -277,12 +279,18 @@ class Aligner final : public SurfaceAligner {
   const package::BaseMesh& mesh_;
   const AlignmentOptions options_;
   const SurfaceFrames frames_;
-  std::unique_ptr<TangentSmoother> smoother_;
+  TangentSmoother smoother_;
   std::unique_ptr<LookDrawer> drawer_;
   std::optional<ChartLimits> limits_;  // for the latest texture size
 };
 
-}  // namespace
+SurfaceAligner::SurfaceAligner(std::unique_ptr<Views> views) : views_(std::move(views)) {}
+SurfaceAligner::~SurfaceAligner() = default;
+
+Result<AlignedFrame> SurfaceAligner::align(const Positions& middle, const render::Appearance& appearance,
+                                           const render::PictureTextures& picture) {
+  return views_->align(middle, appearance, picture);
+}
 
 Result<std::unique_ptr<SurfaceAligner>> SurfaceAligner::create(gpu::Device& device, const package::Character& character,
                                                                const package::BaseMesh& mesh,
@@ -291,7 +299,8 @@ Result<std::unique_ptr<SurfaceAligner>> SurfaceAligner::create(gpu::Device& devi
   FOURDVT_ASSIGN(auto model, render::CharacterModel::create(device, character, mesh));
   FOURDVT_ASSIGN(auto depth, render::makeEmbeddedProgram(device, "mesh_picture.vert", "bake_depth.frag"));
   auto drawer = std::make_unique<LookDrawer>(device, mesh.topology, std::move(model), std::move(depth));
-  return std::unique_ptr<SurfaceAligner>(std::make_unique<Aligner>(mesh, options, std::move(drawer)));
+  auto views = std::make_unique<Views>(mesh, options, std::move(drawer));
+  return std::unique_ptr<SurfaceAligner>(new SurfaceAligner(std::move(views)));
 }
 
 namespace {

@@ -35,11 +35,17 @@ class SurfaceAligner {
   // Errors: GpuFailure, InvalidArgument.
   static Result<std::unique_ptr<SurfaceAligner>> create(gpu::Device& device, const package::Character& character,
                                                         const package::BaseMesh& mesh, const AlignmentOptions& options);
-  virtual ~SurfaceAligner() = default;
+  ~SurfaceAligner();
   // Aligns one frame: the class's decoded picture and labels (`appearance`, set for this frame) on `middle`, the
   // blend of all members at equal weights.
-  virtual Result<AlignedFrame> align(const Positions& middle, const render::Appearance& appearance,
-                                     const render::PictureTextures& picture) = 0;
+  Result<AlignedFrame> align(const Positions& middle, const render::Appearance& appearance,
+                             const render::PictureTextures& picture);
+
+ private:
+  class Views;
+  explicit SurfaceAligner(std::unique_ptr<Views> views);
+
+  std::unique_ptr<Views> views_;
 };
 
 // Smooths the displacements over time: confident frames pull their neighbours; loops wrap. `frames`: one whole GOP

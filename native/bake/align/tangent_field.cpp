@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bake/align/tangent_field.h"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -117,7 +116,6 @@ std::vector<VertexEstimate> liftFlow(const std::vector<std::vector<FlowObservati
 
 namespace {
 
-using Matrix = Eigen::SparseMatrix<double>;
 using Entries = std::vector<Eigen::Triplet<double>>;
 
 constexpr double kLength_m = 0.01;               // smoothing length at smoothness 1 and information 1
@@ -157,61 +155,48 @@ glm::dmat2 transport(const glm::mat2x3& from, const glm::mat2x3& to) {
   return {unit.x, unit.y, -unit.y, unit.x};
 }
 
-class Smoother final : public TangentSmoother {
- public:
-  Smoother(const MeshTopology& topology, std::span<const glm::vec3> base, const SurfaceFrames& frames,
-           double smoothness)
-      : areas_(vertexAreas(topology, base)) {
-    Entries entries;
-    const double scale = smoothness * smoothness * kLength_m * kLength_m;
-    for (const glm::uvec3& face : topology.face_vertices)
-      for (int corner = 0; corner < 3; ++corner) {
-        const uint32_t apex = face[corner], a = face[(corner + 1) % 3], b = face[(corner + 2) % 3];
-        if (a == b) continue;
-        const double weight =
-            0.5 * scale * std::clamp(cotangent(base[a] - base[apex], base[b] - base[apex]), kMinEdge, kMaxEdge);
-        const glm::dmat2 b_from_a = transport(frames.tangents[a], frames.tangents[b]);
-        addBlock(a, a, glm::dmat2(weight), entries);
-        addBlock(b, b, glm::dmat2(weight), entries);
-        addBlock(b, a, -weight * b_from_a, entries);
-        addBlock(a, b, -weight * glm::transpose(b_from_a), entries);
-      }
-    for (uint32_t vertex = 0; vertex < topology.vertex_count;
-         ++vertex)  // all four entries, so that the sparsity pattern is constant
-      addBlock(vertex, vertex, glm::dmat2(kPull * areas_[vertex], 0, 0, kPull * areas_[vertex]), entries);
-    smooth_.resize(2 * topology.vertex_count, 2 * topology.vertex_count);
-    smooth_.setFromTriplets(entries.begin(), entries.end());
-    solver_.analyzePattern(smooth_);
-  }
-
-  std::vector<glm::vec2> solve(const std::vector<VertexEstimate>& estimates) override {
-    Matrix matrix = smooth_;
-    Eigen::VectorXd right(matrix.rows());
-    for (size_t vertex = 0; vertex < estimates.size(); ++vertex)
-      for (int i = 0; i < 2; ++i) {
-        for (int j = 0; j < 2; ++j)
-          matrix.coeffRef(2 * vertex + i, 2 * vertex + j) += areas_[vertex] * estimates[vertex].information[j][i];
-        right[2 * vertex + i] = areas_[vertex] * estimates[vertex].pull[i];
-      }
-    solver_.factorize(matrix);
-    const Eigen::VectorXd field = solver_.solve(right);
-    std::vector<glm::vec2> displacement(estimates.size());
-    for (size_t vertex = 0; vertex < estimates.size(); ++vertex)
-      displacement[vertex] = {field[2 * vertex], field[2 * vertex + 1]};
-    return displacement;
-  }
-
- private:
-  std::vector<double> areas_;
-  Matrix smooth_;
-  Eigen::SimplicialLDLT<Matrix> solver_;
-};
-
 }  // namespace
 
-std::unique_ptr<TangentSmoother> TangentSmoother::create(const MeshTopology& topology, std::span<const glm::vec3> base,
-                                                         const SurfaceFrames& frames, double smoothness) {
-  return std::make_unique<Smoother>(topology, base, frames, smoothness);
+TangentSmoother::TangentSmoother(const MeshTopology& topology, std::span<const glm::vec3> base,
+                                 const SurfaceFrames& frames, double smoothness)
+    : areas_(vertexAreas(topology, base)) {
+  Entries entries;
+  const double scale = smoothness * smoothness * kLength_m * kLength_m;
+  for (const glm::uvec3& face : topology.face_vertices)
+    for (int corner = 0; corner < 3; ++corner) {
+      const uint32_t apex = face[corner], a = face[(corner + 1) % 3], b = face[(corner + 2) % 3];
+      if (a == b) continue;
+      const double weight =
+          0.5 * scale * std::clamp(cotangent(base[a] - base[apex], base[b] - base[apex]), kMinEdge, kMaxEdge);
+      const glm::dmat2 b_from_a = transport(frames.tangents[a], frames.tangents[b]);
+      addBlock(a, a, glm::dmat2(weight), entries);
+      addBlock(b, b, glm::dmat2(weight), entries);
+      addBlock(b, a, -weight * b_from_a, entries);
+      addBlock(a, b, -weight * glm::transpose(b_from_a), entries);
+    }
+  for (uint32_t vertex = 0; vertex < topology.vertex_count;
+       ++vertex)  // all four entries, so that the sparsity pattern is constant
+    addBlock(vertex, vertex, glm::dmat2(kPull * areas_[vertex], 0, 0, kPull * areas_[vertex]), entries);
+  smooth_.resize(2 * topology.vertex_count, 2 * topology.vertex_count);
+  smooth_.setFromTriplets(entries.begin(), entries.end());
+  solver_.analyzePattern(smooth_);
+}
+
+std::vector<glm::vec2> TangentSmoother::solve(const std::vector<VertexEstimate>& estimates) {
+  Matrix matrix = smooth_;
+  Eigen::VectorXd right(matrix.rows());
+  for (size_t vertex = 0; vertex < estimates.size(); ++vertex)
+    for (int i = 0; i < 2; ++i) {
+      for (int j = 0; j < 2; ++j)
+        matrix.coeffRef(2 * vertex + i, 2 * vertex + j) += areas_[vertex] * estimates[vertex].information[j][i];
+      right[2 * vertex + i] = areas_[vertex] * estimates[vertex].pull[i];
+    }
+  solver_.factorize(matrix);
+  const Eigen::VectorXd field = solver_.solve(right);
+  std::vector<glm::vec2> displacement(estimates.size());
+  for (size_t vertex = 0; vertex < estimates.size(); ++vertex)
+    displacement[vertex] = {field[2 * vertex], field[2 * vertex + 1]};
+  return displacement;
 }
 
 namespace {

@@ -4,7 +4,7 @@
 // these into a smooth field. Works frame by frame; steadyAlignment smooths over time.
 #pragma once
 
-#include <memory>
+#include <Eigen/SparseCholesky>
 #include <opencv2/core.hpp>
 #include <span>
 #include <vector>
@@ -46,13 +46,19 @@ std::vector<VertexEstimate> liftFlow(const std::vector<std::vector<FlowObservati
 class TangentSmoother {
  public:
   // At smoothness 1, detail below about a centimetre is smoothed away where one frontal view is certain.
-  static std::unique_ptr<TangentSmoother> create(const MeshTopology& topology, std::span<const glm::vec3> base,
-                                                 const SurfaceFrames& frames, double smoothness);
-  virtual ~TangentSmoother() = default;
+  TangentSmoother(const MeshTopology& topology, std::span<const glm::vec3> base, const SurfaceFrames& frames,
+                  double smoothness);
   // Displacement per vertex along its tangents, metres. Minimises Σ area · (d − estimate)ᵀ information (d − estimate)
   // plus the field's roughness under parallel transport. Vertices without information take the mean of their
   // neighbours; far from any information the field goes to 0.
-  virtual std::vector<glm::vec2> solve(const std::vector<VertexEstimate>& estimates) = 0;
+  std::vector<glm::vec2> solve(const std::vector<VertexEstimate>& estimates);
+
+ private:
+  using Matrix = Eigen::SparseMatrix<double>;
+
+  std::vector<double> areas_;  // [vertex]
+  Matrix smooth_;              // roughness and the prior, without estimates
+  Eigen::SimplicialLDLT<Matrix> solver_;
 };
 
 // Limits displacements of texture coordinates to the gutters of their charts.

@@ -259,17 +259,17 @@ TEST(SurfaceAlignmentSmooth, HolesTakeTheirNeighboursFieldAcrossTurningTangents)
   std::vector<VertexEstimate> estimates(field.size());
   for (size_t v = 0; v < field.size(); ++v)
     if (v % 3) estimates[v] = {glm::mat2(2), 2.0f * field[v]};
-  const auto solved = TangentSmoother::create(tube.topology, tube.positions, frames, 1)->solve(estimates);
+  const auto solved = TangentSmoother(tube.topology, tube.positions, frames, 1).solve(estimates);
   for (size_t v = 0; v < field.size(); ++v) EXPECT_NEAR(glm::distance(solved[v], field[v]), 0, 2e-4) << v;
 }
 
 TEST(SurfaceAlignmentSmooth, NothingCertainAnywhereGivesZeroAndFarAwayFades) {
   const Grid grid(40);
-  const auto smoother = TangentSmoother::create(grid.topology, grid.positions, grid.frames(), 1);
+  TangentSmoother smoother(grid.topology, grid.positions, grid.frames(), 1);
   std::vector<VertexEstimate> estimates(grid.topology.vertex_count);
-  for (const glm::vec2& d : smoother->solve(estimates)) EXPECT_EQ(d, glm::vec2(0));
+  for (const glm::vec2& d : smoother.solve(estimates)) EXPECT_EQ(d, glm::vec2(0));
   for (uint32_t y = 0; y <= 40; ++y) estimates[y * 41] = {glm::mat2(2), glm::vec2(0.02f, 0)};
-  const auto solved = smoother->solve(estimates);
+  const auto solved = smoother.solve(estimates);
   EXPECT_GT(solved[20 * 41 + 1].x, 0.008f);
   EXPECT_LT(solved[20 * 41 + 40].x, 0.2f * solved[20 * 41 + 1].x);
 }
@@ -280,7 +280,7 @@ TEST(SurfaceAlignmentSmooth, FacesWithoutAreaDoNoHarm) {
   grid.topology.face_vertices.push_back({3, 3, 8});
   grid.topology.face_uvs.push_back({3, 3, 8});
   std::vector<VertexEstimate> estimates(grid.topology.vertex_count, {glm::mat2(1), glm::vec2(0.003f)});
-  for (const glm::vec2& d : TangentSmoother::create(grid.topology, grid.positions, grid.frames(), 1)->solve(estimates))
+  for (const glm::vec2& d : TangentSmoother(grid.topology, grid.positions, grid.frames(), 1).solve(estimates))
     EXPECT_NEAR(glm::distance(d, glm::vec2(0.003f)), 0, 1e-3);
 }
 
