@@ -102,9 +102,9 @@ void benchClass(const capture::Capture& capture, const capture::CaptureClass& so
     for (size_t m = 0; m < 2; ++m) phases.back().push_back(orStop(bake::memberPositions(plan.members[m], p, read)));
   }
   const auto blend = orStop(bake::NonlinearBlend::create(capture.topology, phases[0][0]));
-  printErrors("hybrid, straight pieces", *blend, phases, bake::HybridMix::Straight);
-  printErrors("hybrid, polynomial", *blend, phases, bake::HybridMix::Polynomial);
-  printCost(*blend, phases, {0.4f, 0.6f});
+  printErrors("hybrid, straight pieces", blend, phases, bake::HybridMix::Straight);
+  printErrors("hybrid, polynomial", blend, phases, bake::HybridMix::Polynomial);
+  printCost(blend, phases, {0.4f, 0.6f});
 }
 
 void benchPair(const capture::Capture& capture, const std::string& a, const std::string& b,
@@ -122,8 +122,8 @@ void benchPair(const capture::Capture& capture, const std::string& a, const std:
       phases.back().push_back(orStop(read(*sequence, p * sequence->frame_count / kPairs)));
   }
   const auto blend = orStop(bake::NonlinearBlend::create(capture.topology, phases[0][0]));
-  printErrors((a + " against " + b + ", straight pieces").c_str(), *blend, phases, bake::HybridMix::Straight);
-  printErrors((a + " against " + b + ", polynomial").c_str(), *blend, phases, bake::HybridMix::Polynomial);
+  printErrors((a + " against " + b + ", straight pieces").c_str(), blend, phases, bake::HybridMix::Straight);
+  printErrors((a + " against " + b + ", polynomial").c_str(), blend, phases, bake::HybridMix::Polynomial);
 }
 
 }  // namespace

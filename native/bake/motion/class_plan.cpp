@@ -257,9 +257,9 @@ Result<ClassPlan> planClass(const capture::Capture& capture, const capture::Capt
   planTime(sources, plan);
   FOURDVT_ASSIGN(auto simplices, classSimplices(plan.manifest, placeOf(capture, source)));
   FOURDVT_ASSIGN(auto pose, memberPositions(plan.members[0], 0, read));
-  FOURDVT_ASSIGN(auto blend, NonlinearBlend::create(meshes.topology, pose));
+  FOURDVT_ASSIGN(const auto blend, NonlinearBlend::create(meshes.topology, pose));
   ReferenceChooser chooser(std::move(simplices), options, plan.members.size());
-  FOURDVT_TRY(chooser.measure(plan, *blend, read, progress));
+  FOURDVT_TRY(chooser.measure(plan, blend, read, progress));
   const std::vector<HybridSimplex> hybrid = chooser.choose(plan);
   const bool measured =
       std::all_of(source.members.begin(), source.members.end(), [](const auto& m) { return m.parameter.empty(); });

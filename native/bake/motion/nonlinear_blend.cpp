@@ -82,7 +82,9 @@ Vector3d likeNeighbour(const Vector3d& turn, const Vector3d& neighbour) {
   return (other - neighbour).squaredNorm() < (turn - neighbour).squaredNorm() ? other : turn;
 }
 
-class Blend : public NonlinearBlend {
+}  // namespace
+
+class NonlinearBlend::Solver {
  public:
   Status prepare(const MeshTopology& topology, const Positions& reference) {
     vertex_count_ = topology.vertex_count;
@@ -94,7 +96,7 @@ class Blend : public NonlinearBlend {
     return factorise();
   }
 
-  Positions blend(std::span<const Positions> members, std::span<const float> weights) const override {
+  Positions blend(std::span<const Positions> members, std::span<const float> weights) const {
     const Positions linear = linearBlend(members, weights);
     std::vector<size_t> used;
     for (size_t m = 0; m < weights.size(); ++m)
@@ -291,15 +293,16 @@ class Blend : public NonlinearBlend {
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
 };
 
-}  // namespace
-
-Result<std::unique_ptr<NonlinearBlend>> NonlinearBlend::create(const MeshTopology& topology,
-                                                               const Positions& reference) {
+Result<NonlinearBlend> NonlinearBlend::create(const MeshTopology& topology, const Positions& reference) {
   if (reference.size() != topology.vertex_count)
     return Error{ErrorId::MeshTopology, "mesh: the reference pose has another number of vertices"};
-  auto blend = std::make_unique<Blend>();
-  FOURDVT_TRY(blend->prepare(topology, reference));
-  return std::unique_ptr<NonlinearBlend>(std::move(blend));
+  auto solver = std::make_shared<Solver>();
+  FOURDVT_TRY(solver->prepare(topology, reference));
+  return NonlinearBlend(std::move(solver));
+}
+
+Positions NonlinearBlend::blend(std::span<const Positions> members, std::span<const float> weights) const {
+  return solver_->blend(members, weights);
 }
 
 Positions linearBlend(std::span<const Positions> members, std::span<const float> weights) {

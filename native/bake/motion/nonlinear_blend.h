@@ -20,9 +20,14 @@ namespace fourdvt::bake {
 class NonlinearBlend {
  public:
   // `reference`: any pose of the mesh. Errors: MeshTopology (no face has an area, or nothing can be anchored).
-  static Result<std::unique_ptr<NonlinearBlend>> create(const MeshTopology& topology, const Positions& reference);
-  virtual ~NonlinearBlend() = default;
-  virtual Positions blend(std::span<const Positions> members, std::span<const float> weights) const = 0;
+  static Result<NonlinearBlend> create(const MeshTopology& topology, const Positions& reference);
+  Positions blend(std::span<const Positions> members, std::span<const float> weights) const;
+
+ private:
+  class Solver;
+  explicit NonlinearBlend(std::shared_ptr<const Solver> solver) : solver_(std::move(solver)) {}
+
+  std::shared_ptr<const Solver> solver_;
 };
 
 Positions linearBlend(std::span<const Positions> members, std::span<const float> weights);

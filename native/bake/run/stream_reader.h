@@ -87,7 +87,7 @@ class StreamReader {
   const StreamPlan& plan_;
   MeshReader meshes_;
   std::vector<Source> sources_;  // [member]
-  std::unique_ptr<NonlinearBlend> blend_;
+  std::optional<NonlinearBlend> blend_;
 };
 
 // Steps from the origin to the grid position at which a point is streamed, in whole numbers.

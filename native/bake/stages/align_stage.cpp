@@ -52,7 +52,7 @@ class ClassAligner {
   StageProgress& progress_;
   package::Character character_;  // borrowed by the aligner
   std::unique_ptr<SurfaceAligner> aligner_;
-  std::unique_ptr<NonlinearBlend> blend_;
+  std::optional<NonlinearBlend> blend_;
   std::optional<render::CharacterModel> model_;
   std::optional<render::Appearance> appearance_;
   std::optional<render::PictureTextures> picture_;

@@ -142,14 +142,14 @@ Result<std::vector<uint8_t>> makeGraph(BakeRun& run) {
   if (job.streams.size() < 2) return std::vector<uint8_t>();
   if (auto kept = run.work.load<store::Bytes>(kGraphResult)) return kept;
   StageClock::Span span(run.clock, Stage::Graph);
-  FOURDVT_ASSIGN(auto blend, NonlinearBlend::create(job.mesh.decoded.topology, job.mesh.decoded.positions));
+  FOURDVT_ASSIGN(const auto blend, NonlinearBlend::create(job.mesh.decoded.topology, job.mesh.decoded.positions));
   MeshReader meshes(job);
   const ReadPositions read = meshes.function();
   std::vector<State> states;
   states.reserve(job.streams.size());  // the descriptions point into it
   std::vector<TransitionState> descriptions;
   for (const StreamPlan& plan : job.streams) {
-    states.emplace_back(job, plan, graphWeights(plan.motion), read, blend.get());
+    states.emplace_back(job, plan, graphWeights(plan.motion), read, &blend);
     FOURDVT_TRY(states.back().loadAtlases(run.work));
     descriptions.push_back(states.back().description());
   }

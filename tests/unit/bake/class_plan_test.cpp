@@ -291,13 +291,13 @@ double shownError(const Tubes& tubes, const ClassPlan& plan, const std::vector<s
     std::vector<Positions> members;
     for (const ClassMember& member : plan.members)
       members.push_back(memberPositions(member, phase, tubes.read()).take());
-    const auto offsets = referenceOffsets(*blend, plan, members);
+    const auto offsets = referenceOffsets(blend, plan, members);
     for (const auto& value : values) {
       const motion::BlendWeights weights = motion::weightsAt(sequence, value);
       Positions shown = linearBlend(members, weights.members);
       for (size_t r = 0; r < offsets.size(); ++r)
         for (size_t v = 0; v < shown.size(); ++v) shown[v] += weights.offsets[r] * offsets[r][v];
-      most = std::max(most, largestDistance(shown, blend->blend(members, weights.members)));
+      most = std::max(most, largestDistance(shown, blend.blend(members, weights.members)));
     }
   }
   return most;

@@ -78,7 +78,7 @@ TEST_F(StudioClass, BlendsAreNearWhatTheActorDoes) {
     for (uint32_t p = 0; p < kFrames[0]; p += 4) {
       const std::vector<Positions> members = {memberPositions(members_[0], p, read).take(),
                                               memberPositions(members_[1], p, read).take()};
-      const Positions blended = blend->blend(members, std::vector<float>{1 - w, w});
+      const Positions blended = blend.blend(members, std::vector<float>{1 - w, w});
       const Positions exact = truth(w, double(p) / kFrames[0] + w * ahead(p));
       for (size_t v = 0; v < exact.size(); ++v, ++count) {
         const double distance = glm::distance(blended[v], exact[v]);

@@ -57,19 +57,19 @@ class RunTimeBlend {
 
 Result<Rows> measureBlend(const MotionSubject& subject) {
   MotionStage& stage = subject.stage;
-  FOURDVT_ASSIGN(auto blend, bake::NonlinearBlend::create(stage.mesh().topology, stage.mesh().positions));
+  FOURDVT_ASSIGN(const auto blend, bake::NonlinearBlend::create(stage.mesh().topology, stage.mesh().positions));
   bake::HybridErrors errors({{0, 1, 1}}, bake::HybridMix::Polynomial, kCheckWeights - 1, kMaxReferences + 1);
   for (const uint32_t phase : subject.phases(subject.quick() ? 2 : subject.motion().frame_count)) {
     FOURDVT_TRY(checkStop(subject.context));
     FOURDVT_TRY(stage.show(phase));
-    errors.add(*blend, stage.members());
+    errors.add(blend, stage.members());
   }
   const std::vector<Positions> members = stage.members();
   RunTimeBlend run_time(members);
   Rows out;
   const std::string name = subject.motion().name;
   const float halves[] = {0.5f, 0.5f};
-  const double solved_ms = milliseconds([&] { blend->blend(members, halves); });
+  const double solved_ms = milliseconds([&] { blend.blend(members, halves); });
   RowWriter(out, rows::kMotionBlend, name, rows::kNonlinear, "").add(rows::kBlendMs, solved_ms, "ms");
   for (int references = 0; references <= kMaxReferences; ++references) {
     const bool baked = references == static_cast<int>(subject.motion().reference_count);
