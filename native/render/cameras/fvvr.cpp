@@ -2,8 +2,6 @@
 #include "render/cameras/fvvr.h"
 
 #include <algorithm>
-#include <map>
-#include <optional>
 
 #include "render/cameras/camera_blend.h"
 
@@ -36,69 +34,17 @@ Status keep(Result<T> made, T& out) {
   return {};
 }
 
-class FvvrOnDevice final : public Fvvr {
- public:
-  FvvrOnDevice(gpu::Device& device, std::span<const PinholeCamera> cameras)
-      : device_(device), pinholes_(cameras.begin(), cameras.end()), cameras_(cameras.size()), regions_(cameras.size()) {
-    for (const PinholeCamera& camera : cameras) {
-      picture_width_ = std::max(picture_width_, camera.width);
-      picture_height_ = std::max(picture_height_, camera.height);
-    }
+}  // namespace
+
+Fvvr::Fvvr(gpu::Device& device, std::span<const PinholeCamera> cameras)
+    : device_(device), pinholes_(cameras.begin(), cameras.end()), cameras_(cameras.size()), regions_(cameras.size()) {
+  for (const PinholeCamera& camera : cameras) {
+    picture_width_ = std::max(picture_width_, camera.width);
+    picture_height_ = std::max(picture_height_, camera.height);
   }
+}
 
-  Status prepare(const MeshTopology& topology, const DepthMapOptions& maps, float length_scale);
-  std::vector<size_t> camerasOf(const View& view, const FvvrOptions& options) const override;
-  Status setFrame(const Positions& positions, std::span<const Image> pictures,
-                  std::span<const size_t> cameras) override {
-    FOURDVT_TRY(setGeometry(positions, cameras));
-    FOURDVT_TRY(uploadPictures(pictures));
-    drawDepthMaps();
-    return {};
-  }
-  Status setGeometry(const Positions& positions, std::span<const size_t> cameras) override;
-  Status uploadPictures(std::span<const Image> pictures) override;
-  void drawDepthMaps() override;
-  Status draw(const View& view, const FvvrOptions& options, gpu::TargetId target) override;
-  Result<Image> renderStill(const View& view, const FvvrOptions& options) override;
-
- private:
-  struct Camera {
-    bool is_used = true;       // used in the current frame
-    bool has_picture = false;  // uploaded since the camera came into use
-  };
-  struct Size {
-    int width = 0, height = 0, samples = 0;
-    bool operator==(const Size&) const = default;
-  };
-
-  Status useCameras(std::span<const size_t> cameras);
-  Status checkPicture(const PinholeCamera& camera, const Image& picture) const;
-  Status checkDraw(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const;
-  std::vector<size_t> usedCameras() const;
-  void drawMesh(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const;
-  Status prepareProgram(size_t camera_count);
-  Status resizeScene(const Size& size);
-  Status resizeStill(int width, int height);
-
-  gpu::Device& device_;
-  const std::vector<PinholeCamera> pinholes_;
-  std::vector<Camera> cameras_;
-  std::vector<PictureRegion> regions_;  // per camera: part of its picture that the current mesh covers
-  CharacterModel model_;
-  std::optional<DepthMaps> maps_;
-  // Size of the largest camera's picture; smaller ones use part of their layers.
-  int picture_width_ = 0, picture_height_ = 0;
-  gpu::Texture pictures_;
-  std::map<size_t, gpu::Program> programs_;  // keyed by number of cameras blended
-  gpu::Target scene_;
-  Size scene_size_;
-  gpu::Texture still_color_;
-  gpu::Target still_;
-  Size still_size_;
-  std::vector<uint8_t> pixels_;  // scratch
-};
-
-Status FvvrOnDevice::prepare(const MeshTopology& topology, const DepthMapOptions& maps, float length_scale) {
+Status Fvvr::prepare(const MeshTopology& topology, const DepthMapOptions& maps, float length_scale) {
   package::Character character;
   character.cameras = pinholes_;
   character.length_scale = length_scale;
@@ -119,7 +65,7 @@ Status FvvrOnDevice::prepare(const MeshTopology& topology, const DepthMapOptions
   return {};
 }
 
-Status FvvrOnDevice::useCameras(std::span<const size_t> cameras) {
+Status Fvvr::useCameras(std::span<const size_t> cameras) {
   for (size_t c : cameras)
     if (c >= cameras_.size())
       return invalid("there is no camera " + std::to_string(c) + " among " + std::to_string(cameras_.size()));
@@ -129,7 +75,14 @@ Status FvvrOnDevice::useCameras(std::span<const size_t> cameras) {
   return {};
 }
 
-Status FvvrOnDevice::setGeometry(const Positions& positions, std::span<const size_t> cameras) {
+Status Fvvr::setFrame(const Positions& positions, std::span<const Image> pictures, std::span<const size_t> cameras) {
+  FOURDVT_TRY(setGeometry(positions, cameras));
+  FOURDVT_TRY(uploadPictures(pictures));
+  drawDepthMaps();
+  return {};
+}
+
+Status Fvvr::setGeometry(const Positions& positions, std::span<const size_t> cameras) {
   if (positions.size() != model_.vertex_count)
     return invalid("the frame has " + std::to_string(positions.size()) + " vertices, the mesh " +
                    std::to_string(model_.vertex_count));
@@ -139,20 +92,20 @@ Status FvvrOnDevice::setGeometry(const Positions& positions, std::span<const siz
   return {};
 }
 
-std::vector<size_t> FvvrOnDevice::usedCameras() const {
+std::vector<size_t> Fvvr::usedCameras() const {
   std::vector<size_t> used;
   for (size_t c = 0; c < cameras_.size(); ++c)
     if (cameras_[c].is_used) used.push_back(c);
   return used;
 }
 
-Status FvvrOnDevice::checkPicture(const PinholeCamera& camera, const Image& picture) const {
+Status Fvvr::checkPicture(const PinholeCamera& camera, const Image& picture) const {
   if (picture.width == camera.width && picture.height == camera.height && picture.channels == 4) return {};
   return invalid("the picture of camera " + camera.name + " must be RGBA of " + std::to_string(camera.width) + "x" +
                  std::to_string(camera.height) + " pixels");
 }
 
-Status FvvrOnDevice::uploadPictures(std::span<const Image> pictures) {
+Status Fvvr::uploadPictures(std::span<const Image> pictures) {
   if (model_.geometry_serial == 0) return invalid("setGeometry goes before uploadPictures");
   if (pictures.size() != cameras_.size())
     return invalid(std::to_string(pictures.size()) + " pictures for " + std::to_string(cameras_.size()) + " cameras");
@@ -169,16 +122,16 @@ Status FvvrOnDevice::uploadPictures(std::span<const Image> pictures) {
   return {};
 }
 
-void FvvrOnDevice::drawDepthMaps() {
+void Fvvr::drawDepthMaps() {
   maps_->forget();
   maps_->update(device_, model_, usedCameras(), regions_);
 }
 
-std::vector<size_t> FvvrOnDevice::camerasOf(const View& view, const FvvrOptions& options) const {
+std::vector<size_t> Fvvr::camerasOf(const View& view, const FvvrOptions& options) const {
   return camerasTowards(pinholes_, viewAxis(view.clip_from_world), options.closest);
 }
 
-Status FvvrOnDevice::prepareProgram(size_t camera_count) {
+Status Fvvr::prepareProgram(size_t camera_count) {
   gpu::Program& program = programs_[camera_count];
   if (program) return {};
   return keep(
@@ -186,7 +139,7 @@ Status FvvrOnDevice::prepareProgram(size_t camera_count) {
       program);
 }
 
-void FvvrOnDevice::drawMesh(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const {
+void Fvvr::drawMesh(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const {
   const BlendPictures pictures{.array = pictures_.id(), .size = glm::vec2(picture_width_, picture_height_)};
   const CameraUniforms cameras(pinholes_, chosen, *maps_, pictures, 0, model_.length_scale);
   const int fills = options.fills;
@@ -198,7 +151,7 @@ void FvvrOnDevice::drawMesh(const View& view, const FvvrOptions& options, const 
   device_.draw(draw);
 }
 
-Status FvvrOnDevice::checkDraw(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const {
+Status Fvvr::checkDraw(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const {
   if (view.width < 1 || view.height < 1) return invalid("the view is empty; give it a width and a height");
   if (options.closest < 0) return invalid("closest must be 0 (all cameras) or more");
   for (size_t c : chosen)
@@ -208,7 +161,7 @@ Status FvvrOnDevice::checkDraw(const View& view, const FvvrOptions& options, con
   return {};
 }
 
-Status FvvrOnDevice::draw(const View& view, const FvvrOptions& options, gpu::TargetId target) {
+Status Fvvr::draw(const View& view, const FvvrOptions& options, gpu::TargetId target) {
   const std::vector<size_t> chosen = camerasOf(view, options);
   FOURDVT_TRY(checkDraw(view, options, chosen));
   FOURDVT_TRY(prepareProgram(chosen.size()));
@@ -226,7 +179,7 @@ Status FvvrOnDevice::draw(const View& view, const FvvrOptions& options, gpu::Tar
   return {};
 }
 
-Status FvvrOnDevice::resizeScene(const Size& size) {
+Status Fvvr::resizeScene(const Size& size) {
   if (scene_ && size == scene_size_) return {};
   scene_.reset();
   scene_size_ = size;
@@ -238,7 +191,7 @@ Status FvvrOnDevice::resizeScene(const Size& size) {
               scene_);
 }
 
-Status FvvrOnDevice::resizeStill(int width, int height) {
+Status Fvvr::resizeStill(int width, int height) {
   const Size size{width, height, 0};
   if (still_ && size == still_size_) return {};
   still_.reset();
@@ -247,7 +200,7 @@ Status FvvrOnDevice::resizeStill(int width, int height) {
   return keep(gpu::makeTarget(device_, {.colors = {still_color_.id()}, .label = "fvvr still"}), still_);
 }
 
-Result<Image> FvvrOnDevice::renderStill(const View& view, const FvvrOptions& options) {
+Result<Image> Fvvr::renderStill(const View& view, const FvvrOptions& options) {
   const int largest = device_.caps().max_texture_size;
   if (view.width < 1 || view.height < 1 || view.width > largest || view.height > largest)
     return invalid("picture size must be between 1 and " + std::to_string(largest) + " pixels");
@@ -264,8 +217,6 @@ Result<Image> FvvrOnDevice::renderStill(const View& view, const FvvrOptions& opt
   return image;
 }
 
-}  // namespace
-
 Result<std::unique_ptr<Fvvr>> Fvvr::create(gpu::Device& device, std::span<const PinholeCamera> cameras,
                                            const MeshTopology& topology, const DepthMapOptions& maps,
                                            float length_scale) {
@@ -273,9 +224,9 @@ Result<std::unique_ptr<Fvvr>> Fvvr::create(gpu::Device& device, std::span<const 
     return invalid("free-viewpoint rendering takes 1 to " + std::to_string(package::kMaxCameras) + " cameras, not " +
                    std::to_string(cameras.size()));
   if (topology.faceCount() == 0) return invalid("the mesh has no faces");
-  auto fvvr = std::make_unique<FvvrOnDevice>(device, cameras);
+  std::unique_ptr<Fvvr> fvvr(new Fvvr(device, cameras));
   FOURDVT_TRY(fvvr->prepare(topology, maps, length_scale));
-  return std::unique_ptr<Fvvr>(std::move(fvvr));
+  return fvvr;
 }
 
 }  // namespace fourdvt::render

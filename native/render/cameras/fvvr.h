@@ -8,7 +8,9 @@
 // from cameras are drawn by a Method (camera_method.h). Order of calls: setFrame (or its three parts) → draw….
 #pragma once
 
+#include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,24 +36,60 @@ class Fvvr {
   static Result<std::unique_ptr<Fvvr>> create(gpu::Device& device, std::span<const PinholeCamera> cameras,
                                               const MeshTopology& topology, const DepthMapOptions& maps = {},
                                               float length_scale = 1);
-  virtual ~Fvvr() = default;
   // Returns the `options.closest` cameras of a draw of this view, nearest first.
-  virtual std::vector<size_t> camerasOf(const View& view, const FvvrOptions& options) const = 0;
+  std::vector<size_t> camerasOf(const View& view, const FvvrOptions& options) const;
   // Uploads the RGBA pictures (alpha = matte), one per camera at the camera's size, and draws their depth maps. Surface
   // is shown where the interpolated matte is above one half. cameras: those in use until the next call (camerasOf); the
   // others are skipped, and their pictures may be empty; an empty list: all. Errors: InvalidArgument.
-  virtual Status setFrame(const Positions& positions, std::span<const Image> pictures,
-                          std::span<const size_t> cameras = {}) = 0;
+  Status setFrame(const Positions& positions, std::span<const Image> pictures, std::span<const size_t> cameras = {});
   // Parts of setFrame in order, for timing. Pictures are uploaded round the mesh only.
-  virtual Status setGeometry(const Positions& positions, std::span<const size_t> cameras = {}) = 0;
-  virtual Status uploadPictures(std::span<const Image> pictures) = 0;
-  virtual void drawDepthMaps() = 0;
+  Status setGeometry(const Positions& positions, std::span<const size_t> cameras = {});
+  Status uploadPictures(std::span<const Image> pictures);
+  void drawDepthMaps();
   // Draws like Recipe::draw: premultiplied, at (0,0) of `target`. A covered fragment that no camera sees takes the
   // colour of the best-facing camera, occlusion ignored; black outside every matte. Errors: InvalidArgument (also where
   // a camera of this view is missing from the frame).
-  virtual Status draw(const View& view, const FvvrOptions& options, gpu::TargetId target) = 0;
+  Status draw(const View& view, const FvvrOptions& options, gpu::TargetId target);
   // Returns straight RGBA, top row first.
-  virtual Result<Image> renderStill(const View& view, const FvvrOptions& options) = 0;
+  Result<Image> renderStill(const View& view, const FvvrOptions& options);
+
+ private:
+  struct Camera {
+    bool is_used = true;       // used in the current frame
+    bool has_picture = false;  // uploaded since the camera came into use
+  };
+  struct Size {
+    int width = 0, height = 0, samples = 0;
+    bool operator==(const Size&) const = default;
+  };
+
+  Fvvr(gpu::Device& device, std::span<const PinholeCamera> cameras);
+  Status prepare(const MeshTopology& topology, const DepthMapOptions& maps, float length_scale);
+  Status useCameras(std::span<const size_t> cameras);
+  Status checkPicture(const PinholeCamera& camera, const Image& picture) const;
+  Status checkDraw(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const;
+  std::vector<size_t> usedCameras() const;
+  void drawMesh(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const;
+  Status prepareProgram(size_t camera_count);
+  Status resizeScene(const Size& size);
+  Status resizeStill(int width, int height);
+
+  gpu::Device& device_;
+  const std::vector<PinholeCamera> pinholes_;
+  std::vector<Camera> cameras_;
+  std::vector<PictureRegion> regions_;  // per camera: part of its picture that the current mesh covers
+  CharacterModel model_;
+  std::optional<DepthMaps> maps_;
+  // Size of the largest camera's picture; smaller ones use part of their layers.
+  int picture_width_ = 0, picture_height_ = 0;
+  gpu::Texture pictures_;
+  std::map<size_t, gpu::Program> programs_;  // keyed by number of cameras blended
+  gpu::Target scene_;
+  Size scene_size_;
+  gpu::Texture still_color_;
+  gpu::Target still_;
+  Size still_size_;
+  std::vector<uint8_t> pixels_;  // scratch
 };
 
 }  // namespace fourdvt::render
