@@ -99,4 +99,14 @@ CharacterView viewOfFigure(const View& view, const Figure& figure) {
           view.height};
 }
 
+LengthScales lengthScalesOf(std::span<const Figure> figures) {
+  if (figures.empty()) return {};
+  LengthScales out{figures[0].model->length_scale, figures[0].model->length_scale};
+  for (const Figure& figure : figures) {
+    out.least = std::min(out.least, figure.model->length_scale);
+    out.most = std::max(out.most, figure.model->length_scale);
+  }
+  return out;
+}
+
 }  // namespace fourdvt::render

@@ -9,7 +9,9 @@
 #include <map>
 #include <vector>
 
-#include "render/recipe.h"
+#include "render/figures.h"
+#include "render/flow/flow.h"
+#include "render/scene.h"
 
 namespace fourdvt::render {
 
