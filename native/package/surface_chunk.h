@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "base/bytes.h"
 #include "base/mesh.h"
 #include "package/character.h"
 #include "package/stream_file.h"
@@ -34,15 +35,48 @@ class SurfaceChunk {
   static Result<std::unique_ptr<SurfaceChunk>> open(std::span<const uint8_t> bytes, const StreamIndex& index,
                                                     uint32_t chunk, const Character& character,
                                                     const Sequence& sequence);
-  virtual ~SurfaceChunk() = default;
+  ~SurfaceChunk();
   // Decodes until frames 0..frame of the chunk, or all of them, are present. Errors: StreamInvalid, from then on
   // always.
-  virtual Status decodeTo(uint32_t frame) = 0;
-  virtual uint32_t decodedCount() const = 0;
+  Status decodeTo(uint32_t frame);
+  uint32_t decodedCount() const { return static_cast<uint32_t>(frames_.size()); }
   // Surface of a decoded frame; valid for the chunk's life.
-  virtual Surface surface(uint32_t frame) const = 0;
-  virtual std::span<const CameraTile> tiles() const = 0;  // one per camera of the character
-  virtual uint64_t bytes() const = 0;                     // held in memory
+  Surface surface(uint32_t frame) const;
+  std::span<const CameraTile> tiles() const { return tiles_; }                   // one per camera of the character
+  uint64_t bytes() const { return bytes_ + tiles_.size() * sizeof(tiles_[0]); }  // held in memory
+
+ private:
+  class Motion;  // positions of a run's frames
+  struct Run {
+    uint32_t first = 0, frame_count = 0;
+    std::span<const uint8_t> mesh, motion;
+    std::vector<glm::uvec3> faces;  // set once the first frame is decoded
+  };
+  struct Frame {
+    uint32_t run;
+    Positions positions;
+  };
+
+  SurfaceChunk(const StreamIndex& index, uint32_t chunk);
+  Status read(std::span<const uint8_t> bytes, const Character& character, const Sequence& sequence);
+  Status readTiles(ByteReader& in, const Character& character, const Sequence& sequence);
+  Status readRuns(ByteReader& in);
+  // False: corrupt.
+  bool decodeNext();
+  bool beginRun(uint32_t frame);
+  bool moveOn(uint32_t frame);
+  bool append(const std::vector<glm::ivec3>& quantised);
+
+  const uint32_t frame_count_, max_vertices_, max_faces_;
+  const glm::vec3 origin_;
+  const float step_m_;
+  std::vector<CameraTile> tiles_;
+  std::vector<Run> runs_;
+  std::vector<Frame> frames_;       // decoded frames
+  uint32_t run_ = 0;                // run of the last decoded frame
+  std::unique_ptr<Motion> motion_;  // decoder of this run, until its last frame
+  uint64_t bytes_ = 0;
+  bool broken_ = false;
 };
 
 // position = origin + step * q, with the header's origin and step.

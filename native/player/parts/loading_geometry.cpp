@@ -48,7 +48,7 @@ Status Loading::decode(GopKey key, Gop& gop, uint32_t row) {
   const uint32_t rows = gop.decodedRows();
   Status status = open(key, gop);
   if (status.ok() && !(opens && row == kStep))
-    status = gop.surfaces   ? gop.surfaces->decodeTo(row == kStep ? rows : row)
+    status = gop.surfaces   ? later<&package::SurfaceChunk::decodeTo>(*gop.surfaces, row == kStep ? rows : row)
              : row == kStep ? gop.geometry->step()
                             : gop.geometry->decodeTo(row);
   gop.damaged = !status.ok();
