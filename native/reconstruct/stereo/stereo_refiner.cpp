@@ -7,10 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/parallel.h"
-#include "base/watch.h"
 #include "reconstruct/carve.h"
-#include "reconstruct/stereo/plane_sweep.h"
-#include "reconstruct/stereo/steady.h"
 #include "reconstruct/surface_cleaning.h"
 
 namespace fourdvt::reconstruct {
@@ -48,40 +45,15 @@ Image reducedPicture(const Image& picture, const PinholeCamera& camera) {
   return out;
 }
 
-class Refiner final : public StereoRefiner {
- public:
-  Refiner(std::vector<PinholeCamera> cameras, const StereoOptions& options)
-      : full_(std::move(cameras)), options_(options), steady_(options.kept) {
-    for (const PinholeCamera& camera : full_) cameras_.push_back(reducedCamera(camera, options.reduction));
-    references_ = referencesOf(cameras_, options);
-  }
-  Status prepare(gpu::Device& device) {
-    FOURDVT_ASSIGN(sweep_, PlaneSweep::create(device, cameras_, options_.sweep));
-    return {};
-  }
-  Result<TriangleMesh> refine(const SparseDistance& hull_distance, const TriangleMesh& hull,
-                              std::span<const Image> rgba_pictures, std::span<const CarvingView> views) override;
-  void forget() override { steady_.forget(); }
-  const StereoTimes& times() const override { return times_; }
-  const std::vector<double>& believed() const override { return believed_; }
+}  // namespace
 
- private:
-  Result<std::vector<Image>> reduced(std::span<const Image> pictures) const;
-  Result<std::vector<DepthMap>> depthMaps(std::span<const Image> pictures);
-  // Adds the time since the last call to `to`.
-  void lap(double& to) { to += watch_.lap_ms() / 1e3; }
+StereoRefiner::StereoRefiner(std::vector<PinholeCamera> cameras, const StereoOptions& options)
+    : full_(std::move(cameras)), options_(options), steady_(options.kept) {
+  for (const PinholeCamera& camera : full_) cameras_.push_back(reducedCamera(camera, options.reduction));
+  references_ = referencesOf(cameras_, options);
+}
 
-  std::vector<PinholeCamera> full_, cameras_;  // cameras_: reduced pictures
-  StereoOptions options_;
-  std::vector<StereoReference> references_;
-  PlaneSweep sweep_;
-  SteadyDistance steady_;
-  StereoTimes times_;
-  std::vector<double> believed_;
-  Watch watch_;
-};
-
-Result<std::vector<Image>> Refiner::reduced(std::span<const Image> pictures) const {
+Result<std::vector<Image>> StereoRefiner::reduced(std::span<const Image> pictures) const {
   if (pictures.size() != full_.size()) return Error{ErrorId::InvalidArgument, "stereo needs one picture per camera"};
   std::vector<Image> out;
   for (size_t c = 0; c < pictures.size(); ++c) {
@@ -95,7 +67,7 @@ Result<std::vector<Image>> Refiner::reduced(std::span<const Image> pictures) con
   return out;
 }
 
-Result<std::vector<DepthMap>> Refiner::depthMaps(std::span<const Image> pictures) {
+Result<std::vector<DepthMap>> StereoRefiner::depthMaps(std::span<const Image> pictures) {
   std::vector<DepthMap> maps;
   for (const StereoReference& reference : references_) {
     CostVolume volume;
@@ -116,8 +88,8 @@ Result<std::vector<DepthMap>> Refiner::depthMaps(std::span<const Image> pictures
   return maps;
 }
 
-Result<TriangleMesh> Refiner::refine(const SparseDistance& hull_distance, const TriangleMesh& hull,
-                                     std::span<const Image> rgba_pictures, std::span<const CarvingView> views) {
+Result<TriangleMesh> StereoRefiner::refine(const SparseDistance& hull_distance, const TriangleMesh& hull,
+                                           std::span<const Image> rgba_pictures, std::span<const CarvingView> views) {
   watch_ = {};
   times_ = {};
   FOURDVT_ASSIGN(const std::vector<Image> pictures, reduced(rgba_pictures));
@@ -141,8 +113,6 @@ Result<TriangleMesh> Refiner::refine(const SparseDistance& hull_distance, const 
   lap(times_.mesh);
   return mesh;
 }
-
-}  // namespace
 
 std::vector<size_t> comparedWith(std::span<const PinholeCamera> cameras, size_t camera, const StereoOptions& options) {
   std::vector<std::pair<double, size_t>> near;
@@ -173,9 +143,9 @@ Result<std::unique_ptr<StereoRefiner>> StereoRefiner::create(gpu::Device& device
                                                              const StereoOptions& options) {
   if (const std::string wrong = options.check(); !wrong.empty()) return Error{ErrorId::InvalidArgument, wrong};
   if (cameras.size() < 2) return Error{ErrorId::InvalidArgument, "stereo needs two cameras"};
-  auto out = std::make_unique<Refiner>(std::move(cameras), options);
-  FOURDVT_TRY(out->prepare(device));
-  return std::unique_ptr<StereoRefiner>(std::move(out));
+  std::unique_ptr<StereoRefiner> out(new StereoRefiner(std::move(cameras), options));
+  FOURDVT_ASSIGN(out->sweep_, PlaneSweep::create(device, out->cameras_, options.sweep));
+  return out;
 }
 
 namespace {

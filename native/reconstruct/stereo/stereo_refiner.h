@@ -12,11 +12,13 @@
 #include "base/camera.h"
 #include "base/image.h"
 #include "base/result.h"
+#include "base/watch.h"
 #include "gpu/device.h"
 #include "reconstruct/level_set.h"
 #include "reconstruct/stereo/depth_fusion.h"
 #include "reconstruct/stereo/outlines.h"
 #include "reconstruct/stereo/plane_sweep.h"
+#include "reconstruct/stereo/steady.h"
 
 namespace fourdvt::reconstruct {
 struct StereoOptions {
@@ -49,17 +51,32 @@ class StereoRefiner {
   // GpuFailure.
   static Result<std::unique_ptr<StereoRefiner>> create(gpu::Device& device, std::vector<PinholeCamera> cameras,
                                                        const StereoOptions& options = {});
-  virtual ~StereoRefiner() = default;
   // Refines frames in temporal order; equal sequences of frames have equal surfaces. `hull`: zero surface of
   // `hull_distance`. `rgba_pictures`: one per camera, of its size, alpha = matte. `views`: those that the hull was
   // carved with. Stores one frame. Errors: InvalidArgument (a picture's size), GpuFailure.
-  virtual Result<TriangleMesh> refine(const SparseDistance& hull_distance, const TriangleMesh& hull,
-                                      std::span<const Image> rgba_pictures, std::span<const CarvingView> views) = 0;
+  Result<TriangleMesh> refine(const SparseDistance& hull_distance, const TriangleMesh& hull,
+                              std::span<const Image> rgba_pictures, std::span<const CarvingView> views);
   // Resets the temporal state before a cut.
-  virtual void forget() = 0;
-  virtual const StereoTimes& times() const = 0;  // last frame
+  void forget() { steady_.forget(); }
+  const StereoTimes& times() const { return times_; }  // last frame
   // Last frame, per camera: share of the hull's picture with valid depths.
-  virtual const std::vector<double>& believed() const = 0;
+  const std::vector<double>& believed() const { return believed_; }
+
+ private:
+  StereoRefiner(std::vector<PinholeCamera> cameras, const StereoOptions& options);
+  Result<std::vector<Image>> reduced(std::span<const Image> pictures) const;
+  Result<std::vector<DepthMap>> depthMaps(std::span<const Image> pictures);
+  // Adds the time since the last call to `to`.
+  void lap(double& to) { to += watch_.lap_ms() / 1e3; }
+
+  std::vector<PinholeCamera> full_, cameras_;  // cameras_: reduced pictures
+  StereoOptions options_;
+  std::vector<StereoReference> references_;
+  PlaneSweep sweep_;
+  SteadyDistance steady_;
+  StereoTimes times_;
+  std::vector<double> believed_;
+  Watch watch_;
 };
 
 // Texture of an RGBA picture (alpha = matte) for stereo, height × width: 0 where the neighbourhood has only noise and
