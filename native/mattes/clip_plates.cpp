@@ -6,9 +6,9 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "base/parallel.h"
 #include "base/robust.h"
 #include "mattes/background_key.h"
-#include "mattes/matrices.h"
 #include "mattes/reduced.h"
 #include "mattes/support.h"
 

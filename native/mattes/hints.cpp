@@ -10,7 +10,7 @@
 
 #include "base/text.h"
 #include "capture/pictures.h"
-#include "mattes/matrices.h"
+#include "mattes/reduced.h"
 
 namespace fourdvt::mattes {
 namespace {

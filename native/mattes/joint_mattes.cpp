@@ -7,10 +7,10 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "base/parallel.h"
 #include "mattes/background_key.h"
 #include "mattes/background_model.h"
 #include "mattes/hints.h"
-#include "mattes/matrices.h"
 #include "mattes/reduced.h"
 #include "mattes/support.h"
 

@@ -10,7 +10,7 @@
 #include "capture/plates.h"
 #include "capture/undistort.h"
 #include "mattes/background_key.h"
-#include "mattes/matrices.h"
+#include "mattes/reduced.h"
 
 namespace fourdvt::mattes {
 namespace {
@@ -23,8 +23,6 @@ float chromaDistance(const uint8_t* a, const uint8_t* b) {
   const float cb = (bl - luma) / 1.8556f, cr = (r - luma) / 1.5748f;
   return std::sqrt(cb * cb + cr * cr);
 }
-
-cv::Mat wrap(Image& image) { return cv::Mat(image.height, image.width, CV_8UC(image.channels), image.pixels.data()); }
 
 }  // namespace
 
@@ -39,7 +37,7 @@ Image chromaKey(const Image& picture, const Image& plate, const ChromaKeyOptions
     alpha.pixels[i] = static_cast<uint8_t>(std::lround(std::fmin(255.0f, std::fmax(0.0f, value))));
   }
   Image clean(picture.width, picture.height, 1);
-  cv::Mat in = wrap(alpha), out = wrap(clean);
+  cv::Mat in = matrixOf(alpha), out = matrixOf(clean);
   const cv::Mat element = cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3});
   cv::morphologyEx(in, out, cv::MORPH_OPEN, element);
   cv::morphologyEx(out, out, cv::MORPH_CLOSE, element);

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "mattes/matrices.h"
-
 namespace fourdvt::mattes {
 
 int reductionFor(const capture::CaptureCamera& camera, double pixels) {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "mattes/matrices.h"
+#include "base/parallel.h"
 
 namespace fourdvt::mattes {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "base/parallel.h"
 #include "capture/matted_pictures.h"
-#include "mattes/matrices.h"
 #include "mattes/reduced.h"
 
 namespace fourdvt::mattes {

@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "base/parallel.h"
 #include "base/text.h"
 #include "base/watch.h"
 #include "capture/folder/linked_capture.h"
 #include "capture/folder/result_folder.h"
 #include "mattes/agreement.h"
 #include "mattes/frame_reader.h"
-#include "mattes/matrices.h"
+#include "mattes/reduced.h"
 #include "mattes/run/contact_sheet.h"
 #include "mattes/run/report.h"
 #include "mattes/run/sequence_mattes.h"

@@ -5,8 +5,8 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "base/parallel.h"
 #include "capture/matte_flaw.h"
-#include "mattes/matrices.h"
 #include "mattes/reduced.h"
 
 namespace fourdvt::mattes {

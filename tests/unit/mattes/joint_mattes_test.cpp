@@ -6,7 +6,7 @@
 
 #include "mattes/background_key.h"
 #include "mattes/hints.h"
-#include "mattes/matrices.h"
+#include "mattes/reduced.h"
 #include "mattes_fixture.h"
 
 namespace fourdvt::mattes {
