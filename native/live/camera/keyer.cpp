@@ -11,9 +11,12 @@
 
 #include "live/camera/key_cells.h"
 #include "mattes/background_model.h"
+#include "mattes/reduced.h"
 
 namespace fourdvt::live {
 namespace {
+
+using mattes::matrixOf;
 
 constexpr float kCellTolerance = 7;    // levels, root of the sum of three channels' squares
 constexpr float kPixelTolerance = 14;  // same unit
@@ -22,10 +25,6 @@ constexpr int kContrastReach_px = 2;   // radius within which the performer's fu
 // Maximum deviation of a pixel's shade from its cell's gain.
 constexpr float kShadeBeside = 0.15f, kChromaShadeBeside = 0.5f;
 constexpr float kChromaLeastShade = 0.3f, kChromaMostShade = 1.5f;
-
-cv::Mat wrapped(const Image& image) {
-  return cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<uint8_t*>(image.pixels.data()));
-}
 
 class PlateKeyer final : public Keyer {
  public:
@@ -56,7 +55,7 @@ class PlateKeyer final : public Keyer {
     Image out(model.width, model.height, 1);
     for (size_t i = 0; i < out.pixels.size(); ++i)
       out.pixels[i] = uint8_t(std::min(255.0f, kPixelTolerance + kFromModel * std::sqrt(3 * model.extra[i])));
-    cv::Mat grown = wrapped(out);
+    cv::Mat grown = matrixOf(out);
     cv::dilate(grown, grown, cv::Mat::ones(3, 3, CV_8U));
     return out;
   }
@@ -69,8 +68,8 @@ class PlateKeyer final : public Keyer {
       model.max_shade = kChromaMostShade;
     }
     Image three(mean_.width, mean_.height, 3);
-    cv::Mat out = wrapped(three);
-    cv::cvtColor(wrapped(tolerance_), out, cv::COLOR_GRAY2RGB);
+    cv::Mat out = matrixOf(three);
+    cv::cvtColor(matrixOf(tolerance_), out, cv::COLOR_GRAY2RGB);
     CellMeans tolerance;
     reduceToCells(three, cell_px_, tolerance);
     if (!chroma_) model.texture_tolerance = tolerance.channel[0];
@@ -91,7 +90,7 @@ class PlateKeyer final : public Keyer {
     const cv::Rect box = cv::Rect(cv::Point(low_x * cell_px_, low_y * cell_px_),
                                   cv::Point((high_x + 1) * cell_px_, (high_y + 1) * cell_px_)) &
                          cv::Rect(0, 0, picture.width, picture.height);
-    wrapped(difference_)(box).setTo(0);
+    matrixOf(difference_)(box).setTo(0);
     for (int y = low_y; y <= high_y; ++y)
       for (int x = low_x; x <= high_x; ++x) {
         const size_t cell = size_t(y) * columns + x;
@@ -131,7 +130,7 @@ class PlateKeyer final : public Keyer {
   static float toleranceScale(const Cells& cells) { return std::max(1.0f, cells.threshold / 2); }
 
   void cover(const cv::Rect& box, const Cells& cells) {
-    cv::Mat difference = wrapped(difference_)(box);
+    cv::Mat difference = matrixOf(difference_)(box);
     cv::GaussianBlur(difference, smooth_, {3, 3}, 0, 0, cv::BORDER_REPLICATE | cv::BORDER_ISOLATED);
     const int side = 2 * kContrastReach_px + 1;
     cv::dilate(smooth_, contrast_, cv::Mat::ones(side, side, CV_8U));
@@ -144,7 +143,7 @@ class PlateKeyer final : public Keyer {
         out[x] = uint8_t(std::min(255.0f, 127.5f * float(d[x]) / half + 0.5f));
       }
     }
-    cv::Mat coverage = wrapped(coverage_)(box);
+    cv::Mat coverage = matrixOf(coverage_)(box);
     cv::morphologyEx(coverage, coverage, cv::MORPH_CLOSE, cv::Mat::ones(3, 3, CV_8U));
     const int columns = cells_.columns(), rows = cells_.rows();
     for (int y = 0; y < rows; ++y)
