@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+// Elapsed time, and the progress that long commands report.
 #pragma once
 
 #include <chrono>
+#include <cstdint>
+#include <string>
 
 namespace fourdvt {
 
@@ -20,6 +23,12 @@ class Watch {
  private:
   using Clock = std::chrono::steady_clock;
   Clock::time_point start_ = Clock::now();
+};
+
+struct FrameProgress {
+  std::string stage;                    // "mattes run 12/28"
+  uint32_t done = 0, total = 0;         // frames; total 0: unknown
+  double frames_per_s = 0, left_s = 0;  // 0: unknown
 };
 
 }  // namespace fourdvt

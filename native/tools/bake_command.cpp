@@ -207,9 +207,7 @@ bake::BakeEnvironment bakeEnvironment(const GpuSession& gpu, ProgressLine& line)
   bake::BakeEnvironment environment;
   environment.device = gpu.device.get();
   environment.open_video = videoOpener();
-  environment.progress = [&line](const bake::Progress& p) {
-    line.show({p.stage, p.done, p.total, p.frames_per_s, p.left_s});
-  };
+  environment.progress = [&line](const FrameProgress& p) { line.show(p); };
   environment.note = [](const std::string& text) { note("%s", text.c_str()); };
   environment.stop = listenForStop();
   return environment;

@@ -45,9 +45,7 @@ Result<int> mattesCommand(int argc, char** argv) {
   ProgressLine line;
   mattes::MattesEnvironment environment;
   environment.open_video = videoOpener();
-  environment.progress = [&](const mattes::MattesProgress& p) {
-    line.show({p.stage, p.done, p.total, p.frames_per_s, p.left_s});
-  };
+  environment.progress = [&line](const FrameProgress& p) { line.show(p); };
   environment.stop = stop;
   FOURDVT_ASSIGN(const auto s, mattes::makeMattes(options, environment));
   line.end();

@@ -80,9 +80,7 @@ reconstruct::ReconstructEnvironment reconstructEnvironment(const GpuSession& gpu
   reconstruct::ReconstructEnvironment environment;
   environment.device = gpu.device.get();
   environment.open_video = videoOpener();
-  environment.progress = [&line](const reconstruct::ReconstructProgress& p) {
-    line.show({p.stage, p.done, p.total, p.frames_per_s, p.left_s});
-  };
+  environment.progress = [&line](const FrameProgress& p) { line.show(p); };
   environment.note = [](const std::string& text) { note("%s", text.c_str()); };
   environment.stop = listenForStop();
   return environment;

@@ -5,9 +5,10 @@
 
 #include <atomic>
 #include <chrono>
-#include <cstdint>
 #include <mutex>
 #include <string>
+
+#include "base/watch.h"
 
 namespace fourdvt::tools {
 
@@ -27,12 +28,6 @@ bool rewritesProgress();
 // Progress of a command that works through frames, on standard error: on a terminal one line, rewritten in place;
 // elsewhere a line every 5 s, and one when all frames are done. None with --quiet; with --verbose also the seconds of
 // each stage.
-struct FrameProgress {
-  std::string stage;
-  uint32_t done = 0, total = 0;         // frames; total 0: unknown
-  double frames_per_s = 0, left_s = 0;  // 0: unknown
-};
-
 class ProgressLine {
  public:
   ProgressLine();

@@ -113,7 +113,7 @@ struct BakeClass : testing::GlFixture {
   Result<BakeReport> run() {
     stop = false;
     stages.clear();
-    return bake(options, testEnvironment(*device, stop, [&](const Progress& p) {
+    return bake(options, testEnvironment(*device, stop, [&](const FrameProgress& p) {
                   stages.push_back(p.stage);
                   if (p.stage != stop_at) return;
                   when_there ? when_there() : void(stop = true);

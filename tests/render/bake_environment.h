@@ -12,7 +12,7 @@
 namespace fourdvt::bake {
 
 inline BakeEnvironment testEnvironment(gpu::Device& device, const std::atomic<bool>& stop,
-                                       std::function<void(const Progress&)> progress) {
+                                       std::function<void(const FrameProgress&)> progress) {
   BakeEnvironment environment;
   environment.device = &device;
   environment.open_video = platform::openVideoFile;

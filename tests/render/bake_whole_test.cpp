@@ -45,7 +45,7 @@ struct WholeBake : testing::GlFixture {
   Result<BakeReport> run(uint32_t stop_after = 1000) {
     stop = false;
     stages.clear();
-    return bake(options, testEnvironment(*device, stop, [&](const Progress& p) {
+    return bake(options, testEnvironment(*device, stop, [&](const FrameProgress& p) {
                   stages.push_back(p.stage);
                   stop = p.done >= stop_after || p.stage == stop_at;
                 }));
@@ -235,7 +235,7 @@ TEST_F(WholeBake, OtherSettingsDoNotResume) {
   BakeEnvironment environment;
   environment.device = device.get();
   environment.open_video = platform::openVideoFile;
-  environment.progress = [&](const Progress& p) { first_done = first_done ? first_done : p.done; };
+  environment.progress = [&](const FrameProgress& p) { first_done = first_done ? first_done : p.done; };
   ASSERT_TRUE(bake(options, environment));
   EXPECT_EQ(first_done, 1u) << "a GOP of other settings was reused";
 }

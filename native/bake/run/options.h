@@ -12,6 +12,7 @@
 #include "bake/method/method_choice.h"
 #include "bake/texels/resample.h"
 #include "base/video.h"
+#include "base/watch.h"
 #include "encode/encoder.h"
 #include "gpu/device.h"
 #include "package/character.h"
@@ -97,18 +98,13 @@ inline constexpr double kCoarseStep_m = 0.002, kBlendError_m = 0.001, kAlignment
 
 // Services that the calling program supplies: a GPU, video decoders, progress and stop callbacks.
 
-struct Progress {
-  // "warp locomotion", "survey walk 12/28", "walk 12/28", "align locomotion 12/28", "graph"
-  std::string stage;
-  uint32_t done = 0, total = 0;  // frames encoded in the whole bake; 0 until the survey ends
-  double frames_per_s = 0, left_s = 0;
-};
-
 struct BakeEnvironment {
   gpu::Device* device = nullptr;  // GLES; current on this thread
   OpenVideo open_video;
   const refine::Refinement* refinement = nullptr;  // precomputed for this capture; null: the bake computes it
-  std::function<void(const Progress&)> progress;
+  // Receives the frames encoded in the whole bake, in total 0 until the survey ends. Stages: "warp locomotion", "survey
+  // walk 12/28", "walk 12/28", "align locomotion 12/28", "graph".
+  std::function<void(const FrameProgress&)> progress;
   std::function<void(const std::string&)> note;  // receives a line for the user before the work begins
   std::string writer;  // suffix of unfinished files (RecordFile): unique where several processes bake at once
   const std::atomic<bool>* stop = nullptr;  // set by Ctrl-C: finish the frame, keep finished GOPs, return Interrupted

@@ -6,7 +6,6 @@
 
 #include "base/parallel.h"
 #include "base/text.h"
-#include "base/watch.h"
 #include "capture/folder/linked_capture.h"
 #include "capture/folder/result_folder.h"
 #include "mattes/agreement.h"
@@ -228,7 +227,7 @@ class Run {
 
   void tell(const std::string& stage) const {
     if (!environment_.progress) return;
-    MattesProgress p{stage, done_, total_, 0, 0};
+    FrameProgress p{stage, done_, total_, 0, 0};
     p.frames_per_s = made_ / watch_.seconds();
     p.left_s = (total_ - done_) / p.frames_per_s;
     environment_.progress(p);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/video.h"
+#include "base/watch.h"
 
 namespace fourdvt::mattes {
 
@@ -22,15 +23,9 @@ struct MattesOptions {
   bool resume = false;
 };
 
-struct MattesProgress {
-  std::string stage;  // "mattes run 12/28"
-  uint32_t done = 0, total = 0;
-  double frames_per_s = 0, left_s = 0;
-};
-
 struct MattesEnvironment {
   OpenVideo open_video;
-  std::function<void(const MattesProgress&)> progress;
+  std::function<void(const FrameProgress&)> progress;
   const std::atomic<bool>* stop = nullptr;  // set by Ctrl-C: finishes the frame and keeps finished work
 };
 

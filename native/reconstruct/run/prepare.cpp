@@ -140,10 +140,7 @@ Status Preparation::addMattes() {
   mattes::MattesOptions options;
   options.alone = out_.options.mattes_alone;
   options.any_silhouettes = out_.options.any_silhouettes;
-  mattes::MattesEnvironment environment{environment_.open_video, {}, environment_.stop};
-  environment.progress = [&](const mattes::MattesProgress& p) {
-    if (environment_.progress) environment_.progress({p.stage, p.done, p.total, p.frames_per_s, p.left_s});
-  };
+  const mattes::MattesEnvironment environment{environment_.open_video, environment_.progress, environment_.stop};
   const capture::ResultFolder folder = resultFolder(out_.options);
   FOURDVT_ASSIGN(const auto summary,
                  mattes::addMattes(given_, folder.partFolder(), folder.workFolder(), options, environment));

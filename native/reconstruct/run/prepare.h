@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/video.h"
+#include "base/watch.h"
 #include "capture/capture.h"
 #include "capture/folder/result_folder.h"
 #include "gpu/device.h"
@@ -41,16 +42,10 @@ struct ReconstructOptions {
   std::string check() const;
 };
 
-struct ReconstructProgress {
-  std::string stage;  // "run 12/28"
-  uint32_t done = 0, total = 0;
-  double frames_per_s = 0, left_s = 0;
-};
-
 struct ReconstructEnvironment {
   gpu::Device* device = nullptr;  // current on this thread; may be null without stereo
   OpenVideo open_video;
-  std::function<void(const ReconstructProgress&)> progress;
+  std::function<void(const FrameProgress&)> progress;
   std::function<void(const std::string&)> note;  // receives one line of information; may be empty
   const std::atomic<bool>* stop = nullptr;       // set by Ctrl-C: ends after the current frame, keeping finished frames
 };

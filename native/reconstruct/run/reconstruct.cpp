@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruct/run/reconstruct.h"
 
-#include "base/watch.h"
 #include "mattes/frame_reader.h"
 #include "reconstruct/run/finish.h"
 #include "reconstruct/run/sequence_frames.h"
@@ -51,7 +50,7 @@ class Run {
 
   void tell(const std::string& stage) const {
     if (!environment_.progress) return;
-    ReconstructProgress p{stage, done_, total_, 0, 0};
+    FrameProgress p{stage, done_, total_, 0, 0};
     if (made_ > 0) {
       p.frames_per_s = made_ / watch_.seconds();
       p.left_s = (total_ - done_) / p.frames_per_s;

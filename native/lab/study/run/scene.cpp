@@ -127,7 +127,7 @@ bake::BakeEnvironment bakeEnvironment(const StudyContext& context) {
 Result<bake::BakeReport> runBake(const StudyContext& context, const bake::BakeOptions& options, const TellBake& tell) {
   FOURDVT_TRY(platform::makeFolder(std::filesystem::path(options.character_folder).parent_path().string()));
   bake::BakeEnvironment environment = bakeEnvironment(context);
-  environment.progress = [&](const bake::Progress& p) { tell(p.stage, p.total ? double(p.done) / p.total : 0); };
+  environment.progress = [&](const FrameProgress& p) { tell(p.stage, p.total ? double(p.done) / p.total : 0); };
   return bake::bake(options, environment);
 }
 
