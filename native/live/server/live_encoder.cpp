@@ -6,6 +6,12 @@
 
 #include "base/text.h"
 #include "package/character.h"
+#include "platform/ffmpeg_handles.h"
+
+extern "C" {
+#include <libavutil/imgutils.h>
+#include <libavutil/opt.h>
+}
 
 namespace fourdvt::live {
 namespace {
@@ -136,9 +142,9 @@ class X264Encoder final : public LiveEncoder {
   }
 
   EncoderRules rules_;
-  AvContext context_;
-  AvFrame frame_;
-  AvPacket packet_;
+  platform::AvCodec context_;
+  platform::AvFrame frame_;
+  platform::AvPacket packet_;
   std::string codec_;
   int64_t next_pts_ = 0;
   bool reopen_ = false, after_error_ = false;

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "encode/camera_layout.h"
-#include "live/server/live_encoder.h"
 #include "live/server/tiles.h"
 #include "package/barcode.h"
+#include "platform/ffmpeg_handles.h"
 
 namespace fourdvt::live {
 namespace {
@@ -299,9 +299,9 @@ class FfmpegJpeg final : public JpegDecoder {
  private:
   static constexpr int64_t kMaxPixels = int64_t(4096) * 4096;
 
-  AvContext context_;
-  AvFrame frame_;
-  AvPacket packet_;
+  platform::AvCodec context_;
+  platform::AvFrame frame_;
+  platform::AvPacket packet_;
   std::vector<uint8_t> bytes_;
 };
 
