@@ -6,12 +6,12 @@
 #include <cstring>
 #include <mutex>
 
+#include "base/text.h"
+#include "platform/ffmpeg_handles.h"
+
 extern "C" {
-#include <libavcodec/avcodec.h>
 #include <libavutil/imgutils.h>
 #include <libavutil/opt.h>
-
-#include "base/text.h"
 }
 
 namespace fourdvt::encode {
@@ -166,18 +166,6 @@ Status configureEncoder(const EncodeSettings& s, Pass pass, AVCodecContext& c) {
   return setExtra(s, c);
 }
 
-struct ContextDeleter {
-  void operator()(AVCodecContext* c) const { avcodec_free_context(&c); }
-};
-struct FrameDeleter {
-  void operator()(AVFrame* f) const { av_frame_free(&f); }
-};
-struct PacketDeleter {
-  void operator()(AVPacket* p) const { av_packet_free(&p); }
-};
-using Context = std::unique_ptr<AVCodecContext, ContextDeleter>;
-using Frame = std::unique_ptr<AVFrame, FrameDeleter>;
-
 class AvEncoder final : public GopEncoder {
  public:
   explicit AvEncoder(const EncodeSettings& settings) : settings_(settings) {}
@@ -187,7 +175,7 @@ class AvEncoder final : public GopEncoder {
 
  private:
   Status openPass(Pass pass);
-  Result<Frame> copied(const I420View& picture) const;
+  Result<platform::AvFrame> copied(const I420View& picture) const;
   Status send(const AVFrame* frame);
   Status drain(bool to_end, bool keep);
   Status secondPass();
@@ -197,9 +185,9 @@ class AvEncoder final : public GopEncoder {
   const EncodeSettings settings_;
   const AVCodec* codec_ = nullptr;
   std::string statistics_;  // first pass's statistics; borrowed by the context of the second pass
-  Context context_;
-  std::unique_ptr<AVPacket, PacketDeleter> packet_{av_packet_alloc()};
-  std::vector<Frame> pictures_;  // kept for the second pass
+  platform::AvCodec context_;
+  platform::AvPacket packet_{av_packet_alloc()};
+  std::vector<platform::AvFrame> pictures_;  // kept for the second pass
   EncodedGop gop_;
   int64_t next_frame_ = 0;
 };
@@ -226,8 +214,8 @@ Status AvEncoder::openPass(Pass pass) {
   return {};
 }
 
-Result<Frame> AvEncoder::copied(const I420View& picture) const {
-  Frame f(av_frame_alloc());
+Result<platform::AvFrame> AvEncoder::copied(const I420View& picture) const {
+  platform::AvFrame f(av_frame_alloc());
   f->format = AV_PIX_FMT_YUV420P;
   f->width = picture.width;
   f->height = picture.height;
@@ -278,7 +266,7 @@ Status AvEncoder::secondPass() {
   if (!context_->stats_out) return Error{ErrorId::Internal, std::string(codec_->name) + " encoder: no statistics"};
   statistics_ = context_->stats_out;
   FOURDVT_TRY(openPass(Pass::Second));
-  for (Frame& frame : pictures_) {
+  for (platform::AvFrame& frame : pictures_) {
     FOURDVT_TRY(send(frame.get()));
     frame.reset();
     FOURDVT_TRY(drain(false, true));

@@ -8,10 +8,10 @@
 #include <memory>
 
 #include "base/text.h"
+#include "platform/ffmpeg_handles.h"
 
 extern "C" {
 #include <libavcodec/codec_desc.h>
-#include <libavformat/avformat.h>
 }
 
 namespace fourdvt::encode {
@@ -82,34 +82,27 @@ Status writeGop(AVFormatContext& muxer, const std::string& path, const EncodeSet
   const AVRational frame_base = av_inv_q(av_d2q(settings.fps, 100000));
   for (size_t i = 0; i < gop.packets.size(); ++i) {
     EncodedPacket& in = gop.packets[i];
-    AVPacket* packet = av_packet_alloc();
+    const platform::AvPacket packet(av_packet_alloc());
     packet->data = in.bytes.data();  // borrowed: av_write_frame copies the data that it needs
     packet->size = static_cast<int>(in.bytes.size());
     packet->pts = int64_t(first_frame) + in.frame;
     packet->dts = int64_t(first_frame) + int64_t(i) - infoOf(settings.codec).reorder_frames;
     packet->duration = 1;
     packet->flags = in.key ? AV_PKT_FLAG_KEY : 0;
-    av_packet_rescale_ts(packet, frame_base, muxer.streams[0]->time_base);
-    const int rc = av_write_frame(&muxer, packet);
-    av_packet_free(&packet);
-    if (rc < 0) return writeError(path, rc);
+    av_packet_rescale_ts(packet.get(), frame_base, muxer.streams[0]->time_base);
+    if (const int rc = av_write_frame(&muxer, packet.get()); rc < 0) return writeError(path, rc);
   }
   return {};
 }
-
-struct DemuxerDeleter {
-  void operator()(AVFormatContext* c) const { avformat_close_input(&c); }
-};
-using Demuxer = std::unique_ptr<AVFormatContext, DemuxerDeleter>;
 
 Error broken(const std::string& path, const std::string& what) {
   return {ErrorId::Internal, path + ": the finished video does not read back: " + what};
 }
 
-Result<Demuxer> openDemuxer(const std::string& path) {
+Result<platform::AvFormat> openDemuxer(const std::string& path) {
   AVFormatContext* raw = nullptr;
   if (const int rc = avformat_open_input(&raw, path.c_str(), nullptr, nullptr); rc < 0) return broken(path, reason(rc));
-  Demuxer demuxer(raw);
+  platform::AvFormat demuxer(raw);
   if (raw->nb_streams != 1) return broken(path, "not one stream");
   return demuxer;
 }
@@ -173,10 +166,9 @@ Status readSamples(AVFormatContext& demuxer, const std::string& path, double fps
   std::unique_ptr<FILE, int (*)(FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
   if (!file) return broken(path, "cannot be opened");
   const AVRational frame_base = av_inv_q(av_d2q(fps, 100000));
-  AVPacket* packet = av_packet_alloc();
-  std::unique_ptr<AVPacket, void (*)(AVPacket*)> owner(packet, [](AVPacket* p) { av_packet_free(&p); });
+  const platform::AvPacket packet(av_packet_alloc());
   std::vector<uint8_t> bytes;
-  while (av_read_frame(&demuxer, packet) >= 0) {
+  while (av_read_frame(&demuxer, packet.get()) >= 0) {
     const int64_t frame = av_rescale_q(packet->pts, demuxer.streams[0]->time_base, frame_base);
     bytes.resize(packet->size);
     const bool same = packet->pos >= 0 && std::fseek(file.get(), long(packet->pos), SEEK_SET) == 0 &&
@@ -185,7 +177,7 @@ Status readSamples(AVFormatContext& demuxer, const std::string& path, double fps
     if (!same || frame < 0) return broken(path, "a sample is not where the file's table says");
     samples.push_back({static_cast<uint64_t>(packet->pos), static_cast<uint32_t>(packet->size),
                        static_cast<uint32_t>(frame), (packet->flags & AV_PKT_FLAG_KEY) != 0});
-    av_packet_unref(packet);
+    av_packet_unref(packet.get());
   }
   return {};
 }
