@@ -8,10 +8,9 @@
 #include <filesystem>
 #include <vector>
 
+#include "platform/ffmpeg_frames.h"
 #include "platform/ffmpeg_handles.h"
 #include "platform/file_only.h"
-#include "platform/frame_colour.h"
-#include "platform/frame_filter.h"
 #include "platform/video_alpha.h"
 #include "platform/video_marks.h"
 #include "platform/video_stamps.h"

@@ -6,8 +6,8 @@
 #include <mutex>
 #include <vector>
 
+#include "platform/ffmpeg_frames.h"
 #include "platform/ffmpeg_handles.h"
-#include "platform/frame_colour.h"
 
 #ifdef FOURDVT_AVDEVICE
 extern "C" {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "platform/frame_colour.h"
+#include "platform/ffmpeg_frames.h"
 
 extern "C" {
 #include <libavutil/display.h>
