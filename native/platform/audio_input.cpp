@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "platform/file_only.h"
+#include "platform/media_file.h"
 
 extern "C" {
 #include <libavutil/channel_layout.h>

@@ -10,10 +10,9 @@
 
 #include "platform/ffmpeg_frames.h"
 #include "platform/ffmpeg_handles.h"
-#include "platform/file_only.h"
+#include "platform/media_file.h"
 #include "platform/video_alpha.h"
 #include "platform/video_marks.h"
-#include "platform/video_stamps.h"
 
 namespace fourdvt::platform {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Time stamps of a video's pictures, from the container's index or its packets, without decoding. Private to the
-// files that link FFmpeg.
+// A media file of unknown origin: opens it without following references to other files, such as playlists, and lists
+// the time stamps of its pictures, from the container's index or its packets, without decoding. Private to the files
+// that link FFmpeg.
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +12,19 @@
 #include "platform/ffmpeg_handles.h"
 
 namespace fourdvt::platform {
+
+struct FileOnly {
+  AvIo io;          // null: cannot be opened
+  AvFormat format;  // null: unknown format, or it references other files
+};
+
+// Returns true for an MP4 or MOV that ends before its index ("moov"), as an interrupted recording does.
+bool lacksIndex(const std::string& path);
+
+// Opens the file without probing its streams.
+FileOnly openFileOnly(const std::string& path);
+// Probes the streams, which decodes pictures; limits their size to kMaxVideoPixels.
+bool findStreams(AVFormatContext& format);
 
 struct VideoStamps {
   // Stream time base, presentation order, shown pictures only: without those hidden by an edit list or truncated by the
