@@ -18,7 +18,6 @@
 #include "base/watch.h"
 #include "capture/input_files.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 #include "platform/process.h"
 #include "store/folder.h"
 

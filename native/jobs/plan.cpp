@@ -12,7 +12,6 @@
 #include "base/text.h"
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 #include "platform/process.h"
 
 namespace fourdvt::jobs {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole files and byte ranges; atomic writes (temporary sibling + fsync + rename).
+// Whole files and byte ranges; atomic writes (temporary sibling + fsync + rename). Output folders of long commands:
+// creation with parents, removal, atomic replacement of an older one.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,5 +27,17 @@ Result<Image> readImage(const std::string& path);
 // `extension`: ".jpg", ".webp" or another supported by an OpenCV encoder. Errors: Internal.
 Result<std::vector<uint8_t>> encodeImage(const Image& image, const std::string& extension, int quality);
 Status writeImage(const std::string& path, const Image& image, int quality = 90);
+
+// Creates the folder and its parents; leaves an existing one unchanged. Errors: WriteFailed.
+Status makeFolder(const std::string& path);
+void removeFolder(const std::string& path);
+// Variant that deletes the file `last` in it after all else, so that a partly removed folder still has it.
+void removeFolder(const std::string& path, const std::string& last);
+// Removes the folder's entries whose names satisfy `chosen`.
+void removeEntries(const std::string& folder, const std::function<bool(const std::string& name)>& chosen);
+void removeIfEmpty(const std::string& path);
+// Renames `from` to `to`; an earlier `to` becomes `previous`. On failure `to` is unchanged. All three lie on one file
+// system. Errors: WriteFailed.
+Status replaceFolder(const std::string& from, const std::string& to, const std::string& previous);
 
 }  // namespace fourdvt::platform

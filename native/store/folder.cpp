@@ -6,7 +6,6 @@
 #include "base/hash.h"
 #include "base/text.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 
 namespace fourdvt::store {
 namespace {

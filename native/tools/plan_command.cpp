@@ -7,7 +7,6 @@
 
 #include "base/watch.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 #include "reconstruct/run/pieces.h"
 #include "tools/planned_commands.h"
 #include "tools/terminal.h"

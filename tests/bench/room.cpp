@@ -16,7 +16,6 @@
 #include "package/room_faces.h"
 #include "platform/egl_context.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 
 namespace {
 

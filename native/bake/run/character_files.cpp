@@ -13,7 +13,6 @@
 #include "base/text.h"
 #include "package/character.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 
 extern "C" {
 #include <libavcodec/avcodec.h>

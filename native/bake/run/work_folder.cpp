@@ -5,7 +5,7 @@
 
 #include "base/hash.h"
 #include "base/text.h"
-#include "platform/folders.h"
+#include "platform/files.h"
 
 namespace fourdvt::store {
 

@@ -5,7 +5,6 @@
 #include "package/start_file.h"
 #include "package/writer.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 
 namespace fourdvt::bake {
 namespace {

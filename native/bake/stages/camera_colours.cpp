@@ -7,7 +7,6 @@
 #include "bake/texels/frame_baker.h"
 #include "mattes/frame_reader.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 
 namespace fourdvt::bake {
 namespace {

@@ -8,7 +8,6 @@
 #include "base/bytes.h"
 #include "mattes/frame_reader.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 #include "render/cameras/camera_method.h"
 
 namespace fourdvt::store {

@@ -3,7 +3,7 @@
 #include "bake/stages/stages.h"
 #include "base/hash.h"
 #include "base/text.h"
-#include "platform/folders.h"
+#include "platform/files.h"
 #include "refine/kept_refinement.h"
 #include "store/folder.h"
 

@@ -10,7 +10,7 @@
 #include "base/text.h"
 #include "mattes/frame_reader.h"
 #include "package/character.h"
-#include "platform/folders.h"
+#include "platform/files.h"
 #include "store/record_file.h"
 
 namespace fourdvt::store {

@@ -18,7 +18,6 @@
 #include "capture/mesh_sequence.h"
 #include "mattes/frame_reader.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 #include "render/character_model.h"
 
 namespace fourdvt::bake {

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "platform/files.h"
-#include "platform/folders.h"
 
 namespace fourdvt::capture {
 namespace {

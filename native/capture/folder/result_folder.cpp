@@ -8,7 +8,6 @@
 #include "base/text.h"
 #include "capture/folder/linked_capture.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 #include "platform/process.h"
 #include "store/folder.h"
 

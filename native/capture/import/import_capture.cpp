@@ -13,7 +13,7 @@
 #include "capture/import/meshes.h"
 #include "capture/import/takes.h"
 #include "capture/json_text.h"
-#include "platform/folders.h"
+#include "platform/files.h"
 
 namespace fourdvt::capture {
 namespace {

@@ -10,7 +10,6 @@
 #include "capture/pictures.h"
 #include "capture/upright.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 
 namespace fourdvt::capture {
 namespace {

@@ -9,7 +9,6 @@
 #include "capture/capture.h"
 #include "lab/studio/random.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 
 namespace fourdvt::studio {
 namespace {

@@ -9,7 +9,6 @@
 #include "lab/studio/truth.h"
 #include "lab/studio/video.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 
 namespace fourdvt::studio {
 namespace {

@@ -3,7 +3,6 @@
 
 #include "base/text.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 #include "platform/video_writer.h"
 
 namespace fourdvt::studio {

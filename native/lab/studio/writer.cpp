@@ -9,7 +9,6 @@
 
 #include "base/text.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 
 namespace fourdvt::studio {
 namespace {

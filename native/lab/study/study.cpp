@@ -11,7 +11,6 @@
 #include "lab/study/steps/steps.h"
 #include "lab/study/tables/report.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 #include "report/document.h"
 
 namespace fourdvt::study {

@@ -6,7 +6,6 @@
 #include "lab/tools/progress.h"
 #include "mattes/frame_reader.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 #include "tools/args.h"
 #include "tools/common_options.h"
 #include "tools/session.h"

@@ -17,7 +17,6 @@
 #include "capture/undistort.h"
 #include "live/server/live_hull.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 #include "platform/video_writer.h"
 
 namespace fourdvt::live {

@@ -15,7 +15,6 @@
 #include "mattes/run/report.h"
 #include "mattes/run/sequence_mattes.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 #include "store/folder.h"
 
 namespace fourdvt::mattes {

@@ -14,7 +14,6 @@
 #include "mattes/agreement.h"
 #include "mattes/frame_reader.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 #include "store/folder.h"
 
 namespace fourdvt::reconstruct {

@@ -12,7 +12,6 @@
 #include "package/barcode.h"
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 
 namespace fourdvt::encode {
 namespace {

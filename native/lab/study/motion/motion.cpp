@@ -9,7 +9,7 @@
 #include "lab/study/run/rows.h"
 #include "lab/study/run/run_steps.h"
 #include "lab/study/run/scene.h"
-#include "platform/folders.h"
+#include "platform/files.h"
 
 namespace fourdvt::study {
 namespace {

@@ -9,7 +9,6 @@
 #include "encode/surfaces.h"
 #include "lab/study/run/projective_rows.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 
 namespace fourdvt::study {
 namespace {

@@ -8,7 +8,6 @@
 #include "base/text.h"
 #include "lab/study/run/row_writer.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 
 namespace fourdvt::study {
 namespace {

@@ -10,7 +10,6 @@
 #include "lab/study/run/run_steps.h"
 #include "mattes/frame_reader.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 
 namespace fourdvt::study {
 

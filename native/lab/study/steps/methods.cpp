@@ -22,7 +22,6 @@
 #include "measure/metrics.h"
 #include "measure/picture_score.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 
 namespace fourdvt::study {
 namespace {

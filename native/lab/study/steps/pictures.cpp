@@ -15,7 +15,6 @@
 #include "lab/study/steps/steps.h"
 #include "mattes/frame_reader.h"
 #include "platform/files.h"
-#include "platform/folders.h"
 #include "report/picture_sheets.h"
 
 namespace fourdvt::study {
