@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // bench_floating_cost CAPTURE [SEQUENCE [REPEATS]]: milliseconds of a view of a capture's first frame by Floating
 // Textures in its forms, by their blend without flow and by FVVR, from three and from four cameras, and their ratios;
-// one flow of the view's size, as the pairs have, and one of half of it, as the star's last round; what share of the
-// pairs their flows are, and what they would take with flows of half the size. A still scene: no depth map is drawn
+// one flow of the view's size, as the pairs have, and one of half of it, as the mean form's last round; what share of
+// the pairs their flows are, and what they would take with flows of half the size. A still scene: no depth map is drawn
 // again. Alternating in one run, medians; a time ends when the GPU is done.
 #include <algorithm>
 #include <chrono>

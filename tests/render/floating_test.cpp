@@ -354,20 +354,20 @@ TEST_F(FloatingTest, TexturesShrinkWithTheView) {
   }
 }
 
-// The star starts at a quarter of the view's size, which is seldom a whole number of pixels. Views of less than 64
+// The mean form starts at a quarter of the view's size, which is seldom a whole number of pixels. Views of less than 64
 // pixels have no flow.
 TEST_F(FloatingTest, ViewsOfAnySize) {
   shiftedPair(1.5);
   for (const glm::ivec2 size : {glm::ivec2(77, 109), glm::ivec2(131, 101), glm::ivec2(64, 64), glm::ivec2(63, 90)}) {
     const PinholeCamera view =
         lookAt({0, 1, kDistance_m}, {0, 1, 0}, size.x, size.y, kFocal * std::min(size.x, size.y) / kPixels);
-    const Image linear = stillBy("linear", view), star = stillBy("floating", view), truth = textured(view, 0);
+    const Image linear = stillBy("linear", view), mean = stillBy("floating", view), truth = textured(view, 0);
     double without = 0, with = 0;
-    for (size_t i = 0; i < star.pixels.size(); i += 4) {
-      ASSERT_EQ(star.pixels[i + 3], linear.pixels[i + 3]);
-      if (star.pixels[i + 3] < 255) continue;
+    for (size_t i = 0; i < mean.pixels.size(); i += 4) {
+      ASSERT_EQ(mean.pixels[i + 3], linear.pixels[i + 3]);
+      if (mean.pixels[i + 3] < 255) continue;
       without += std::abs(int(linear.pixels[i]) - int(truth.pixels[i]));
-      with += std::abs(int(star.pixels[i]) - int(truth.pixels[i]));
+      with += std::abs(int(mean.pixels[i]) - int(truth.pixels[i]));
     }
     EXPECT_GT(without, 0);
     if (size.x < 64)
@@ -377,7 +377,7 @@ TEST_F(FloatingTest, ViewsOfAnySize) {
   }
 }
 
-// A figure from two cameras and one from three, side by side, take turns with the star.
+// A figure from two cameras and one from three, side by side, take turns with the mean form.
 TEST_F(FloatingTest, FiguresOfDifferentNumbersOfCameras) {
   addQuad({0, 1, 0}, 0.4);
   cameras_ = {cameraAt(-0.6), cameraAt(0.1), cameraAt(0.6)};

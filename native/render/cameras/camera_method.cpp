@@ -108,7 +108,7 @@ constexpr Row kRows[] = {
     {"filtered", kTextured, false, ofShader<ShaderCameras::Bounded>, "camera_filtered.frag"},
     {"band-limited", kTextured, false, ofShader<ShaderCameras::Bounded>, "camera_band_limited.frag"},
     {"linear", kTextured, true, floating<FloatingForm::Linear>},
-    {"floating", kTextured, true, floating<FloatingForm::Star>},
+    {"floating", kTextured, true, floating<FloatingForm::Mean>},
     {"floating-pairs", kTextured, true, floating<FloatingForm::Pairs>},
     {"floating-static", kTextured, true, floatingStatic},
     {"holoportation", kTextured, false, ofMontage},

@@ -19,8 +19,8 @@ class Floating final : public Method {
  public:
   explicit Floating(FloatingForm form) : form_(form) {}
   Status create(gpu::Device& device) {
-    if (form_ == FloatingForm::Star) {
-      FOURDVT_ASSIGN(star_, FloatingStar::create(device));
+    if (form_ == FloatingForm::Mean) {
+      FOURDVT_ASSIGN(mean_, MeanFlows::create(device));
     } else if (form_ == FloatingForm::Pairs) {
       FOURDVT_ASSIGN(pairs_, createGpuFlow(device, floatingFlow(FloatingFlow::Pictures, 0)));
     }
@@ -38,10 +38,10 @@ class Floating final : public Method {
     using Warp = PictureBlend::Warp;
     if (form_ == FloatingForm::Linear || pictures_.count() == 1 || std::min(view.width, view.height) < kMinSide)
       return blend_.draw(device, {pictures_.weights(), pictures_.all()}, Warp::None, figure.shown);
-    const bool is_star = form_ == FloatingForm::Star;
-    FOURDVT_TRY(is_star ? star_.update(device, pictures_, blend_) : floatPairs(device));
-    return blend_.draw(device, {pictures_.weights(), pictures_.all(), is_star ? star_.flows() : pairFlows()},
-                       is_star ? Warp::Star : Warp::Pairs, figure.shown);
+    const bool to_mean = form_ == FloatingForm::Mean;
+    FOURDVT_TRY(to_mean ? mean_.update(device, pictures_, blend_) : floatPairs(device));
+    return blend_.draw(device, {pictures_.weights(), pictures_.all(), to_mean ? mean_.flows() : pairFlows()},
+                       to_mean ? Warp::Mean : Warp::Pairs, figure.shown);
   }
 
   void draw(gpu::Device& device, size_t number, const CharacterModel& model, const CameraLook& look,
@@ -84,7 +84,7 @@ class Floating final : public Method {
 
   static constexpr size_t kScratch = FloatingPictures::kMax;
   const FloatingForm form_;
-  FloatingStar star_;                  // mean form
+  MeanFlows mean_;                     // mean form
   std::unique_ptr<FlowSource> pairs_;  // pair form
   std::vector<Figure> figures_;        // indexed by figure
   FloatingPictures pictures_;

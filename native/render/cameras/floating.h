@@ -13,7 +13,7 @@ namespace fourdvt::render {
 enum class FloatingForm {
   Linear,  // no flow, same weights and pictures; FT's baseline
   Pairs,   // every picture to every other: n (n - 1) flows (FT Eq. 5-6)
-  Star,    // every picture to their mean: n flows a round
+  Mean,    // every picture to their mean: n flows a round
 };
 
 // Errors: Unsupported: no half-float targets.

@@ -177,8 +177,8 @@ Status PictureBlend::draw(gpu::Device& device, const Sources& sources, Warp warp
   return {};
 }
 
-Result<FloatingStar> FloatingStar::create(gpu::Device& device) {
-  FloatingStar out;
+Result<MeanFlows> MeanFlows::create(gpu::Device& device) {
+  MeanFlows out;
   for (const RoundOptions& round : kRounds) {
     FlowOptions options = floatingFlow(round.between, round.octaves);
     options.finest += round.patch_octaves;
@@ -188,7 +188,7 @@ Result<FloatingStar> FloatingStar::create(gpu::Device& device) {
   return out;
 }
 
-Status FloatingStar::update(gpu::Device& device, const FloatingPictures& pictures, PictureBlend& blend) {
+Status MeanFlows::update(gpu::Device& device, const FloatingPictures& pictures, PictureBlend& blend) {
   const std::vector<gpu::TextureId> shown = pictures.all();
   const glm::ivec2 size(pictures.width(), pictures.height());
   FOURDVT_TRY(
@@ -197,7 +197,7 @@ Status FloatingStar::update(gpu::Device& device, const FloatingPictures& picture
   for (size_t r = 0; r < rounds_.size(); ++r) {
     Round& round = rounds_[r];
     FOURDVT_TRY(blend.draw(device, {pictures.weights(), shown, flows},
-                           r > 0 ? PictureBlend::Warp::Star : PictureBlend::Warp::None, mean_));
+                           r > 0 ? PictureBlend::Warp::Mean : PictureBlend::Warp::None, mean_));
     const glm::ivec2 round_size = size >> kRounds[r].octaves;
     round.flows.resize(shown.size());
     for (size_t i = 0; i < shown.size(); ++i) {
@@ -215,7 +215,7 @@ Status FloatingStar::update(gpu::Device& device, const FloatingPictures& picture
   return {};
 }
 
-std::vector<gpu::TextureId> FloatingStar::texturesOf(const std::vector<PictureGroup>& groups) {
+std::vector<gpu::TextureId> MeanFlows::texturesOf(const std::vector<PictureGroup>& groups) {
   std::vector<gpu::TextureId> out;
   for (const PictureGroup& group : groups) out.push_back(group.textures[0].id());
   return out;

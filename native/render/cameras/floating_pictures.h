@@ -106,7 +106,7 @@ class FlowSum {
 // Blends the pictures of a view by their weights.
 class PictureBlend {
  public:
-  enum class Warp { None, Star, Pairs };  // meaning of the flows; camera_floating_blend.frag
+  enum class Warp { None, Mean, Pairs };  // meaning of the flows; camera_floating_blend.frag
   struct Sources {
     gpu::TextureId weights = 0;                        // FloatingPictures::weights
     std::vector<gpu::TextureId> pictures, flows = {};  // by rank; flows RG16F, in pixels of the weights, empty for None
@@ -121,10 +121,10 @@ class PictureBlend {
 // Mean form of Floating Textures: flow from the mean of a view's pictures to each of them, n flows a round. The first
 // round, at a quarter of the view's size, displaces the pictures by its flow; the second, at half the size, starts from
 // their sharper mean. Cameras are chosen and the surface is drawn by floating.cpp.
-class FloatingStar {
+class MeanFlows {
  public:
   // Errors: Unsupported: no half-float targets.
-  static Result<FloatingStar> create(gpu::Device& device);
+  static Result<MeanFlows> create(gpu::Device& device);
   // Errors: GpuFailure.
   Status update(gpu::Device& device, const FloatingPictures& pictures, PictureBlend& blend);
   // Flow fields by rank, RG16F, at the last round's size, in the pictures' pixels: the mean at p resembles picture i at
