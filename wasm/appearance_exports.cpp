@@ -39,7 +39,7 @@ Status useMethod(Instance& h, std::string_view name, const package::Character& c
   const std::string known = name.empty() ? render::methodOf(character) : wanted;
   if (canvas.method == known) return {};
   FOURDVT_ASSIGN(auto made, name.empty() ? render::makeMethodOf(*canvas.device, character)
-                                         : render::makeMethodThatServes(*canvas.device, name));
+                                         : render::makeSupportedMethod(*canvas.device, name));
   if (!made.notice.empty()) h.fallback = {wanted, made.name, made.notice, true};
   canvas.recipe->setMethod(std::move(made.method));
   canvas.method = known;

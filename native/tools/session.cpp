@@ -96,7 +96,7 @@ Status useMethod(CharacterSession& session, const std::string& name) {
   gpu::Device& device = *session.gpu.device;
   render::Recipe& recipe = session.player->recipe();
   if (session.character().appearance == package::AppearanceKind::Cameras) {
-    FOURDVT_ASSIGN(auto made, render::makeMethodThatServes(device, name));
+    FOURDVT_ASSIGN(auto made, render::makeSupportedMethod(device, name));
     if (!made.notice.empty()) std::fprintf(stderr, "%s: %s\n", programName(), made.notice.c_str());
     recipe.setMethod(std::move(made.method));
     return {};

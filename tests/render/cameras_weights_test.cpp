@@ -182,10 +182,10 @@ TEST(CameraMethods, WhereADeviceCannotRunOneTheLumigraphServesAndANoticeSaysSo) 
   std::vector<std::string> replaced;
   for (const render::MethodGroup group : {render::MethodGroup::Textured, render::MethodGroup::Inspection})
     for (const std::string& name : render::cameraMethodNames(group)) {
-      const auto wanted = render::makeMethodThatServes(*able, name).take();
+      const auto wanted = render::makeSupportedMethod(*able, name).take();
       EXPECT_EQ(wanted.name, name);
       EXPECT_EQ(wanted.notice, "");
-      const auto served = render::makeMethodThatServes(*unable, name).take();
+      const auto served = render::makeSupportedMethod(*unable, name).take();
       ASSERT_TRUE(served.method) << name;
       if (served.name == name) continue;
       replaced.push_back(name);
@@ -196,7 +196,7 @@ TEST(CameraMethods, WhereADeviceCannotRunOneTheLumigraphServesAndANoticeSaysSo) 
     }
   EXPECT_EQ(replaced, (std::vector<std::string>{"linear", "floating", "floating-pairs", "floating-static", "montage4d",
                                                 "montage4d-seams", "montage4d-weights"}));
-  EXPECT_EQ(render::makeMethodThatServes(*unable, "no-such-method").error().id, ErrorId::InvalidArgument);
+  EXPECT_EQ(render::makeSupportedMethod(*unable, "no-such-method").error().id, ErrorId::InvalidArgument);
 }
 
 }  // namespace

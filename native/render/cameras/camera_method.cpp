@@ -146,8 +146,8 @@ Result<std::unique_ptr<Method>> makeCameraMethod(gpu::Device& device, std::strin
   return Error{ErrorId::InvalidArgument, "there is no method " + std::string(name)};
 }
 
-Result<MethodThatServes> makeMethodThatServes(gpu::Device& device, std::string_view name) {
-  MethodThatServes out{nullptr, std::string(name), ""};
+Result<SupportedMethod> makeSupportedMethod(gpu::Device& device, std::string_view name) {
+  SupportedMethod out{nullptr, std::string(name), ""};
   auto made = makeCameraMethod(device, name);
   if (made.ok()) {
     out.method = made.take();
@@ -164,8 +164,8 @@ std::string methodOf(const package::Character& character) {
   return isKnown(character.method.name) ? character.method.name : std::string(kDefaultMethod);
 }
 
-Result<MethodThatServes> makeMethodOf(gpu::Device& device, const package::Character& character) {
-  FOURDVT_ASSIGN(auto out, makeMethodThatServes(device, methodOf(character)));
+Result<SupportedMethod> makeMethodOf(gpu::Device& device, const package::Character& character) {
+  FOURDVT_ASSIGN(auto out, makeSupportedMethod(device, methodOf(character)));
   const std::string& wanted = character.method.name;
   if (!wanted.empty() && !isKnown(wanted))
     out.notice = "this player does not know the method " + wanted + ": " + out.name + " is drawn in place of it";

@@ -24,7 +24,7 @@ std::vector<std::string> cameraMethodNames(MethodGroup group);
 // Errors: InvalidArgument: unknown name; Unsupported: the device cannot run the method.
 Result<std::unique_ptr<Method>> makeCameraMethod(gpu::Device& device, std::string_view name);
 
-struct MethodThatServes {
+struct SupportedMethod {
   std::unique_ptr<Method> method;
   std::string name;    // name of the method
   std::string notice;  // fallback taken and its reason; empty: the requested method
@@ -34,8 +34,8 @@ struct MethodThatServes {
 std::string methodOf(const package::Character& character);
 
 // Makes the method like makeCameraMethod; falls back to "lumigraph", which runs on every device, where Unsupported.
-Result<MethodThatServes> makeMethodThatServes(gpu::Device& device, std::string_view name);
+Result<SupportedMethod> makeSupportedMethod(gpu::Device& device, std::string_view name);
 // Makes the character's method with the same fallback; the notice also reports an unknown name.
-Result<MethodThatServes> makeMethodOf(gpu::Device& device, const package::Character& character);
+Result<SupportedMethod> makeMethodOf(gpu::Device& device, const package::Character& character);
 
 }  // namespace fourdvt::render
