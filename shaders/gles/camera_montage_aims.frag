@@ -11,8 +11,8 @@ uniform float u_exponent;         // exponents of M4D Eq. 2 and 4
 uniform float u_view_exponent;
 uniform vec4 u_chosen_low;        // 1 if the view chooses the slot's camera
 uniform vec4 u_chosen_high;
-uniform sampler2D u_serves_low;
-uniform sampler2D u_serves_high;
+uniform sampler2D u_seen_low;
+uniform sampler2D u_seen_high;
 uniform sampler2D u_distances_low;
 uniform sampler2D u_distances_high;
 uniform sampler2D u_counts_low;   // one texel: number of visible vertices
@@ -26,17 +26,17 @@ void main() {
   int vertex = int(gl_FragCoord.y) * TABLE_WIDTH + int(gl_FragCoord.x);
   if (vertex >= u_vertex_count) return;
   ivec2 here = ivec2(gl_FragCoord.xy);
-  vec4 serves_low = step(0.5, texelFetch(u_serves_low, here, 0)) * u_chosen_low,
-       serves_high = step(0.5, texelFetch(u_serves_high, here, 0)) * u_chosen_high;
-  vec4 gamma_low = texelFetch(u_distances_low, here, 0) * serves_low,
-       gamma_high = texelFetch(u_distances_high, here, 0) * serves_high;
+  vec4 seen_low = step(0.5, texelFetch(u_seen_low, here, 0)) * u_chosen_low,
+       seen_high = step(0.5, texelFetch(u_seen_high, here, 0)) * u_chosen_high;
+  vec4 gamma_low = texelFetch(u_distances_low, here, 0) * seen_low,
+       gamma_high = texelFetch(u_distances_high, here, 0) * seen_high;
   vec4 global_low = texelFetch(u_counts_low, ivec2(0), 0), global_high = texelFetch(u_counts_high, ivec2(0), 0);
   vec3 point = fetchPosition(vertex), normal = normalize(fetchNormal(vertex)), to_eye = normalize(u_eye - point);
   vec4 plain_low = vec4(0.0), plain_high = vec4(0.0);
   for (int i = 0; i < CAMERAS; ++i) {
     vec3 ray = normalize(u_centres[i].xyz - point);
-    float serves = slotOf(serves_low, serves_high, i);
-    if (serves == 0.0) continue;
+    float seen = slotOf(seen_low, seen_high, i);
+    if (seen == 0.0) continue;
     setSlot(plain_low, plain_high, i, pow(max(dot(ray, normal), 1e-3), u_exponent));
     setSlot(o_low, o_high, i, slotOf(gamma_low, gamma_high, i) * slotOf(global_low, global_high, i) *
                                   pow(max(dot(ray, to_eye), 0.0), u_view_exponent) * max(dot(ray, normal), kMinCosine));

@@ -27,8 +27,8 @@ void main() {
   g_to_eye = normalize(u_eye - g_point);
   uint mask = maskAt(vertex);
   ivec2 here = ivec2(gl_FragCoord.xy);
-  o_low = serves(mask, u_slot_cameras[0]) * texelFetch(u_distances_low, here, 0) *
+  o_low = seen(mask, u_slot_cameras[0]) * texelFetch(u_distances_low, here, 0) *
           vec4(viewing(0), viewing(1), viewing(2), viewing(3));
-  o_high = serves(mask, u_slot_cameras[1]) * texelFetch(u_distances_high, here, 0) *
+  o_high = seen(mask, u_slot_cameras[1]) * texelFetch(u_distances_high, here, 0) *
            vec4(viewing(4), viewing(5), viewing(6), viewing(7));
 }

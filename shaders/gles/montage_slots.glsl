@@ -7,8 +7,8 @@ uniform int u_vertex_count;
 
 int vertexHere() { return int(gl_FragCoord.y) * TABLE_WIDTH + int(gl_FragCoord.x); }
 uint maskAt(int vertex) { return texelFetch(u_vertex_masks, tableTexel(u_first + vertex), 0).r; }
-float servesIn(uint mask, float camera) { return camera < 0.0 ? 0.0 : float((mask >> uint(camera)) & 1u); }
+float seenIn(uint mask, float camera) { return camera < 0.0 ? 0.0 : float((mask >> uint(camera)) & 1u); }
 
-vec4 serves(uint mask, vec4 cameras) {
-  return vec4(servesIn(mask, cameras.x), servesIn(mask, cameras.y), servesIn(mask, cameras.z), servesIn(mask, cameras.w));
+vec4 seen(uint mask, vec4 cameras) {
+  return vec4(seenIn(mask, cameras.x), seenIn(mask, cameras.y), seenIn(mask, cameras.z), seenIn(mask, cameras.w));
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // bench_montage_fields CAMERAS [SEQUENCE [FRAMES]]: what a picture of a character from cameras costs by FVVR, by
 // Holoportation's blend and by Montage4D, in milliseconds and as a ratio to FVVR: of a new frame, and of another view
-// of the same frame; and how much of Montage4D's are its fields (who serves a vertex, votes, seams and their distances;
-// what the view wants, and what follows it). Alternating in one run, medians.
+// of the same frame; and how much of Montage4D's are its fields (which cameras see a vertex, votes, seams and their
+// distances; what the view wants, and what follows it). Alternating in one run, medians.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>

@@ -19,10 +19,10 @@ constexpr float kClamp_m = 0.15f;
 
 class FieldsTest : public GlFixture {
  protected:
-  VertexValues distances(const Surface& surface, const VertexValues& serves, float clamp_m = kClamp_m,
+  VertexValues distances(const Surface& surface, const VertexValues& seen, float clamp_m = kClamp_m,
                          int steps = render::kFieldSteps) {
     const auto model = modelOf(*device, surface);
-    const ValueTables tables = uploadValues(*device, serves);
+    const ValueTables tables = uploadValues(*device, seen);
     render::SurfaceFields fields;
     const Status updated = fields.updateDistances(*device, model, tables.tables(), clamp_m, steps);
     EXPECT_TRUE(updated);
@@ -32,11 +32,11 @@ class FieldsTest : public GlFixture {
 
 // Of the slot: every vertex's distance from the edges between vertices of seam triangles, on the unrolled surface,
 // whose x repeats after `around` metres (0: never); in units of the clamp, at most 1.
-std::vector<double> exactDistances(const Surface& surface, const VertexValues& serves, int slot, double around,
+std::vector<double> exactDistances(const Surface& surface, const VertexValues& seen, int slot, double around,
                                    double clamp_m = kClamp_m) {
   std::set<uint32_t> seam;
   for (const glm::uvec3& f : surface.faces)
-    if (serves[f.x][slot] != serves[f.y][slot] || serves[f.x][slot] != serves[f.z][slot]) seam.insert({f.x, f.y, f.z});
+    if (seen[f.x][slot] != seen[f.y][slot] || seen[f.x][slot] != seen[f.z][slot]) seam.insert({f.x, f.y, f.z});
   std::vector<std::array<dvec2, 2>> edges;
   for (const glm::uvec3& f : surface.faces)
     for (int k = 0; k < 3; ++k)
@@ -58,7 +58,7 @@ std::vector<double> exactDistances(const Surface& surface, const VertexValues& s
   return out;
 }
 
-VertexValues servesOf(const Surface& surface, const std::array<std::function<bool(dvec2)>, kFieldSlots>& slots) {
+VertexValues seenOf(const Surface& surface, const std::array<std::function<bool(dvec2)>, kFieldSlots>& slots) {
   VertexValues out(surface.flat.size());
   for (size_t v = 0; v < out.size(); ++v)
     for (int k = 0; k < kFieldSlots; ++k) out[v][k] = slots[k](surface.flat[v]) ? 1 : 0;
@@ -73,18 +73,18 @@ double largestError(const std::vector<double>& exact, const VertexValues& got, i
 
 TEST_F(FieldsTest, DistancesOnAPlaneAreExactWithinFivePercent) {
   const Surface surface = equilateral(52, 40, kSide);
-  const VertexValues serves =
-      servesOf(surface, {[](dvec2 p) { return p.y > 0; }, [](dvec2 p) { return p.x > 0.05; },
-                         [](dvec2 p) { return p.x + 0.4 * p.y > 0; }, [](dvec2 p) { return glm::length(p) > 0.06; },
-                         [](dvec2 p) { return glm::length(p - dvec2(0.1, 0)) > 0.01; },
-                         [](dvec2 p) { return std::abs(p.x) > 0.05 || p.y > 0.02; }, [](dvec2) { return true; },
-                         [](dvec2) { return false; }});
+  const VertexValues seen =
+      seenOf(surface, {[](dvec2 p) { return p.y > 0; }, [](dvec2 p) { return p.x > 0.05; },
+                       [](dvec2 p) { return p.x + 0.4 * p.y > 0; }, [](dvec2 p) { return glm::length(p) > 0.06; },
+                       [](dvec2 p) { return glm::length(p - dvec2(0.1, 0)) > 0.01; },
+                       [](dvec2 p) { return std::abs(p.x) > 0.05 || p.y > 0.02; }, [](dvec2) { return true; },
+                       [](dvec2) { return false; }});
   // As characters from cameras and as layered ones (layered_montage.cpp) have them.
   for (const auto& [clamp_m, steps] :
        {std::pair{kClamp_m, render::kFieldSteps}, std::pair{render::kLayeredClamp_m, render::kLayeredSteps}}) {
-    const VertexValues got = distances(surface, serves, clamp_m, steps);
+    const VertexValues got = distances(surface, seen, clamp_m, steps);
     for (int slot = 0; slot < 6; ++slot) {
-      const auto exact = exactDistances(surface, serves, slot, 0, clamp_m);
+      const auto exact = exactDistances(surface, seen, slot, 0, clamp_m);
       EXPECT_LT(largestError(exact, got, slot), 0.05) << slot << ", " << steps << " steps";
       double sum = 0;
       int count = 0;
@@ -107,13 +107,13 @@ TEST_F(FieldsTest, DistancesOnACylinderOfTwoCamerasRunRoundIt) {
     return [=](dvec2 p) { return std::cos(p.x / around * 2 * M_PI - angle) > 0.1; };
   };
   const auto never = [](dvec2) { return false; };
-  const VertexValues serves =
-      servesOf(surface, {facing(0), facing(M_PI), facing(1), facing(2.5), never, never, never, facing(-1.3)});
+  const VertexValues seen =
+      seenOf(surface, {facing(0), facing(M_PI), facing(1), facing(2.5), never, never, never, facing(-1.3)});
   for (const auto& [clamp_m, steps] :
        {std::pair{kClamp_m, render::kFieldSteps}, std::pair{render::kLayeredClamp_m, render::kLayeredSteps}}) {
-    const VertexValues got = distances(surface, serves, clamp_m, steps);
+    const VertexValues got = distances(surface, seen, clamp_m, steps);
     for (int slot : {0, 1, 2, 3, 7})
-      EXPECT_LT(largestError(exactDistances(surface, serves, slot, around, clamp_m), got, slot), 0.05)
+      EXPECT_LT(largestError(exactDistances(surface, seen, slot, around, clamp_m), got, slot), 0.05)
           << slot << ", " << steps << " steps";
   }
 }
@@ -121,14 +121,14 @@ TEST_F(FieldsTest, DistancesOnACylinderOfTwoCamerasRunRoundIt) {
 // Triangles of a third the side: the steps reach the clamp none the less, and evenly.
 TEST_F(FieldsTest, FineMeshesReachTheClampSooner) {
   const Surface surface = equilateral(100, 60, kSide / 3);
-  const VertexValues serves = [&] {
+  const VertexValues seen = [&] {
     std::array<std::function<bool(dvec2)>, kFieldSlots> slots;
     slots.fill([](dvec2 p) { return p.y > 0; });
-    return servesOf(surface, slots);
+    return seenOf(surface, slots);
   }();
   for (const auto& [clamp_m, steps] :
        {std::pair{kClamp_m, render::kFieldSteps}, std::pair{render::kLayeredClamp_m, render::kLayeredSteps}}) {
-    const VertexValues got = distances(surface, serves, clamp_m, steps);
+    const VertexValues got = distances(surface, seen, clamp_m, steps);
     const double reach = steps * 0.85;  // rows that fade: of faces that count as larger
     float before = 0;
     for (int row = 31; row < 60; ++row) {

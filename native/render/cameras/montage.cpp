@@ -76,14 +76,14 @@ struct Figure4D {
   std::array<float, kFieldSlots> left_s{};  // time since the view left the slot's camera
   std::vector<size_t> chosen;               // cameras chosen for the view
   std::vector<size_t> in_slots;             // up to the last slot in use; kNoCamera: empty slot
-  TablePair serves, row_sums, sums, aims;
+  TablePair seen, row_sums, sums, aims;
   // Cache key of the visibility tables.
   uint64_t geometry = 0, picture = 0;
-  FieldCameras served_slots = kNoFieldCameras;
-  MethodOptions served_options;
+  FieldCameras seen_slots = kNoFieldCameras;
+  MethodOptions seen_options;
 };
 
-bool servesAlike(const MethodOptions& a, const MethodOptions& b) {
+bool sameVisibility(const MethodOptions& a, const MethodOptions& b) {
   return a.visibility == b.visibility && a.min_cosine == b.min_cosine &&
          a.montage.discontinuity_px == b.montage.discontinuity_px &&
          a.montage.vote_threshold == b.montage.vote_threshold && a.montage.vote_reach_px == b.montage.vote_reach_px &&
@@ -99,7 +99,7 @@ class Montage final : public Method {
     while (figures_.size() <= number) figures_.push_back(std::make_unique<Figure4D>());
     Figure4D& figure = *figures_[number];
     FOURDVT_TRY(chooseCameras(device, model, look, view, options, figure));
-    FOURDVT_TRY(makeServes(device, model, look, options, figure));
+    FOURDVT_TRY(updateSeen(device, model, look, options, figure));
     if (kind_ == Kind::Blend || kind_ == Kind::Weights)
       FOURDVT_TRY(makeFields(device, model, look, view, options, figure));
     FOURDVT_ASSIGN(const gpu::ProgramId made,
@@ -113,7 +113,7 @@ class Montage final : public Method {
     const Figure4D& figure = *figures_[number];
     gpu::Draw draw = surfaceDraw(model, programs_.at(std::string(fragment_) + drawDefines(figure, look, options)).id());
     const FieldTables tables = kind_ == Kind::Seams           ? figure.fields.distances()
-                               : kind_ == Kind::Holoportation ? figure.serves.tables()
+                               : kind_ == Kind::Holoportation ? figure.seen.tables()
                                                               : figure.fields.fields();
     draw.textures.push_back({"u_field_low", tables.low});
     draw.textures.push_back({"u_field_high", tables.high});
@@ -157,23 +157,23 @@ class Montage final : public Method {
     return {};
   }
 
-  Status makeServes(gpu::Device& device, const CharacterModel& model, const CameraLook& look,
+  Status updateSeen(gpu::Device& device, const CharacterModel& model, const CameraLook& look,
                     const MethodOptions& options, Figure4D& figure) {
     if (figure.geometry == model.geometry_serial && figure.picture == look.serial &&
-        figure.served_slots == figure.slots && servesAlike(figure.served_options, options))
+        figure.seen_slots == figure.slots && sameVisibility(figure.seen_options, options))
       return {};
     const bool only_votes = kind_ == Kind::Holoportation;
     const int rows = static_cast<int>(tableRows(model.vertex_count)), vertex_count = int(model.vertex_count);
     const int room = static_cast<int>(tableRows(model.maxVertices()));
     FOURDVT_TRY(
-        makePair(device, gpu::PixelFormat::RGBA8, CharacterModel::kTableWidth, std::max(room, rows), figure.serves));
-    FOURDVT_ASSIGN(const gpu::ProgramId serves,
-                   program(device, "camera_fullscreen.vert", "camera_montage_serves.frag",
+        makePair(device, gpu::PixelFormat::RGBA8, CharacterModel::kTableWidth, std::max(room, rows), figure.seen));
+    FOURDVT_ASSIGN(const gpu::ProgramId seen,
+                   program(device, "camera_fullscreen.vert", "camera_montage_seen.frag",
                            CameraUniforms::defines(figure.in_slots.size(), picturesOf(look)) +
                                (only_votes ? "VOTES_ONLY\n" : "")));
     const SlotFlags used = flagsOf(figure.slots, figure.cameras.chosen());
     const float vote_reach = only_votes ? kEverywhere : options.montage.vote_reach_px;
-    gpu::Draw draw{.program = serves,
+    gpu::Draw draw{.program = seen,
                    .textures = {{"u_positions_normals", model.positions_normals.id()}},
                    .uniforms = {gpu::uniform("u_vertex_count", vertex_count), gpu::uniform("u_used_low", used.low),
                                 gpu::uniform("u_used_high", used.high),
@@ -183,21 +183,21 @@ class Montage final : public Method {
                    .vertex_count = 3};
     const CameraUniforms cameras = uniforms(figure, look, options);
     cameras.addTo(draw);
-    runPass(device, figure.serves, CharacterModel::kTableWidth, rows, draw);
+    runPass(device, figure.seen, CharacterModel::kTableWidth, rows, draw);
     if (!only_votes) {
-      FOURDVT_TRY(countServed(device, rows, figure));
-      FOURDVT_TRY(figure.fields.updateDistances(device, model, figure.serves.tables(),
+      FOURDVT_TRY(countSeen(device, rows, figure));
+      FOURDVT_TRY(figure.fields.updateDistances(device, model, figure.seen.tables(),
                                                 model.length_scale * options.montage.clamp_m));
     }
     figure.geometry = model.geometry_serial;
     figure.picture = look.serial;
-    figure.served_slots = figure.slots;
-    figure.served_options = options;
+    figure.seen_slots = figure.slots;
+    figure.seen_options = options;
     return {};
   }
 
-  Status countServed(gpu::Device& device, int rows, Figure4D& figure) {
-    FOURDVT_TRY(makePair(device, gpu::PixelFormat::RGBA16F, 1, figure.serves.rows, figure.row_sums));
+  Status countSeen(gpu::Device& device, int rows, Figure4D& figure) {
+    FOURDVT_TRY(makePair(device, gpu::PixelFormat::RGBA16F, 1, figure.seen.rows, figure.row_sums));
     FOURDVT_TRY(makePair(device, gpu::PixelFormat::RGBA16F, 1, 1, figure.sums));
     FOURDVT_ASSIGN(const gpu::ProgramId count,
                    program(device, "camera_fullscreen.vert", "camera_montage_count.frag", ""));
@@ -208,7 +208,7 @@ class Montage final : public Method {
                .uniforms = {gpu::uniform("u_rows", rows)},
                .vertex_count = 3});
     };
-    sum(figure.serves, figure.row_sums, rows);
+    sum(figure.seen, figure.row_sums, rows);
     sum(figure.row_sums, figure.sums, 1);
     return {};
   }
@@ -216,7 +216,7 @@ class Montage final : public Method {
   Status makeFields(gpu::Device& device, const CharacterModel& model, const CameraLook& look, const CharacterView& view,
                     const MethodOptions& options, Figure4D& figure) {
     FOURDVT_TRY(
-        makePair(device, gpu::PixelFormat::RGBA16F, CharacterModel::kTableWidth, figure.serves.rows, figure.aims));
+        makePair(device, gpu::PixelFormat::RGBA16F, CharacterModel::kTableWidth, figure.seen.rows, figure.aims));
     FOURDVT_ASSIGN(const gpu::ProgramId aims, program(device, "camera_fullscreen.vert", "camera_montage_aims.frag",
                                                       "CAMERAS " + std::to_string(figure.in_slots.size()) + "\n"));
     const int vertex_count = static_cast<int>(model.vertex_count);
@@ -224,13 +224,12 @@ class Montage final : public Method {
     std::vector<glm::vec4> centres;
     for (size_t c : figure.in_slots)
       centres.push_back(c == kNoCamera ? glm::vec4(0) : glm::vec4(glm::vec3(look.cameras[c].centreInWorld()), 0));
-    const FieldTables serves = figure.serves.tables(), distances = figure.fields.distances(),
-                      counts = figure.sums.tables();
+    const FieldTables seen = figure.seen.tables(), distances = figure.fields.distances(), counts = figure.sums.tables();
     runPass(device, figure.aims, CharacterModel::kTableWidth, static_cast<int>(tableRows(model.vertex_count)),
             {.program = aims,
              .textures = {{"u_positions_normals", model.positions_normals.id()},
-                          {"u_serves_low", serves.low},
-                          {"u_serves_high", serves.high},
+                          {"u_seen_low", seen.low},
+                          {"u_seen_high", seen.high},
                           {"u_distances_low", distances.low},
                           {"u_distances_high", distances.high},
                           {"u_counts_low", counts.low},

@@ -104,8 +104,8 @@ Status SurfaceFields::makePair(gpu::Device& device, const CharacterModel& model,
   return {};
 }
 
-Status SurfaceFields::updateDistances(gpu::Device& device, const CharacterModel& model, FieldTables serves,
-                                      float clamp_m, int steps) {
+Status SurfaceFields::updateDistances(gpu::Device& device, const CharacterModel& model, FieldTables seen, float clamp_m,
+                                      int steps) {
   steps += steps % 2;  // even, so that the last step writes the first pair
   for (Pair& pair : distances_) FOURDVT_TRY(makePair(device, model, "distances from seams", pair));
   FOURDVT_TRY(makeProgram(device, "field_seams.frag", seams_program_));
@@ -125,7 +125,7 @@ Status SurfaceFields::updateDistances(gpu::Device& device, const CharacterModel&
                           gpu::uniform("u_least_side", min_side)},
              .vertex_count = 3});
   };
-  draw(distances_[0], seams_program_, "u_serves_low", "u_serves_high", serves);
+  draw(distances_[0], seams_program_, "u_seen_low", "u_seen_high", seen);
   for (int step = 0; step < steps; ++step)
     draw(distances_[(step + 1) % 2], spread_program_, "u_before_low", "u_before_high", distances_[step % 2].tables());
   return {};

@@ -54,7 +54,7 @@ class SurfaceFields {
   // over the surface from the slot's seam, in units of `clamp_m` and at most 1; without a seam they are 1 everywhere.
   // Each of the `steps` (rounded up to even, at least 2) costs a pass and extends the reach by an edge; triangles too
   // small to reach the clamp, mean side below clamp_m / (0.85 steps), count as that large. Errors: GpuFailure.
-  Status updateDistances(gpu::Device& device, const CharacterModel& model, FieldTables serves, float clamp_m,
+  Status updateDistances(gpu::Device& device, const CharacterModel& model, FieldTables seen, float clamp_m,
                          int steps = kFieldSteps);
   FieldTables distances() const { return distances_[0].tables(); }  // RGBA16F
 

@@ -40,7 +40,7 @@ Status makeTables(gpu::Device& device, gpu::PixelFormat format, uint32_t vertice
 // Fields of one member of an appearance.
 struct MemberFields {
   SurfaceFields fields;
-  SlotTables serves, aims;
+  SlotTables seen, aims;
   gpu::TextureId mesh = 0;  // CharacterModel::corners of the tables' mesh; 0: no tables
   FieldCameras cameras = kNoFieldCameras;
   uint64_t geometry_serial = 0;  // geometry of the distances
@@ -86,7 +86,7 @@ class LayeredMontage final : public LayeredPass {
     MemberFields& own = members_[fieldsKeyOf(part)];
     if (own.mesh != model.corners.id()) {
       own = {};
-      FOURDVT_TRY(makeTables(device, gpu::PixelFormat::RGBA8, model.vertex_count, "cameras of vertices", own.serves));
+      FOURDVT_TRY(makeTables(device, gpu::PixelFormat::RGBA8, model.vertex_count, "cameras of vertices", own.seen));
       FOURDVT_TRY(makeTables(device, gpu::PixelFormat::RGBA16F, model.vertex_count, "aims of fields", own.aims));
       own.mesh = model.corners.id();
     }
@@ -134,7 +134,7 @@ class LayeredMontage final : public LayeredPass {
 
   Status updateFields(gpu::Device& device, const CharacterModel& model, const Part& part, const CharacterView& view,
                       const DrawOptions& options, MemberFields& own) {
-    FOURDVT_TRY(makePass(device, "montage_serves.frag", serves_program_));
+    FOURDVT_TRY(makePass(device, "montage_seen.frag", seen_program_));
     FOURDVT_TRY(makePass(device, "montage_aims.frag", aims_program_));
     const int member = part.members[size_t(own.drawn_member)].member;
     const FieldCameras cameras = keepSlots(own.cameras, nearestCameras(model, view));
@@ -166,8 +166,8 @@ class LayeredMontage final : public LayeredPass {
     };
     // Labels of a frame arrive with its mesh, so geometry_serial covers both.
     if (own.geometry_serial != model.geometry_serial || own.cameras != cameras) {
-      pass(own.serves, serves_program_, {});
-      FOURDVT_TRY(own.fields.updateDistances(device, model, own.serves.tables(), model.length_scale * kLayeredClamp_m,
+      pass(own.seen, seen_program_, {});
+      FOURDVT_TRY(own.fields.updateDistances(device, model, own.seen.tables(), model.length_scale * kLayeredClamp_m,
                                              kLayeredSteps));
       own.geometry_serial = model.geometry_serial;
       own.cameras = cameras;
@@ -177,7 +177,7 @@ class LayeredMontage final : public LayeredPass {
                              options.method.montage.settling_s);
   }
 
-  gpu::Program serves_program_, aims_program_;
+  gpu::Program seen_program_, aims_program_;
   std::map<FieldsKey, MemberFields> members_;
   uint64_t clock_ = 0;  // counts prepares
 };

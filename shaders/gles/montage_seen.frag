@@ -8,6 +8,6 @@ layout(location = 1) out vec4 o_high;
 void main() {
   int vertex = vertexHere();
   uint mask = vertex < u_vertex_count ? maskAt(vertex) : 0u;
-  o_low = serves(mask, u_slot_cameras[0]);
-  o_high = serves(mask, u_slot_cameras[1]);
+  o_low = seen(mask, u_slot_cameras[0]);
+  o_high = seen(mask, u_slot_cameras[1]);
 }
