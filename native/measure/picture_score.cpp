@@ -108,25 +108,6 @@ PictureScore MeanScores::standardError() const {
   return error;
 }
 
-void ScoreLane::collect(size_t keep) {
-  while (running_.size() > keep) {
-    finished_.emplace_back(running_.front().first, running_.front().second.get());
-    running_.pop_front();
-  }
-}
-
-void ScoreLane::add(Image reference, Image picture, const std::string& tag) {
-  collect(kWaiting - 1);
-  running_.emplace_back(tag, std::async(std::launch::async, [a = std::move(reference), b = std::move(picture)] {
-                          return scorePicture(a, b);
-                        }));
-}
-
-std::vector<std::pair<std::string, PictureScore>> ScoreLane::finish() {
-  collect(0);
-  return std::move(finished_);
-}
-
 MeanScores ScoreLane::finishMean() {
   MeanScores mean;
   for (const auto& [tag, score] : finish()) mean.add(score);

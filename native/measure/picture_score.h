@@ -16,8 +16,8 @@ namespace fourdvt::measure {
 // whole picture. All over black; PSNR on RGB, SSIM on luma.
 // A further measure requires its formula in metrics.cpp, a field here, its place in kMeasures and scorePicture
 // (picture_score.cpp), a row in writeScores (lab/study/run/row_writer.cpp) and rows.h, a column in the tables that show
-// it (lab/study/tables/), and a figure or an exception in site/measured/catalogue.mjs. lab/measure/held_out.h and
-// lab/study/steps/rate_point.h have scores of their own.
+// it (lab/study/tables/), and a figure or an exception in site/measured/catalogue.mjs. lab/measure/held_out.h has
+// scores of its own.
 struct PictureScore {
   double psnr_full_db = 0, psnr_box_db = 0, psnr_fg_db = 0, psnr_common_db = 0;
   double ssim_full = 0, ssim_box = 0, ssim_fg = 0;
@@ -38,19 +38,34 @@ class MeanScores {
 };
 
 // Scores pictures on other threads while the caller draws; bounds the queue to a few pictures.
-class ScoreLane {
+template <class Score, Score (*score)(const Image& reference, const Image& picture)>
+class Lane {
  public:
   // `tag`: the caller's label of a score, e.g. a camera's name; may be empty.
-  void add(Image reference, Image picture, const std::string& tag = {});
+  void add(Image reference, Image picture, const std::string& tag = {}) {
+    collect(kWaiting - 1);
+    running_.emplace_back(tag, std::async(std::launch::async,
+                                          [a = std::move(reference), b = std::move(picture)] { return score(a, b); }));
+  }
   // Waits for all scores; returns them in the order of add.
-  std::vector<std::pair<std::string, PictureScore>> finish();
-  MeanScores finishMean();
+  std::vector<std::pair<std::string, Score>> finish() {
+    collect(0);
+    return std::move(finished_);
+  }
 
  private:
   static constexpr size_t kWaiting = 4;
-  void collect(size_t keep);
-  std::deque<std::pair<std::string, std::future<PictureScore>>> running_;
-  std::vector<std::pair<std::string, PictureScore>> finished_;
+  void collect(size_t keep) {
+    for (; running_.size() > keep; running_.pop_front())
+      finished_.emplace_back(running_.front().first, running_.front().second.get());
+  }
+  std::deque<std::pair<std::string, std::future<Score>>> running_;
+  std::vector<std::pair<std::string, Score>> finished_;
+};
+
+class ScoreLane : public Lane<PictureScore, scorePicture> {
+ public:
+  MeanScores finishMean();
 };
 
 }  // namespace fourdvt::measure

@@ -81,17 +81,7 @@ bool sample(const ErrorPicture& e, double x, double y, std::array<float, 3>& out
 
 }  // namespace
 
-double rmse(const Image& a, const Image& b, const Mask& inside) {
-  uint64_t squares = 0;
-  size_t count = 0;
-  for (size_t i = 0; i < inside.size(); ++i) {
-    if (!inside[i]) continue;
-    const int x = int(i % size_t(a.width)), y = int(i / size_t(a.width));
-    squares += squaresAt(a, x, y, b, x, y);
-    count += 3;
-  }
-  return count ? std::sqrt(double(squares) / double(count)) / 255 : kNaN;
-}
+double rmse(const Image& a, const Image& b, const Mask& inside) { return std::pow(10, -psnr(a, b, inside) / 20); }
 
 double gradientRatio(const Image& truth, const Image& picture, const Mask& inside) {
   const double wanted = sharpness(truth, inside).gradient;
@@ -174,25 +164,6 @@ AppearanceScore meanAppearance(const std::vector<AppearanceScore>& scores) {
     mean.*field = count ? mean.*field / double(count) : kNaN;
   }
   return mean;
-}
-
-void AppearanceLane::collect(size_t keep) {
-  while (running_.size() > keep) {
-    finished_.emplace_back(running_.front().first, running_.front().second.get());
-    running_.pop_front();
-  }
-}
-
-void AppearanceLane::add(Image truth, Image picture, const std::string& tag) {
-  collect(kWaiting - 1);
-  running_.emplace_back(tag, std::async(std::launch::async, [a = std::move(truth), b = std::move(picture)] {
-                          return scoreAppearance(a, b);
-                        }));
-}
-
-std::vector<std::pair<std::string, AppearanceScore>> AppearanceLane::finish() {
-  collect(0);
-  return std::move(finished_);
 }
 
 }  // namespace fourdvt::measure

@@ -2,10 +2,6 @@
 // Appearance errors that PSNR and SSIM confuse: blur, sharp but displaced texture, and flicker.
 #pragma once
 
-#include <deque>
-#include <future>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "lab/measure/motion_metrics.h"
@@ -56,18 +52,6 @@ AppearanceScore scoreAppearance(const Image& truth, const Image& picture);
 // Excludes NaN fields from their mean; NaN if none remain.
 AppearanceScore meanAppearance(const std::vector<AppearanceScore>& scores);
 
-// Scores pictures on other threads while the caller draws; bounds the queue to a few pictures.
-class AppearanceLane {
- public:
-  void add(Image truth, Image picture, const std::string& tag = {});
-  // Waits for all scores; returns them with their tags in the order of add.
-  std::vector<std::pair<std::string, AppearanceScore>> finish();
-
- private:
-  static constexpr size_t kWaiting = 4;
-  void collect(size_t keep);
-  std::deque<std::pair<std::string, std::future<AppearanceScore>>> running_;
-  std::vector<std::pair<std::string, AppearanceScore>> finished_;
-};
+using AppearanceLane = Lane<AppearanceScore, scoreAppearance>;
 
 }  // namespace fourdvt::measure
