@@ -11,7 +11,7 @@ class MatteAgreement {
  public:
   static constexpr double kBand_pixels = 2;  // on either side of the truth's edge
 
-  // `picture`: its last channel is the matte; `truth`: one channel. Of one size.
+  // The last channel of each is the matte. Of one size.
   void add(const Image& picture, const Image& truth);
   void add(const MatteAgreement& other);
 

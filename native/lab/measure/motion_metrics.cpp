@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <limits>
 #include <numeric>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "base/face_buffer.h"
 
@@ -28,19 +30,12 @@ glm::dvec3 sharesUnder(const glm::dvec3 projected[3], const glm::dvec2& pixel) {
 }  // namespace
 
 Mask eroded(const Mask& inside, int width, int height, int pixels) {
-  // Separable minimum filter: rows, then columns.
-  const auto pass = [&](const Mask& in, int along, int count, int stride, int across_stride) {
-    Mask out(in.size(), 0);
-    for (int line = 0; line < count; ++line)
-      for (int i = pixels; i < along - pixels; ++i) {
-        const uint8_t* centre = in.data() + static_cast<size_t>(line) * across_stride + static_cast<size_t>(i) * stride;
-        bool all = true;
-        for (int k = -pixels; k <= pixels && all; ++k) all = centre[k * stride] != 0;
-        out[static_cast<size_t>(centre - in.data())] = all;
-      }
-    return out;
-  };
-  return pass(pass(inside, width, height, 1, width), height, width, width, 1);
+  Mask out(inside.size());
+  const cv::Mat from(height, width, CV_8U, const_cast<uint8_t*>(inside.data()));
+  cv::Mat to(height, width, CV_8U, out.data());
+  const cv::Mat square = cv::Mat::ones(2 * pixels + 1, 2 * pixels + 1, CV_8U);
+  cv::erode(from, to, square, {-1, -1}, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  return out;
 }
 
 Sharpness sharpness(const Image& rgb, const Mask& inside) {

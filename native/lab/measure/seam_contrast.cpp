@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <utility>
 
@@ -79,21 +81,10 @@ class SeamProbe {
 };
 
 // Chessboard distance to the nearest pixel outside the mask; 0 outside. Beyond the picture counts as inside.
-std::vector<int> depthInside(const std::vector<uint8_t>& mask, int w, int h) {
-  std::vector<int> d(mask.size());
-  const int far = w + h;
-  for (size_t i = 0; i < mask.size(); ++i) d[i] = mask[i] ? far : 0;
-  const auto relax = [&](int x, int y, int dx, int dy) {
-    const int u = x + dx, v = y + dy;
-    if (u < 0 || v < 0 || u >= w || v >= h) return;
-    int& own = d[static_cast<size_t>(y) * w + x];
-    own = std::min(own, d[static_cast<size_t>(v) * w + u] + 1);
-  };
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) relax(x, y, -1, 0), relax(x, y, -1, -1), relax(x, y, 0, -1), relax(x, y, 1, -1);
-  for (int y = h; y-- > 0;)
-    for (int x = w; x-- > 0;) relax(x, y, 1, 0), relax(x, y, 1, 1), relax(x, y, 0, 1), relax(x, y, -1, 1);
-  return d;
+std::vector<int> depthInside(std::vector<uint8_t>& mask, int w, int h) {
+  cv::Mat out;
+  cv::distanceTransform(cv::Mat(h, w, CV_8U, mask.data()), out, cv::DIST_C, cv::DIST_MASK_3);
+  return {out.begin<float>(), out.end<float>()};
 }
 
 // Excess of one channel over the other two.

@@ -67,12 +67,6 @@ Result<Image> textured(const PinholeCamera& view, const std::vector<PinholeCamer
   return fvvr->renderStill(seen, options);
 }
 
-Image silhouetteOf(const Image& rgba) {
-  Image out(rgba.width, rgba.height, 1);
-  for (size_t i = 0; i < out.pixels.size(); ++i) out.pixels[i] = rgba.pixels[4 * i + 3];
-  return out;
-}
-
 }  // namespace
 
 Result<std::vector<SurfaceScore>> scoreSurfaces(
@@ -98,7 +92,7 @@ Result<std::vector<SurfaceScore>> scoreSurfaces(
       for (const PinholeCamera& camera : test_cameras) {
         FOURDVT_ASSIGN(auto truth, heldOutTruth(sequence, camera, frame));
         FOURDVT_ASSIGN(auto picture, textured(camera, cameras, captured.pictures, surface, texturing));
-        silhouettes.add(picture, silhouetteOf(truth));
+        silhouettes.add(picture, truth);
         lane.add(std::move(truth), std::move(picture));
       }
       if (reference) FOURDVT_TRY(compareFrame(capture, sequence, *reference, surface, frame, distances));
