@@ -114,15 +114,4 @@ Result<Image> Renderer::draw(const PinholeCamera& camera, double near_m, double 
   return out;
 }
 
-Image unpremultiplied(const Image& picture) {
-  Image out = picture;
-  for (size_t i = 0; i < size_t(out.width) * out.height; ++i) {
-    const int alpha = out.pixels[4 * i + 3];
-    if (alpha == 0 || alpha == 255) continue;
-    for (int c = 0; c < 3; ++c)
-      out.pixels[4 * i + c] = static_cast<uint8_t>(std::min(255, (out.pixels[4 * i + c] * 255 + alpha / 2) / alpha));
-  }
-  return out;
-}
-
 }  // namespace fourdvt::studio

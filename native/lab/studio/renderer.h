@@ -41,7 +41,4 @@ class Renderer {
   int width_ = 0, height_ = 0;
 };
 
-// Turns premultiplied alpha into straight alpha.
-Image unpremultiplied(const Image& picture);
-
 }  // namespace fourdvt::studio

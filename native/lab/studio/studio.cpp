@@ -44,8 +44,8 @@ class Run {
       const std::string stem = out_.path() + "/background/" + set_.rig().ring[c].name;
       if (several) FOURDVT_TRY(platform::makeFolder(stem));
       for (uint32_t take = 0; take < uint32_t(options_.plates); ++take)
-        FOURDVT_TRY(platform::writeImage(several ? stem + numberedName("/%06u.png", take) : stem + ".png",
-                                         filming_.plate(c, take)));
+        FOURDVT_TRY(
+            platform::writeImage(several ? stem + printed("/%06u.png", take) : stem + ".png", filming_.plate(c, take)));
     }
     return {};
   }
@@ -105,8 +105,8 @@ class Run {
   Status holdOut(const std::string& folder, uint32_t frame) {
     for (const PinholeCamera& camera : set_.rig().test) {
       FOURDVT_ASSIGN(auto picture, set_.draw(camera));
-      FOURDVT_TRY(platform::writeImage(folder + "/" + camera.name + numberedName("/%04u.png", frame),
-                                       unpremultiplied(picture)));
+      unpremultiply(picture);
+      FOURDVT_TRY(platform::writeImage(folder + "/" + camera.name + printed("/%04u.png", frame), picture));
       FOURDVT_TRY(ticker_.tick());
     }
     return {};

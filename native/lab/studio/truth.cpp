@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/bytes.h"
+#include "base/text.h"
 #include "platform/files.h"
 
 namespace fourdvt::studio {
@@ -71,7 +72,7 @@ class ClassTruth {
   }
 
   Status step(double position, Json& steps) {
-    const std::string name = numberedName("w%03u", static_cast<uint32_t>(std::lround(100 * position)));
+    const std::string name = printed("w%03u", static_cast<uint32_t>(std::lround(100 * position)));
     const std::vector<double> shares = set_.sharesAt(class_, position);
     FOURDVT_TRY(out_.makeFolder(folder_ + "/" + name + "/mesh"));
     for (const PinholeCamera& camera : cameras_) FOURDVT_TRY(out_.makeFolder(folder_ + "/" + name + "/" + camera.name));
@@ -79,7 +80,7 @@ class ClassTruth {
     for (int i = 0; i < options_.truth_phases; ++i) {
       set_.pose(shares, phase(i));
       appendPacked(set_.truth(), set_.unitsPerMetre(), packed);
-      FOURDVT_TRY(pictures(out_.path() + "/" + folder_ + "/" + name, numberedName("/%04u.png", uint32_t(i))));
+      FOURDVT_TRY(pictures(out_.path() + "/" + folder_ + "/" + name, printed("/%04u.png", uint32_t(i))));
     }
     const std::string positions = name + "/mesh/positions.i16";
     FOURDVT_TRY(platform::writeFileAtomic(out_.path() + "/" + folder_ + "/" + positions, packed));
@@ -104,7 +105,8 @@ class ClassTruth {
   Status pictures(const std::string& folder, const std::string& file) {
     for (const PinholeCamera& camera : cameras_) {
       FOURDVT_ASSIGN(auto picture, set_.draw(camera));
-      FOURDVT_TRY(platform::writeImage(folder + "/" + camera.name + file, unpremultiplied(picture)));
+      unpremultiply(picture);
+      FOURDVT_TRY(platform::writeImage(folder + "/" + camera.name + file, picture));
       FOURDVT_TRY(ticker_.tick());
     }
     return {};
@@ -130,7 +132,7 @@ class ClassTruth {
         sum += moved;
       }
       FOURDVT_TRY(
-          platform::writeFileAtomic(out_.path() + "/" + folder + numberedName("/%04u.bin", uint32_t(i)), bytes.data()));
+          platform::writeFileAtomic(out_.path() + "/" + folder + printed("/%04u.bin", uint32_t(i)), bytes.data()));
     }
     alignment.push_back({{"from", class_.members[0]},
                          {"to", name},

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "base/text.h"
 #include "platform/files.h"
 
 namespace fourdvt::studio {
@@ -106,7 +105,5 @@ void appendPacked(const Positions& positions, double units_per_metre, std::vecto
       out.push_back(static_cast<uint8_t>(bits >> 8));
     }
 }
-
-std::string numberedName(const char* format, uint32_t number) { return printed(format, number); }
 
 }  // namespace fourdvt::studio

@@ -44,6 +44,5 @@ class Ticker {
 std::string objText(const MeshTopology& topology, const Positions& positions, double scale);
 // Appends little-endian int16 [vertex][xyz].
 void appendPacked(const Positions& positions, double units_per_metre, std::vector<uint8_t>& out);
-std::string numberedName(const char* format, uint32_t number);  // `format` has one %u
 
 }  // namespace fourdvt::studio
