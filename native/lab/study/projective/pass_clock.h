@@ -3,11 +3,11 @@
 // to more than an undisturbed frame.
 #pragma once
 
-#include <chrono>
 #include <string>
 #include <vector>
 
-#include "gpu/device.h"
+#include "base/watch.h"
+#include "lab/study/run/gpu_drain.h"
 
 namespace fourdvt::study {
 
@@ -28,14 +28,10 @@ class PassClock final : public gpu::DeviceObserver {
   void ends() override;
 
  private:
-  using Clock = std::chrono::steady_clock;
-  void wait();
-
   gpu::Device& device_;
-  gpu::Texture color_;
-  gpu::Target target_;
+  GpuDrain drain_;
   std::string label_;
-  Clock::time_point start_;
+  Watch watch_;
   std::vector<Part> parts_;
 };
 

@@ -2,17 +2,14 @@
 #include "lab/study/steps/frame_rate.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <filesystem>
 
 #include "bake/texels/picture_crop.h"
 #include "base/robust.h"
 #include "base/text.h"
 #include "base/watch.h"
+#include "lab/measure/character_frame.h"
+#include "lab/study/run/gpu_drain.h"
 #include "mattes/frame_reader.h"
-#include "package/base_mesh.h"
-#include "package/chunk_mesh.h"
-#include "package/stream_file.h"
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
 #include "render/cameras/fvvr.h"
@@ -39,9 +36,7 @@ struct LayeredFrame {
 };
 
 struct LoadedCharacter {
-  package::Character character;
-  package::BaseMesh mesh;
-  package::Sequence sequence;
+  measure::CharacterStream stream;
   package::Rendition rendition;
   std::vector<LayeredFrame> frames;  // 0, 1, …
 };
@@ -51,15 +46,10 @@ void appendPlane(std::vector<uint8_t>& out, const uint8_t* plane, int stride, in
     out.insert(out.end(), plane + ptrdiff_t(y) * stride, plane + ptrdiff_t(y) * stride + width);
 }
 
-// Reads positions, labels and pictures of the chunk's first frames.
-Status readFirstChunk(const std::filesystem::path& folder, LoadedCharacter& out) {
-  const std::string stream = (folder / out.sequence.stream_uri).string();
-  FOURDVT_ASSIGN(auto header, platform::readFileRange(stream, 0, out.sequence.stream_header_bytes));
-  FOURDVT_ASSIGN(auto index, package::readStreamHeader(header));
-  const package::ChunkEntry& entry = index.chunks[0];
-  FOURDVT_ASSIGN(auto bytes, platform::readFileRange(stream, entry.offset, entry.bytes));
-  FOURDVT_ASSIGN(auto chunk, package::decodeChunk(bytes, index, 0, package::makeChunkMesh(out.mesh)));
-  const package::ChunkFrames& c = chunk;
+// Reads positions, labels and pictures of the first chunk's first frames.
+Status readFirstChunk(const std::string& folder, LoadedCharacter& out) {
+  const package::StreamIndex& index = out.stream.index;
+  FOURDVT_ASSIGN(const package::ChunkFrames c, measure::readCharacterChunk(out.stream, 0));
   out.frames.resize(std::min(kDistinctFrames, c.frame_count));
   const size_t label_count = size_t(c.layer_count) * c.face_count;
   for (size_t f = 0; f < out.frames.size(); ++f) {
@@ -78,7 +68,7 @@ Status readFirstChunk(const std::filesystem::path& folder, LoadedCharacter& out)
                        appendPlane(planes, picture.u, picture.stride_u, picture.width / 2, picture.height / 2);
                        appendPlane(planes, picture.v, picture.stride_v, picture.width / 2, picture.height / 2);
                      }));
-  const std::string video = (folder / out.rendition.video_uri).string();
+  const std::string video = folder + "/" + out.rendition.video_uri;
   for (uint32_t s = table.chunk_first_sample[0]; s < table.chunk_first_sample[1]; ++s) {
     const package::VideoSample& sample = table.samples[s];
     FOURDVT_ASSIGN(auto coded, platform::readFileRange(video, sample.offset, sample.bytes));
@@ -92,21 +82,14 @@ Status readFirstChunk(const std::filesystem::path& folder, LoadedCharacter& out)
   return {};
 }
 
-Result<LoadedCharacter> loadCharacter(const std::filesystem::path& folder, const std::string& sequence_name) {
+Result<LoadedCharacter> loadCharacter(const std::string& folder, std::string sequence) {
   LoadedCharacter out;
-  const std::string manifest = (folder / "character.gltf").string();
-  FOURDVT_ASSIGN(auto json, platform::readJsonFlat(manifest));
-  FOURDVT_ASSIGN(auto character, package::readManifest(json));
-  out.character = std::move(character);
-  const package::Character& c = out.character;
-  const package::Sequence* sequence =
-      sequence_name.empty() && !c.sequences.empty() ? &c.sequences[0] : c.find(sequence_name);
-  if (!sequence)
-    return Error{ErrorId::InvalidArgument, manifest + ": has no sequence \"" + sequence_name + "\"; bake it"};
-  out.sequence = *sequence;
-  out.rendition = sequence->renditions.back();
-  FOURDVT_ASSIGN(auto bytes, platform::readFileRange((folder / c.mesh_uri).string(), c.mesh_offset, c.mesh_bytes));
-  FOURDVT_ASSIGN(out.mesh, package::decodeBaseMesh(bytes));
+  FOURDVT_ASSIGN(const auto character, measure::readCharacter(folder));
+  if (sequence.empty() && !character.sequences.empty()) sequence = character.sequences[0].name;
+  if (!character.find(sequence))
+    return Error{ErrorId::InvalidArgument, folder + "/character.gltf: has no sequence \"" + sequence + "\"; bake it"};
+  FOURDVT_TRY(measure::openCharacterStream(folder, sequence, out.stream));
+  out.rendition = out.stream.sequence->renditions.back();
   FOURDVT_TRY(readFirstChunk(folder, out));
   return out;
 }
@@ -115,9 +98,9 @@ Result<LoadedCharacter> loadCharacter(const std::filesystem::path& folder, const
 Result<std::vector<mattes::CaptureFrame>> readCapturedFrames(const capture::Capture& capture,
                                                              const OpenVideo& open_video,
                                                              const LoadedCharacter& character) {
-  const capture::CaptureSequence* sequence = capture.find(character.sequence.name);
+  const capture::CaptureSequence* sequence = capture.find(character.stream.sequence->name);
   if (!sequence)
-    return Error{ErrorId::InvalidArgument, capture.folder + ": has no sequence \"" + character.sequence.name +
+    return Error{ErrorId::InvalidArgument, capture.folder + ": has no sequence \"" + character.stream.sequence->name +
                                                "\"; name the capture that the character was baked from"};
   FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(capture, *sequence, open_video));
   std::vector<mattes::CaptureFrame> frames;
@@ -128,26 +111,6 @@ Result<std::vector<mattes::CaptureFrame>> readCapturedFrames(const capture::Capt
   }
   return frames;
 }
-
-// Waits for all GPU work so far, by a last command in order.
-class Drain {
- public:
-  Status prepare(gpu::Device& device) {
-    FOURDVT_ASSIGN(color_, gpu::makeTexture(device, {.width = 1, .height = 1, .label = "drain"}));
-    FOURDVT_ASSIGN(target_, gpu::makeTarget(device, {.colors = {color_.id()}, .label = "drain"}));
-    return {};
-  }
-  Status wait(gpu::Device& device) const {
-    device.beginPass({.target = target_.id(), .clear_color = true, .label = "drain"});
-    device.endPass();
-    uint8_t pixel[4];
-    return device.readPixels(target_.id(), gpu::PixelFormat::RGBA8, {.width = 1, .height = 1}, pixel);
-  }
-
- private:
-  gpu::Texture color_;
-  gpu::Target target_;
-};
 
 struct Samples {
   std::vector<double> frame, upload, geometry, depth_maps, shading, readback;
@@ -177,7 +140,7 @@ class Race {
   Status prepare(const capture::Capture& capture, FrameRates& rates) {
     FOURDVT_TRY(drain_.prepare(device_));
     const uint64_t before = device_.counters().live_texture_bytes;
-    FOURDVT_ASSIGN(figure_, render::PlainFigure::create(device_, loaded_.character, loaded_.mesh));
+    FOURDVT_ASSIGN(figure_, render::PlainFigure::create(device_, loaded_.stream.character, loaded_.stream.mesh));
     figure_.setLayout(loaded_.rendition);
     FOURDVT_ASSIGN(picture_, render::createPicture(device_, loaded_.rendition.width, loaded_.rendition.height,
                                                    render::PictureTextures::Kind::I420));
@@ -200,7 +163,7 @@ class Race {
         layered = {};
         for (Entry& entry : entries_) entry.samples = {};
       }
-      OrbitView orbit = defaultOrbit(loaded_.character.bounds, double(width) / height);
+      OrbitView orbit = defaultOrbit(loaded_.stream.character.bounds, double(width) / height);
       orbit.azimuth_deg += 360.0 * i / frames;
       const render::View view = render::viewFromCamera(cameraFromOrbit(orbit, width, height));
       const size_t frame = static_cast<size_t>(i + kWarmUp) % loaded_.frames.size();
@@ -239,23 +202,19 @@ class Race {
   }
 
   Status layeredFrame(size_t frame, const render::View& view, Samples& out) {
-    const Watch watch;
-    uploadLayers(frame);
-    setGeometry(frame);
-    FOURDVT_TRY(drawLayers(view));
-    FOURDVT_TRY(drain_.wait(device_));
-    out.frame.push_back(watch.ms());
-    return {};
+    return timed(out.frame, [&] {
+      uploadLayers(frame);
+      setGeometry(frame);
+      return drawLayers(view);
+    });
   }
 
   Status fvvrFrame(size_t frame, const render::View& view, Entry& entry) {
-    const Watch watch;
-    const std::vector<size_t> used = fvvr_->camerasOf(view, entry.options);
-    FOURDVT_TRY(fvvr_->setFrame(captured_[frame].positions, captured_[frame].pictures, used));
-    FOURDVT_TRY(fvvr_->draw(view, entry.options, target_.id()));
-    FOURDVT_TRY(drain_.wait(device_));
-    entry.samples.frame.push_back(watch.ms());
-    return {};
+    return timed(entry.samples.frame, [&]() -> Status {
+      const std::vector<size_t> used = fvvr_->camerasOf(view, entry.options);
+      FOURDVT_TRY(fvvr_->setFrame(captured_[frame].positions, captured_[frame].pictures, used));
+      return fvvr_->draw(view, entry.options, target_.id());
+    });
   }
 
   // Runs one part on a drained GPU.
@@ -297,7 +256,7 @@ class Race {
   const std::vector<mattes::CaptureFrame>& captured_;
   std::vector<Entry> entries_;
   render::RecipeOptions recipe_options_;
-  Drain drain_;
+  GpuDrain drain_;
   render::PlainFigure figure_;
   render::PictureTextures picture_;
   std::unique_ptr<render::Recipe> recipe_;
@@ -313,10 +272,10 @@ Result<FrameRates> measureFrameRates(gpu::Device& device, const capture::Capture
                                      const std::string& character_folder, const FrameRateOptions& options) {
   FOURDVT_ASSIGN(auto loaded, loadCharacter(character_folder, options.sequence));
   FOURDVT_ASSIGN(auto captured, readCapturedFrames(capture, open_video, loaded));
-  const package::Character& character = loaded.character;
+  const package::Character& character = loaded.stream.character;
   FrameRates rates;
   rates.renderer = device.caps().renderer;
-  rates.sequence = loaded.sequence.name;
+  rates.sequence = loaded.stream.sequence->name;
   rates.layers = character.layer_count;
   rates.layer_side = loaded.rendition.layers[0].width;
   rates.cameras = static_cast<int>(capture.cameras.size());
