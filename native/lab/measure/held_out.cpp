@@ -164,16 +164,15 @@ class Evaluation {
   Status score(ViewScore score, const PinholeCamera& camera, const Image& truth, const Image& yardstick) {
     FOURDVT_ASSIGN(auto drawn, draw(score.sequence, score.frame, camera, kStill));
     WorstView view{std::move(score), compositedOnBlack(truth), compositedOnBlack(drawn), {}};
-    const Mask inside = unionOfSilhouettes(truth, drawn);
-    view.score.psnr_db = psnr(view.truth, view.character, inside);
-    view.score.ssim = ssim(view.truth, view.character, inside);
-    view.score.common_psnr_db = psnr(view.truth, view.character, commonSilhouette(truth, drawn));
+    const auto quality = [&](const Image& rgba, const Image& rgb) -> ViewQuality {
+      const Mask inside = unionOfSilhouettes(truth, rgba);
+      return {psnr(view.truth, rgb, inside), ssim(view.truth, rgb, inside),
+              psnr(view.truth, rgb, commonSilhouette(truth, rgba))};
+    };
+    view.score.ours = quality(drawn, view.character);
     if (!yardstick.empty()) {
       view.yardstick = compositedOnBlack(yardstick);
-      const Mask its_inside = unionOfSilhouettes(truth, yardstick);
-      view.score.yardstick_psnr_db = psnr(view.truth, view.yardstick, its_inside);
-      view.score.yardstick_ssim = ssim(view.truth, view.yardstick, its_inside);
-      view.score.yardstick_common_psnr_db = psnr(view.truth, view.yardstick, commonSilhouette(truth, yardstick));
+      view.score.yardstick = quality(yardstick, view.yardstick);
     }
     report_.scores.push_back(view.score);
     if (view.score.held_out) keepIfWorst(std::move(view));
@@ -183,7 +182,7 @@ class Evaluation {
   void keepIfWorst(WorstView view) {
     for (WorstView& known : report_.worst) {
       if (known.score.sequence != view.score.sequence) continue;
-      if (view.score.ssim < known.score.ssim) known = std::move(view);
+      if (view.score.ours.ssim < known.score.ours.ssim) known = std::move(view);
       return;
     }
     report_.worst.push_back(std::move(view));

@@ -25,13 +25,16 @@ struct HeldOutOptions {
 
 inline constexpr double kNotAsked = std::numeric_limits<double>::quiet_NaN();
 
+struct ViewQuality {
+  double psnr_db = kNotAsked, ssim = kNotAsked;  // over the union of the silhouettes
+  double common_psnr_db = kNotAsked;             // over their intersection: without the outline's error
+};
+
 struct ViewScore {
   std::string sequence, camera;
   uint32_t frame = 0;
-  bool held_out = true;          // false: an input camera
-  double psnr_db = 0, ssim = 0;  // layered character, over the union of the silhouettes
-  double common_psnr_db = 0;     // over their intersection: without the outline's error
-  double yardstick_psnr_db = kNotAsked, yardstick_ssim = kNotAsked, yardstick_common_psnr_db = kNotAsked;
+  bool held_out = true;  // false: an input camera
+  ViewQuality ours = {}, yardstick = {};
 };
 
 // Held-out view of a sequence with the lowest SSIM. All RGB over black, of the camera's size.
@@ -72,8 +75,7 @@ Result<HeldOutReport> evaluateHeldOut(
 // Means over the scores with these properties; an empty name matches any.
 struct MeanViewScore {
   size_t views = 0;
-  double psnr_db = 0, ssim = 0, common_psnr_db = 0;
-  double yardstick_psnr_db = 0, yardstick_ssim = 0, yardstick_common_psnr_db = 0;
+  ViewQuality ours, yardstick;
 };
 MeanViewScore meanViewScore(const std::vector<ViewScore>& scores, bool held_out, const std::string& sequence,
                             const std::string& camera);

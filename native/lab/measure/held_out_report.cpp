@@ -13,10 +13,10 @@ namespace fourdvt::measure {
 namespace {
 
 std::string row(const std::string& name, const MeanViewScore& m, bool yardstick) {
-  std::string out =
-      printed("  %-10s %6zu %9.2f %8.4f %10.2f", name.c_str(), m.views, m.psnr_db, m.ssim, m.common_psnr_db);
+  const auto& [psnr_db, ssim, common_db] = m.ours;
+  std::string out = printed("  %-10s %6zu %9.2f %8.4f %10.2f", name.c_str(), m.views, psnr_db, ssim, common_db);
   if (yardstick)
-    out += printed(" %11.2f %8.4f %10.2f", m.yardstick_psnr_db, m.yardstick_ssim, m.yardstick_common_psnr_db);
+    out += printed(" %11.2f %8.4f %10.2f", m.yardstick.psnr_db, m.yardstick.ssim, m.yardstick.common_psnr_db);
   return out + "\n";
 }
 
@@ -30,7 +30,7 @@ std::vector<std::string> distinct(const std::vector<ViewScore>& scores, bool hel
 std::string section(const HeldOutReport& report, bool held_out) {
   const auto sequences = distinct(report.scores, held_out, &ViewScore::sequence);
   if (sequences.empty()) return {};
-  const bool yardstick = held_out && !std::isnan(meanViewScore(report.scores, true, "", "").yardstick_psnr_db);
+  const bool yardstick = held_out && !std::isnan(meanViewScore(report.scores, true, "", "").yardstick.psnr_db);
   std::string out = held_out ? "Held-out cameras\n" : "Input cameras\n";
   for (const std::string& sequence : sequences) {
     out += sequence + "\n  camera      views   PSNR dB     SSIM  common dB" +
@@ -75,7 +75,7 @@ cv::Mat titled(const cv::Mat& picture, const std::string& title) {
 
 cv::Mat sheetRow(const WorstView& view, const std::string& baseline) {
   const cv::Rect part = shownPart(view);
-  const std::string scores = printed("ours %.2f dB / %.3f", view.score.psnr_db, view.score.ssim);
+  const std::string scores = printed("ours %.2f dB / %.3f", view.score.ours.psnr_db, view.score.ours.ssim);
   cv::Mat difference;
   cv::absdiff(wrapped(view.truth), wrapped(view.character), difference);
   difference *= 4;
@@ -83,7 +83,7 @@ cv::Mat sheetRow(const WorstView& view, const std::string& baseline) {
                                                                      " frame " + std::to_string(view.score.frame)),
                                titled(wrapped(view.character)(part), scores)};
   if (!view.yardstick.empty()) {
-    const std::string theirs = printed(" %.2f dB / %.3f", view.score.yardstick_psnr_db, view.score.yardstick_ssim);
+    const std::string theirs = printed(" %.2f dB / %.3f", view.score.yardstick.psnr_db, view.score.yardstick.ssim);
     columns.push_back(titled(wrapped(view.yardstick)(part), baseline + theirs));
   }
   columns.push_back(titled(difference(part), "|truth - ours| x 4"));
@@ -120,34 +120,27 @@ double meanFlicker(const std::vector<FlickerScore>& scores, const std::string& s
 
 MeanViewScore meanViewScore(const std::vector<ViewScore>& scores, bool held_out, const std::string& sequence,
                             const std::string& camera) {
-  MeanViewScore mean;
-  for (const ViewScore& s : scores) {
-    if (s.held_out != held_out || (!sequence.empty() && s.sequence != sequence) ||
-        (!camera.empty() && s.camera != camera))
-      continue;
-    ++mean.views;
-    mean.psnr_db += s.psnr_db;
-    mean.ssim += s.ssim;
-    mean.common_psnr_db += s.common_psnr_db;
-    mean.yardstick_common_psnr_db += s.yardstick_common_psnr_db;
-    mean.yardstick_psnr_db += s.yardstick_psnr_db;
-    mean.yardstick_ssim += s.yardstick_ssim;
-  }
-  const double n = static_cast<double>(mean.views);
-  return {mean.views,
-          mean.psnr_db / n,
-          mean.ssim / n,
-          mean.common_psnr_db / n,
-          mean.yardstick_psnr_db / n,
-          mean.yardstick_ssim / n,
-          mean.yardstick_common_psnr_db / n};
+  std::vector<const ViewScore*> meant;
+  for (const ViewScore& s : scores)
+    if (s.held_out == held_out && (sequence.empty() || s.sequence == sequence) &&
+        (camera.empty() || s.camera == camera))
+      meant.push_back(&s);
+  const auto mean = [&](ViewQuality ViewScore::*whose) {
+    ViewQuality out{0, 0, 0};
+    for (const auto field : {&ViewQuality::psnr_db, &ViewQuality::ssim, &ViewQuality::common_psnr_db}) {
+      for (const ViewScore* s : meant) out.*field += s->*whose.*field;
+      out.*field /= double(meant.size());
+    }
+    return out;
+  };
+  return {meant.size(), mean(&ViewScore::ours), mean(&ViewScore::yardstick)};
 }
 
 std::string scoreTable(const HeldOutReport& report) {
   std::string out = section(report, true) + section(report, false) + flickerSection(report.flicker);
   for (const WorstView& worst : report.worst) {
     out += printed("worst of %s: %s frame %u, %.2f dB / %.4f\n", worst.score.sequence.c_str(),
-                   worst.score.camera.c_str(), worst.score.frame, worst.score.psnr_db, worst.score.ssim);
+                   worst.score.camera.c_str(), worst.score.frame, worst.score.ours.psnr_db, worst.score.ours.ssim);
   }
   return out;
 }
@@ -158,10 +151,10 @@ std::string scoreCsv(const HeldOutReport& report) {
       "db,flicker_levels\n";
   for (const ViewScore& s : report.scores) {
     out += printed("%s,%s,%s,%u,%.4f,%.6f,%.4f,", s.held_out ? "held-out" : "input", s.sequence.c_str(),
-                   s.camera.c_str(), s.frame, s.psnr_db, s.ssim, s.common_psnr_db);
-    out += std::isnan(s.yardstick_psnr_db)
+                   s.camera.c_str(), s.frame, s.ours.psnr_db, s.ours.ssim, s.ours.common_psnr_db);
+    out += std::isnan(s.yardstick.psnr_db)
                ? ",,"
-               : printed("%.4f,%.6f,%.4f", s.yardstick_psnr_db, s.yardstick_ssim, s.yardstick_common_psnr_db);
+               : printed("%.4f,%.6f,%.4f", s.yardstick.psnr_db, s.yardstick.ssim, s.yardstick.common_psnr_db);
     out += ",\n";
   }
   for (const FlickerScore& s : report.flicker) {

@@ -5,13 +5,11 @@
 
 #include "bake/stages/stages.h"
 #include "lab/study/motion/motion.h"
-#include "lab/study/run/row_writer.h"
 #include "lab/study/run/run_steps.h"
 #include "lab/study/run/scene.h"
 #include "lab/study/steps/steps.h"
 #include "lab/study/tables/report.h"
 #include "platform/files.h"
-#include "report/document.h"
 
 namespace fourdvt::study {
 namespace {
@@ -68,8 +66,7 @@ std::vector<StudyStep> studySteps() {
 Result<Rows> runStudy(const StudyContext& given) {
   StudyContext context = resolved(given);
   FOURDVT_ASSIGN(const auto steps, askedSteps(studySteps(), context.options.steps));
-  const std::string& folder = context.options.report_folder;
-  FOURDVT_TRY(openReportFolder(folder, studyKey(context.options, kStudyVersion)));
+  FOURDVT_TRY(openReportFolder(context.options.report_folder, studyKey(context.options, kStudyVersion)));
   const capture::Capture as_given = *context.capture;
   capture::Capture refined = as_given;
   refine::Refinement refinement;
@@ -80,17 +77,9 @@ Result<Rows> runStudy(const StudyContext& given) {
   }
   context.given = &as_given;
   context.capture = &refined;
-  Rows published;
-  const auto publish = [&](const Rows& rows) -> Status {
-    published = rows;
-    FOURDVT_TRY(platform::writeFileAtomic(folder + "/evaluate.csv", rowsCsv(published)));
-    FOURDVT_TRY(platform::writeFileAtomic(folder + "/evaluate.json",
-                                          rowsJson(published, context.options, context.capture->name)));
-    return platform::writeFileAtomic(
-        folder + "/report.html", report::documentHtml(makeStudyDocument(rows, context.options, context.capture->name)));
-  };
-  FOURDVT_ASSIGN(auto rows, runSteps(context, steps, publish));
-  return published;
+  return publishSteps(context, steps, [&](const Rows& rows) {
+    return makeStudyDocument(rows, context.options, context.capture->name);
+  });
 }
 
 }  // namespace fourdvt::study

@@ -11,11 +11,11 @@
 #include <map>
 #include <set>
 
-#include "measure/metrics.h"
-#include "measure/picture_score.h"
 #include "lab/study/run/ring.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/run_steps.h"
+#include "measure/metrics.h"
+#include "measure/picture_score.h"
 #include "platform/files.h"
 
 namespace fourdvt::study {
@@ -111,11 +111,13 @@ Result<Rows> secondStep(const StudyContext& context) {
   ++g_runs["second"];
   FOURDVT_TRY(checkStop(context));
   if (g_fail_second) return Error{ErrorId::Internal, "broken"};
-  auto part = keptPart(context, "part", [&]() -> Result<Rows> {
+  Rows out;
+  const auto measure = []() -> Result<Rows> {
     ++g_runs["part"];
     return Rows{row("t", "second", "", "q", 2)};
-  });
-  return part;
+  };
+  FOURDVT_TRY(addPart(context, "part", measure, out));
+  return out;
 }
 const StudyStep kSteps[] = {{"one", 1, firstStep}, {"two", 3, secondStep}};
 

@@ -6,15 +6,17 @@
 #include <cmath>
 #include <map>
 
-#include "measure/picture_score.h"
 #include "lab/study/motion/motion.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/rows.h"
 #include "lab/study/run/run_steps.h"
 #include "lab/study/tables/report.h"
+#include "measure/picture_score.h"
 
 namespace fourdvt::study {
 namespace {
+
+using namespace rows;
 
 constexpr int kSharpWidth = 600, kSharpHeight = 800;
 constexpr int kEdge = 4;  // border along the outline excluded from sharpness
@@ -24,12 +26,12 @@ constexpr size_t kCameras = 3;  // truth cameras; the held-out ones come first
 // Selects the alignments to draw. Both are measured with and without restored contrast, for a fair comparison. OpenCV's
 // flow is slow to read back and is limited to the most relevant cases.
 std::vector<AlignMethod> shownMethods(const MotionSubject& subject, bool with_opencv) {
-  std::vector<AlignMethod> methods{rows::kAlignNone, rows::kAlignBaked, rows::kFlowGpu};
+  std::vector<AlignMethod> methods{kAlignNone, kAlignBaked, kFlowGpu};
   if (subject.stage.aligned()) {
-    methods.insert(methods.begin() + 2, rows::kAlignBakedMean);
-    methods.push_back(rows::kFlowGpuDetail);
+    methods.insert(methods.begin() + 2, kAlignBakedMean);
+    methods.push_back(kFlowGpuDetail);
   }
-  if (with_opencv && !subject.quick()) methods.push_back(rows::kFlowOpencv);
+  if (with_opencv && !subject.quick()) methods.push_back(kFlowOpencv);
   return subject.methods(methods);
 }
 
@@ -91,15 +93,12 @@ class TruthPart {
     for (const auto& [tag, scores] : means) {
       const size_t bar = tag.find('|');
       const measure::PictureScore mean = scores.mean();
-      const RowWriter row(out, rows::kMotionAppearance, subject_.motion().name, tag.substr(0, bar),
-                          tag.substr(bar + 1));
-      row.add(rows::kPsnrFgDb, mean.psnr_fg_db, "dB");
-      row.add(rows::kSsimFg, mean.ssim_fg, "");
+      const RowWriter row(out, kMotionAppearance, subject_.motion().name, tag.substr(0, bar), tag.substr(bar + 1));
+      row.add({{kPsnrFgDb, mean.psnr_fg_db}, {kSsimFg, mean.ssim_fg}});
     }
     for (const auto& [w, millimetres] : apart_) {
-      const RowWriter row(out, rows::kMotionAppearance, subject_.motion().name, "", settingOf(w));
-      row.add(rows::kMeshMeanMm, millimetres.mean(), "mm");
-      row.add(rows::kMeshTailMm, millimetres.tail(), "mm");
+      const RowWriter row(out, kMotionAppearance, subject_.motion().name, "", settingOf(w));
+      row.add({{kMeshMeanMm, millimetres.mean()}, {kMeshTailMm, millimetres.tail()}});
     }
     return out;
   }
@@ -147,17 +146,17 @@ Status measureSharpness(const MotionSubject& subject, Rows& out) {
         const PinholeCamera camera = subject.stage.orbit(azimuth, kSharpWidth, kSharpHeight);
         std::array<Image, 2> looks;
         for (size_t m = 0; m < 2; ++m) {
-          FOURDVT_ASSIGN(looks[m], subject.stage.draw(camera, double(m), rows::kAlignNone));
+          FOURDVT_ASSIGN(looks[m], subject.stage.draw(camera, double(m), kAlignNone));
         }
         FOURDVT_TRY(addSharpness(subject, camera, w, looks, sums[w]));
       }
   }
   for (const auto& [w, methods] : sums)
     for (const auto& [method, sum] : methods) {
-      const RowWriter row(out, rows::kMotionSharpness, subject.motion().name, method, settingOf(w));
-      row.add(rows::kGradientRatio, sum.gradient / sum.count, "ratio");
-      row.add(rows::kGradientRatioLeast, sum.least, "ratio");
-      row.add(rows::kDetailRatio, sum.detail / sum.count, "ratio");
+      const RowWriter row(out, kMotionSharpness, subject.motion().name, method, settingOf(w));
+      row.add({{kGradientRatio, sum.gradient / sum.count},
+               {kGradientRatioLeast, sum.least},
+               {kDetailRatio, sum.detail / sum.count}});
     }
   return {};
 }

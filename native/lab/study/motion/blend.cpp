@@ -70,17 +70,16 @@ Result<Rows> measureBlend(const MotionSubject& subject) {
   const std::string name = subject.motion().name;
   const float halves[] = {0.5f, 0.5f};
   const double solved_ms = milliseconds([&] { blend.blend(members, halves); });
-  RowWriter(out, rows::kMotionBlend, name, rows::kNonlinear, "").add(rows::kBlendMs, solved_ms, "ms");
+  RowWriter(out, rows::kMotionBlend, name, rows::kNonlinear, "").add({{rows::kBlendMs, solved_ms}});
   for (int references = 0; references <= kMaxReferences; ++references) {
     const bool baked = references == static_cast<int>(subject.motion().reference_count);
     const RowWriter row(out, rows::kMotionBlend, name, references ? rows::kHybrid : rows::kLinear,
                         "references=" + std::to_string(references) + (baked ? " baked=1" : ""));
     const bake::HybridErrors::Error& error = errors.of(references + 1);
-    row.add(rows::kErrorMaxMm, 1e3 * error.max_m, "mm");
-    row.add(rows::kErrorRmsMm, 1e3 * std::sqrt(error.sum_squares / double(error.count)), "mm");
+    row.add({{rows::kErrorMaxMm, 1e3 * error.max_m},
+             {rows::kErrorRmsMm, 1e3 * std::sqrt(error.sum_squares / double(error.count))}});
     const double ms = run_time.ms(references);
-    row.add(rows::kBlendMs, ms, "ms");
-    row.add(rows::kRatioToNonlinear, ms / solved_ms, "ratio");
+    row.add({{rows::kBlendMs, ms}, {rows::kRatioToNonlinear, ms / solved_ms}});
   }
   return out;
 }

@@ -12,6 +12,8 @@
 namespace fourdvt::study {
 namespace {
 
+using namespace rows;
+
 constexpr int kSizes[][2] = {{512, 512}, {720, 960}};
 constexpr int kWarmUpDraws = 1;
 
@@ -64,14 +66,13 @@ Result<Rows> measureCost(const MotionSubject& subject) {
   for (const auto [width, height] : kSizes) {
     if (subject.quick() && width != kSizes[0][0]) break;
     std::vector<AlignVariant> variants;
-    for (const AlignMethod& method :
-         subject.methods({rows::kAlignNone, rows::kAlignBaked, rows::kFlowGpu, rows::kFlowDis, rows::kFlowOpencv}))
+    for (const AlignMethod& method : subject.methods({kAlignNone, kAlignBaked, kFlowGpu, kFlowDis, kFlowOpencv}))
       variants.push_back({method, 1, {}});
     const size_t singles = variants.size();
     if (subject.stage.aligned())
       for (const int characters : {3, 6, 12}) {
         if (subject.quick() && characters != 6) continue;
-        variants.push_back({rows::kAlignBaked, characters, {}});
+        variants.push_back({kAlignBaked, characters, {}});
       }
     FOURDVT_TRY(race(subject, width, height, frames, variants));
     const double none = median(variants[0].times_ms);
@@ -80,17 +81,17 @@ Result<Rows> measureCost(const MotionSubject& subject) {
     for (size_t i = 0; i < variants.size(); ++i) {
       const double ms = median(variants[i].times_ms);
       const std::string size = "size=" + std::to_string(width) + "x" + std::to_string(height);
-      const RowWriter row(out, rows::kMotionCost, subject.motion().name, variants[i].method,
+      const RowWriter row(out, kMotionCost, subject.motion().name, variants[i].method,
                           i < singles ? size : size + " characters=" + std::to_string(variants[i].characters));
-      row.add(rows::kFrameMs, ms, "ms");
-      if (i < singles) row.add(rows::kRatioToNone, ms / none, "ratio");
-      if (variants[i].method == rows::kAlignBaked) baked.emplace_back(variants[i].characters, ms);
-      if (variants[i].method == rows::kFlowGpu) flow = ms;
+      row.add({{kFrameMs, ms}});
+      if (i < singles) row.add({{kRatioToNone, ms / none}});
+      if (variants[i].method == kAlignBaked) baked.emplace_back(variants[i].characters, ms);
+      if (variants[i].method == kFlowGpu) flow = ms;
     }
     if (baked.size() > 1)
-      RowWriter(out, rows::kMotionCost, subject.motion().name, rows::kAlignBaked,
+      RowWriter(out, kMotionCost, subject.motion().name, kAlignBaked,
                 "size=" + std::to_string(width) + "x" + std::to_string(height))
-          .add(rows::kCharactersPerFlow, charactersWithin(baked, flow), "characters");
+          .add({{kCharactersPerFlow, charactersWithin(baked, flow)}});
   }
   return out;
 }

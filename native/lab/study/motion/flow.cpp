@@ -13,8 +13,10 @@
 namespace fourdvt::study {
 namespace {
 
+using namespace rows;
+
 constexpr int kSide = 512;
-constexpr const char* kSources[] = {rows::kFlowOpencv, rows::kFlowGpu, rows::kFlowDis, rows::kOpencvDis};
+constexpr const char* kSources[] = {kFlowOpencv, kFlowGpu, kFlowDis, kOpencvDis};
 
 measure::Mask silhouette(const Image& rgba) { return measure::commonSilhouette(rgba, rgba); }
 
@@ -98,7 +100,7 @@ class FlowPart {
   // corners: those of the truth; null: compares with OpenCV instead.
   Status pair(const PinholeCamera& camera, const std::vector<glm::vec3>* corners) {
     FOURDVT_TRY(checkStop(subject_.context));
-    FOURDVT_ASSIGN(auto look, stage_.draw(camera, 0, rows::kAlignNone));
+    FOURDVT_ASSIGN(auto look, stage_.draw(camera, 0, kAlignNone));
     const measure::Mask inside = silhouette(look);
     std::map<AlignMethod, measure::FlowField> fields;
     for (const AlignMethod method : kSources) {
@@ -106,21 +108,19 @@ class FlowPart {
     }
     if (!corners) {
       for (const auto& [method, field] : fields)
-        if (method != rows::kFlowOpencv)
-          measure::addDifferences(field, fields[rows::kFlowOpencv], inside, against_[method]);
-      measure::addDifferences(fields[rows::kFlowOpencv], stillField(camera), inside, size_);
+        if (method != kFlowOpencv) measure::addDifferences(field, fields[kFlowOpencv], inside, against_[method]);
+      measure::addDifferences(fields[kFlowOpencv], stillField(camera), inside, size_);
       return {};
     }
     std::vector<float> metres_per_pixel;
     const auto& faces = stage_.mesh().topology.face_vertices;
     const measure::FlowField truth =
         measure::surfaceFlow(camera, faces, stage_.positions(), *corners, &metres_per_pixel);
-    fields[rows::kAlignNone] = stillField(camera);
+    fields[kAlignNone] = stillField(camera);
     if (stage_.aligned())
-      fields[rows::kAlignBaked] =
-          measure::surfaceFlow(camera, faces, stage_.positions(), bakedCorners(stage_, frames_));
+      fields[kAlignBaked] = measure::surfaceFlow(camera, faces, stage_.positions(), bakedCorners(stage_, frames_));
     for (const auto& [method, field] : fields)
-      addTruthErrors(truth, field, method == rows::kAlignBaked, inside, metres_per_pixel, errors_[method]);
+      addTruthErrors(truth, field, method == kAlignBaked, inside, metres_per_pixel, errors_[method]);
     return {};
   }
 
@@ -128,19 +128,17 @@ class FlowPart {
     Rows out;
     const std::string name = subject_.motion().name, size = " size=" + std::to_string(kSide);
     for (const auto& [method, samples] : against_) {
-      const RowWriter row(out, rows::kMotionFlow, name, method, "against=opencv" + size);
-      row.add(rows::kDifferenceMeanPx, samples.mean(), "px");
-      row.add(rows::kDifferenceTailPx, samples.tail(), "px");
+      const RowWriter row(out, kMotionFlow, name, method, "against=opencv" + size);
+      row.add({{kDifferenceMeanPx, samples.mean()}, {kDifferenceTailPx, samples.tail()}});
     }
-    const RowWriter reference(out, rows::kMotionFlow, name, rows::kFlowOpencv, "against=none" + size);
-    reference.add(rows::kDifferenceMeanPx, size_.mean(), "px");
-    reference.add(rows::kDifferenceTailPx, size_.tail(), "px");
+    const RowWriter reference(out, kMotionFlow, name, kFlowOpencv, "against=none" + size);
+    reference.add({{kDifferenceMeanPx, size_.mean()}, {kDifferenceTailPx, size_.tail()}});
     for (const auto& [method, errors] : errors_) {
-      const RowWriter row(out, rows::kMotionFlow, name, method, "against=truth" + size);
-      row.add(rows::kDifferenceMeanPx, errors.px.mean(), "px");
-      row.add(rows::kDifferenceTailPx, errors.px.tail(), "px");
-      row.add(rows::kDifferenceMeanMm, errors.mm.mean(), "mm");
-      row.add(rows::kDifferenceTailMm, errors.mm.tail(), "mm");
+      const RowWriter row(out, kMotionFlow, name, method, "against=truth" + size);
+      row.add({{kDifferenceMeanPx, errors.px.mean()},
+               {kDifferenceTailPx, errors.px.tail()},
+               {kDifferenceMeanMm, errors.mm.mean()},
+               {kDifferenceTailMm, errors.mm.tail()}});
     }
     return out;
   }

@@ -108,8 +108,8 @@ Result<Rows> runMotion(const StudyContext& context) {
   for (const Part& part : kParts) {
     reportProgress(context, "motion", std::string(part.name).substr(7),
                    kBakeShare + (1 - kBakeShare) * done++ / std::size(kParts));
-    FOURDVT_ASSIGN(auto rows, keptPart(context, part.name, [&] { return part.measure(subject); }));
-    out.insert(out.end(), rows.begin(), rows.end());
+    FOURDVT_TRY(addPart(
+        context, part.name, [&] { return part.measure(subject); }, out));
   }
   return out;
 }

@@ -7,7 +7,6 @@
 #include "lab/study/run/rows.h"
 #include "lab/study/run/run_steps.h"
 #include "lab/study/tables/report.h"
-#include "platform/files.h"
 #include "report/picture_sheets.h"
 
 namespace fourdvt::study {
@@ -56,12 +55,8 @@ class PicturePart {
 };
 
 Status PicturePart::save(const std::string& file, const Image& sheet, const std::string& setting, const char* caption) {
-  FOURDVT_TRY(platform::writeImage(subject_.context.pictures() + "/" + file, sheet, 90));
-  out_.push_back({rows::kPictures, subject_.motion().name, "",
-                  "file=" + file + " " + setting + " width=" + std::to_string(sheet.width) +
-                      " height=" + std::to_string(sheet.height),
-                  caption, 0, ""});
-  return {};
+  return addPicture(subject_.context, file, sheet,
+                    {"", subject_.motion().name, "", setting + " " + sizeSetting(sheet), caption, 0, ""}, out_);
 }
 
 Status PicturePart::columns(uint32_t phase, double azimuth, int number) {

@@ -17,6 +17,8 @@
 namespace fourdvt::study {
 namespace {
 
+using namespace rows;
+
 constexpr double kLatency_s = 0.4;
 constexpr int kMaxTicks = 75, kTicksAfter = 6;
 constexpr int kPasses = 2;     // passes of a loop, for the skate
@@ -131,10 +133,10 @@ void TransitionPart::planned(size_t from, size_t to, const RowWriter& row) const
     ++count;
   }
   if (!count) return;
-  row.add(rows::kLatencyMeanS, latency / count, "s");
-  row.add(rows::kLatencyMaxS, max_latency, "s");
-  row.add(rows::kFitMeanMm, fit / count, "mm");
-  row.add(rows::kFitMaxMm, worst_fit, "mm");
+  row.add({{kLatencyMeanS, latency / count},
+           {kLatencyMaxS, max_latency},
+           {kFitMeanMm, fit / count},
+           {kFitMaxMm, worst_fit}});
 }
 
 Status TransitionPart::pair(size_t from, size_t to) {
@@ -143,15 +145,15 @@ Status TransitionPart::pair(size_t from, size_t to) {
   own.add(own_[target.name]);
   Waits waits;
   for (const uint32_t frame : startFrames(source)) FOURDVT_TRY(simulate(source, target, frame, changes, waits));
-  const RowWriter row(out_, rows::kMotionTransitions, "", "", "from=" + source.name + " to=" + target.name);
+  const RowWriter row(out_, kMotionTransitions, "", "", "from=" + source.name + " to=" + target.name);
   planned(from, to, row);
   if (!waits.count) return {};
-  row.add(rows::kLatencyPlayedMeanS, waits.sum_s / waits.count, "s");
-  row.add(rows::kLatencyPlayedS, waits.max_s, "s");
-  row.add(rows::kStepMm, 1e3 * changes.step_m, "mm");
-  row.add(rows::kOwnStepMm, 1e3 * own.step_m, "mm");
-  row.add(rows::kChangeLevels, changes.levels, "levels");
-  row.add(rows::kOwnChangeLevels, own.levels, "levels");
+  row.add({{kLatencyPlayedMeanS, waits.sum_s / waits.count},
+           {kLatencyPlayedS, waits.max_s},
+           {kStepMm, 1e3 * changes.step_m},
+           {kOwnStepMm, 1e3 * own.step_m},
+           {kChangeLevels, changes.levels},
+           {kOwnChangeLevels, own.levels}});
   return {};
 }
 
@@ -199,10 +201,10 @@ Result<bake::FootSkate> skateOf(const MotionSubject& subject, WatchedPlayer& wat
 }
 
 void writeSkate(const bake::FootSkate& skate, const RowWriter& row) {
-  row.add(rows::kContacts, skate.contacts, "");
-  row.add(rows::kSkateMeanMm, 1e3 * skate.mean_m, "mm");
-  row.add(rows::kSkateTailMm, 1e3 * skate.tail_m, "mm");
-  row.add(rows::kSkateMaxMm, 1e3 * skate.max_m, "mm");
+  row.add({{kContacts, skate.contacts},
+           {kSkateMeanMm, 1e3 * skate.mean_m},
+           {kSkateTailMm, 1e3 * skate.tail_m},
+           {kSkateMaxMm, 1e3 * skate.max_m}});
 }
 
 }  // namespace
@@ -218,13 +220,13 @@ Result<Rows> measureSkate(const MotionSubject& subject) {
   for (int i = 0; i < speeds; ++i) {
     const double parameter = range.min + (range.max - range.min) * i / (speeds - 1);
     FOURDVT_ASSIGN(auto skate, skateOf(subject, *watched, motion, parameter));
-    writeSkate(skate, RowWriter(out, rows::kMotionSkate, motion.name, "", "at=" + fixedText(parameter, 2)));
+    writeSkate(skate, RowWriter(out, kMotionSkate, motion.name, "", "at=" + fixedText(parameter, 2)));
   }
   for (const package::Member& member : motion.members) {
     const package::Sequence* state = subject.stage.character().find(member.name);
     if (!state || !state->loop || subject.quick()) continue;
     FOURDVT_ASSIGN(auto skate, skateOf(subject, *watched, *state, std::nan("")));
-    writeSkate(skate, RowWriter(out, rows::kMotionSkate, state->name, "", ""));
+    writeSkate(skate, RowWriter(out, kMotionSkate, state->name, "", ""));
   }
   return out;
 }

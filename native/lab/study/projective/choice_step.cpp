@@ -11,6 +11,8 @@
 namespace fourdvt::study {
 namespace {
 
+using namespace rows;
+
 using Sequences = std::vector<const capture::CaptureSequence*>;
 
 std::vector<Condition> allConditions(bool quick) {
@@ -62,21 +64,21 @@ Rows rowsOf(const Condition& condition, const Tried& tried) {
   Rows out;
   const std::string setting = condition.setting() + " views=" + std::to_string(tried.sums.views);
   if (tried.sums.views == 0) {
-    RowWriter(out, rows::kTried, "", bake::kUnmeasuredMethod, setting).add(rows::kTaken, 1, "");
+    RowWriter(out, kTried, "", bake::kUnmeasuredMethod, setting).add({{kTaken, 1}});
     return out;
   }
   const bake::LeftOut views = bake::meanViews(tried.sums);
   const auto choice = bake::chooseMethod(bake::meanScores(tried.sums, tried.faces), views);
-  RowWriter(out, rows::kTried, "", "", setting).add(rows::kShiftPx, views.shift_px, "px");
+  RowWriter(out, kTried, "", "", setting).add({{kShiftPx, views.shift_px}});
   for (const bake::MethodVerdict& v : choice.verdicts) {
-    const RowWriter row(out, rows::kTried, "", v.score.method, setting);
-    row.add(rows::kBlendedDb, v.score.psnr_db, "dB");
-    row.add(rows::kBlendedSsim, v.score.ssim, "");
-    row.add(rows::kOwnDb, v.score.own_psnr_db, "dB");
-    row.add(rows::kPsnrFgDb, v.score.psnr_fg_db, "dB");
-    row.add(rows::kSsimFg, v.score.ssim_fg, "");
-    row.add(rows::kStatedCost, v.score.cost, "ratio");
-    if (v.score.method == choice.method) row.add(rows::kTaken, 1, "");
+    const RowWriter row(out, kTried, "", v.score.method, setting);
+    row.add({{kBlendedDb, v.score.psnr_db},
+             {kBlendedSsim, v.score.ssim},
+             {kOwnDb, v.score.own_psnr_db},
+             {kPsnrFgDb, v.score.psnr_fg_db},
+             {kSsimFg, v.score.ssim_fg},
+             {kStatedCost, v.score.cost}});
+    if (v.score.method == choice.method) row.add({{kTaken, 1}});
   }
   return out;
 }
@@ -106,9 +108,9 @@ Result<Rows> runChoice(const StudyContext& context) {
   Rows out;
   for (size_t i = 0; i < conditions.size(); ++i) {
     reportProgress(context, "", conditions[i].name(), double(i) / double(conditions.size()));
-    FOURDVT_ASSIGN(auto rows, keptPart(context, "choice-" + conditions[i].name(),
-                                       [&] { return tryCondition(*setup, conditions[i], sequences); }));
-    out.insert(out.end(), rows.begin(), rows.end());
+    FOURDVT_TRY(addPart(
+        context, "choice-" + conditions[i].name(), [&] { return tryCondition(*setup, conditions[i], sequences); },
+        out));
   }
   return out;
 }

@@ -17,6 +17,8 @@
 namespace fourdvt::study {
 namespace {
 
+using namespace rows;
+
 constexpr size_t kRunCamera = 0;  // index among the capture's; viewpoint of the run
 
 struct RunValues {
@@ -57,8 +59,7 @@ class ConditionPart {
   // Returns true if the method is chosen on it.
   bool isJudged() const {
     const auto& judged = judgedProxies();
-    return condition_.axis == rows::kAxisProxy &&
-           std::find(judged.begin(), judged.end(), condition_.at) != judged.end();
+    return condition_.axis == kAxisProxy && std::find(judged.begin(), judged.end(), condition_.at) != judged.end();
   }
   uint32_t testFrames() const {
     const StudyOptions& options = setup_.context().options;
@@ -144,33 +145,31 @@ Status ConditionPart::consecutive() {
 
 Rows ConditionPart::write() {
   Rows out;
-  const double fvvr_s = usual(runs_[rows::kFvvr].seconds);
+  const double fvvr_s = usual(runs_[kFvvr].seconds);
   for (const std::string& name : names_) {
     std::vector<measure::AppearanceScore> scores;
     for (const auto& [view, score] : scores_[name]) {
       scores.push_back(score);
       const std::string place = "axis=" + condition_.axis + " at=" + condition_.at + " " + view;
-      const RowWriter row(out, rows::kConditionView, frames_.sequence().name, name, place);
-      row.add(rows::kPsnrFgDb, score.picture.psnr_fg_db, "dB");
-      row.add(rows::kSsimFg, score.picture.ssim_fg, "");
+      const RowWriter row(out, kConditionView, frames_.sequence().name, name, place);
+      row.add({{kPsnrFgDb, score.picture.psnr_fg_db}, {kSsimFg, score.picture.ssim_fg}});
     }
     const measure::AppearanceScore m = measure::meanAppearance(scores);
     const std::string setting = condition_.setting() + " views=" + std::to_string(scores.size());
-    const RowWriter row(out, rows::kCondition, frames_.sequence().name, name, setting);
-    row.add(rows::kPsnrFgDb, m.picture.psnr_fg_db, "dB");
-    row.add(rows::kSsimFg, m.picture.ssim_fg, "");
-    row.add(rows::kPsnrCommonDb, m.picture.psnr_common_db, "dB");
-    row.add(rows::kRmse, m.rmse, "");
-    row.add(rows::kGradientRatio, m.gradient_ratio, "ratio");
-    row.add(rows::kShiftTolerantDb, m.shift_tolerant_db, "dB");
+    const RowWriter row(out, kCondition, frames_.sequence().name, name, setting);
+    row.add({{kPsnrFgDb, m.picture.psnr_fg_db},
+             {kSsimFg, m.picture.ssim_fg},
+             {kPsnrCommonDb, m.picture.psnr_common_db},
+             {kRmse, m.rmse},
+             {kGradientRatio, m.gradient_ratio},
+             {kShiftTolerantDb, m.shift_tolerant_db}});
     const RunValues& run = runs_[name];
-    if (const double flicker = mean(run.flicker); !std::isnan(flicker))
-      row.add(rows::kFlickerLevels, flicker, "levels");
+    if (const double flicker = mean(run.flicker); !std::isnan(flicker)) row.add({{kFlickerLevels, flicker}});
     const double frame_s = usual(run.seconds);
     if (std::isnan(frame_s)) continue;
-    row.add(rows::kFrameS, frame_s, "s");
-    if (!std::isnan(fvvr_s)) row.add(rows::kRatioToFvvr, frame_s / fvvr_s, "ratio");
-    if (!std::isnan(run.view_s)) row.add(rows::kViewS, run.view_s, "s");
+    row.add({{kFrameS, frame_s}});
+    if (!std::isnan(fvvr_s)) row.add({{kRatioToFvvr, frame_s / fvvr_s}});
+    if (!std::isnan(run.view_s)) row.add({{kViewS, run.view_s}});
   }
   return out;
 }
@@ -185,13 +184,11 @@ Result<Rows> measureAll(const StudyContext& context, const std::vector<Condition
     for (const Condition& condition : conditions) {
       // Limits cameras and calibration, which take most of the time and decide no choice.
       if (context.options.axis_frames > 0 && !condition.all_methods && sequence != sequences.front()) continue;
-      if (context.progress)
-        context.progress(
-            {"", sequence->name + ", " + condition.name(), done / double(sequences.size() * conditions.size())});
-      FOURDVT_ASSIGN(auto rows, keptPart(context, condition.name() + "-" + sequence->name,
-                                         [&] { return ConditionPart(*setup, condition, frames).run(); }));
-      out.insert(out.end(), rows.begin(), rows.end());
-      done += 1;
+      reportProgress(context, "", sequence->name + ", " + condition.name(),
+                     done++ / double(sequences.size() * conditions.size()));
+      FOURDVT_TRY(addPart(
+          context, condition.name() + "-" + sequence->name,
+          [&] { return ConditionPart(*setup, condition, frames).run(); }, out));
     }
   }
   return out;

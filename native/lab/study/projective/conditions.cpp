@@ -10,6 +10,8 @@
 namespace fourdvt::study {
 namespace {
 
+using namespace rows;
+
 constexpr uint32_t kSeed = 14;
 
 Condition proxied(const char* proxy) {
@@ -42,10 +44,10 @@ std::string Condition::setting() const {
 std::string Condition::name() const { return axis + "-" + at; }
 
 std::vector<Condition> proxyConditions(bool quick) {
-  if (quick) return {proxied(rows::kProxyGiven), proxied(rows::kProxyHull)};
+  if (quick) return {proxied(kProxyGiven), proxied(kProxyHull)};
   std::vector<Condition> out;
-  for (const char* proxy : {rows::kProxyGiven, "given-2000", "given-500", rows::kProxyRefined, rows::kProxyHull,
-                            "hull-2px", "hull-4px", rows::kProxyPlane})
+  for (const char* proxy :
+       {kProxyGiven, "given-2000", "given-500", kProxyRefined, kProxyHull, "hull-2px", "hull-4px", kProxyPlane})
     out.push_back(proxied(proxy));
   return out;
 }
@@ -53,7 +55,7 @@ std::vector<Condition> proxyConditions(bool quick) {
 std::vector<Condition> cameraConditions(bool quick) {
   std::vector<Condition> out;
   for (const char* at : {"2", "3", "6", "8"}) {
-    out.push_back(onAxis(rows::kAxisCameras, at));
+    out.push_back(onAxis(kAxisCameras, at));
     out.back().closest = std::stoi(at);
     if (quick) break;
   }
@@ -62,14 +64,14 @@ std::vector<Condition> cameraConditions(bool quick) {
 
 std::vector<Condition> calibrationConditions(bool quick) {
   using Knobs = studio::StudioKnobs;
-  if (quick) return {withError(rows::kAxisRotation, "0.1", &Knobs::rotation_deg)};
+  if (quick) return {withError(kAxisRotation, "0.1", &Knobs::rotation_deg)};
   std::vector<Condition> out;
-  for (const char* at : {"0.05", "0.1", "0.2"}) out.push_back(withError(rows::kAxisRotation, at, &Knobs::rotation_deg));
-  for (const char* at : {"2", "5"}) out.push_back(withError(rows::kAxisTranslation, at, &Knobs::translation_mm));
-  out.push_back(withError(rows::kAxisFocal, "0.2", &Knobs::focal_percent));
-  for (const char* at : {"3", "6"}) out.push_back(withError(rows::kAxisGain, at, &Knobs::gain_percent));
-  for (const char* at : {"5", "15"}) out.push_back(withError(rows::kAxisStandoff, at, &Knobs::proxy_mm));
-  Condition mixed = onAxis(rows::kAxisMixed, "1");
+  for (const char* at : {"0.05", "0.1", "0.2"}) out.push_back(withError(kAxisRotation, at, &Knobs::rotation_deg));
+  for (const char* at : {"2", "5"}) out.push_back(withError(kAxisTranslation, at, &Knobs::translation_mm));
+  out.push_back(withError(kAxisFocal, "0.2", &Knobs::focal_percent));
+  for (const char* at : {"3", "6"}) out.push_back(withError(kAxisGain, at, &Knobs::gain_percent));
+  for (const char* at : {"5", "15"}) out.push_back(withError(kAxisStandoff, at, &Knobs::proxy_mm));
+  Condition mixed = onAxis(kAxisMixed, "1");
   mixed.errors.rotation_deg = 0.1, mixed.errors.translation_mm = 2;
   mixed.errors.focal_percent = 0.2, mixed.errors.gain_percent = 3, mixed.errors.proxy_mm = 5;
   out.push_back(mixed);
@@ -77,24 +79,16 @@ std::vector<Condition> calibrationConditions(bool quick) {
 }
 
 const std::vector<std::string>& allMethods() {
-  static const std::vector<std::string> methods{rows::kMethodLinear,
-                                                rows::kFvvr,
-                                                "lumigraph",
-                                                "filtered",
-                                                "band-limited",
-                                                rows::kMethodFloating,
-                                                rows::kMethodFloatingPairs,
-                                                rows::kMethodFloatingStatic,
-                                                rows::kMethodHoloportation,
-                                                rows::kMethodMontage,
-                                                rows::kMethodSweep};
+  static const std::vector<std::string> methods{
+      kMethodLinear,        kFvvr,           "lumigraph",          "filtered",
+      "band-limited",       kMethodFloating, kMethodFloatingPairs, kMethodFloatingStatic,
+      kMethodHoloportation, kMethodMontage,  kMethodSweep};
   return methods;
 }
 
 const std::vector<std::string>& axisMethods() {
   static const std::vector<std::string> methods{
-      rows::kMethodLinear,         rows::kFvvr,          rows::kMethodFloating, rows::kMethodFloatingPairs,
-      rows::kMethodFloatingStatic, rows::kMethodMontage, rows::kMethodSweep};
+      kMethodLinear, kFvvr, kMethodFloating, kMethodFloatingPairs, kMethodFloatingStatic, kMethodMontage, kMethodSweep};
   return methods;
 }
 

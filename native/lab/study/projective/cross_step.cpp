@@ -57,9 +57,7 @@ Result<Rows> crossValidate(ProjectiveSetup& setup, const Condition& condition, F
     const measure::AppearanceScore m = measure::meanAppearance(scores);
     const RowWriter row(out, rows::kCross, frames.sequence().name, key.first,
                         "proxy=" + condition.proxy + " own=" + std::to_string(key.second));
-    row.add(rows::kRmse, m.rmse, "");
-    row.add(rows::kPsnrFgDb, m.picture.psnr_fg_db, "dB");
-    row.add(rows::kSsimFg, m.picture.ssim_fg, "");
+    row.add({{rows::kRmse, m.rmse}, {rows::kPsnrFgDb, m.picture.psnr_fg_db}, {rows::kSsimFg, m.picture.ssim_fg}});
   }
   return out;
 }
@@ -80,13 +78,11 @@ Result<Rows> runCrossValidation(const StudyContext& context) {
   for (const auto* sequence : sequences) {
     FrameWindow frames(*context.capture, *sequence, context.open_video);
     for (const Condition& condition : conditions) {
-      if (context.progress)
-        context.progress(
-            {"", sequence->name + ", " + condition.proxy, done / double(sequences.size() * conditions.size())});
-      FOURDVT_ASSIGN(auto rows, keptPart(context, "cross-" + condition.proxy + "-" + sequence->name,
-                                         [&] { return crossValidate(*setup, condition, frames, names); }));
-      out.insert(out.end(), rows.begin(), rows.end());
-      done += 1;
+      reportProgress(context, "", sequence->name + ", " + condition.proxy,
+                     done++ / double(sequences.size() * conditions.size()));
+      FOURDVT_TRY(addPart(
+          context, "cross-" + condition.proxy + "-" + sequence->name,
+          [&] { return crossValidate(*setup, condition, frames, names); }, out));
     }
   }
   return out;

@@ -9,12 +9,13 @@
 #include "lab/study/projective/projective_study.h"
 #include "lab/study/projective/setup.h"
 #include "lab/study/run/run_steps.h"
-#include "platform/files.h"
 #include "report/picture_sheets.h"
 #include "report/text.h"
 
 namespace fourdvt::study {
 namespace {
+
+using namespace rows;
 
 constexpr int kBody_px = 400, kCloseUp_px = 300, kMargin_px = 12;
 
@@ -72,21 +73,17 @@ class MethodSheets {
 Status MethodSheets::save(const std::string& file, const report::Sheet& sheet, const std::string& sequence,
                           const std::string& setting, const char* caption) {
   const Image picture = report::drawSheet(sheet);
-  FOURDVT_TRY(platform::writeImage(context_.pictures() + "/" + file, picture, 90));
-  out_.push_back({rows::kPictures, sequence, "",
-                  "file=" + file + " " + setting + " width=" + std::to_string(picture.width) +
-                      " height=" + std::to_string(picture.height),
-                  caption, 1, ""});
-  return {};
+  return addPicture(context_, file, picture, {"", sequence, "", setting + " " + sizeSetting(picture), caption, 1, ""},
+                    out_);
 }
 
 std::vector<Condition> MethodSheets::shownConditions() const {
   std::vector<Condition> out;
   for (const Condition& condition : proxyConditions(context_.options.quick))
-    for (const char* at : {rows::kProxyGiven, "given-500", rows::kProxyRefined, rows::kProxyHull, rows::kProxyPlane})
+    for (const char* at : {kProxyGiven, "given-500", kProxyRefined, kProxyHull, kProxyPlane})
       if (condition.at == at) out.push_back(condition);
   for (const Condition& condition : calibrationConditions(context_.options.quick))
-    if (condition.axis == rows::kAxisRotation && condition.at == "0.1") out.push_back(condition);
+    if (condition.axis == kAxisRotation && condition.at == "0.1") out.push_back(condition);
   return out;
 }
 
@@ -106,7 +103,7 @@ Status MethodSheets::figure8(FrameWindow& frames) {
     FOURDVT_ASSIGN(const FrameScene scene, setup_.scene(condition, frames, frame));
     FOURDVT_TRY(setup_.show(condition, scene, view));
     setup_.stage().leaveOut({});
-    const std::string title = condition.axis == rows::kAxisProxy ? condition.at : "off by .1 deg";
+    const std::string title = condition.axis == kAxisProxy ? condition.at : "off by .1 deg";
     whole.rows.push_back(title), close.rows.push_back(title);
     whole.cells.push_back({wholeCell(truth, box)}), close.cells.push_back({closeUpCell(truth, box)});
     for (const std::string& name : names) {
@@ -117,8 +114,8 @@ Status MethodSheets::figure8(FrameWindow& frames) {
   }
   const std::string setting = "view=" + view.name + " frame=" + std::to_string(frame);
   const std::string stem = "-" + frames.sequence().name + ".jpg";
-  FOURDVT_TRY(save("methods" + stem, whole, frames.sequence().name, setting, rows::kPictureMethods));
-  return save("close-ups" + stem, close, frames.sequence().name, setting, rows::kPictureCloseUps);
+  FOURDVT_TRY(save("methods" + stem, whole, frames.sequence().name, setting, kPictureMethods));
+  return save("close-ups" + stem, close, frames.sequence().name, setting, kPictureCloseUps);
 }
 
 Status MethodSheets::worst(FrameWindow& frames, const Condition& condition, const Rows& views) {
@@ -130,14 +127,14 @@ Status MethodSheets::worst(FrameWindow& frames, const Condition& condition, cons
   for (const std::string& name : setup_.methods()) {
     const Row* least = nullptr;
     for (const Row& row : views)
-      if (row.table == rows::kConditionView && row.sequence == sequence && row.method == name &&
-          row.quantity == rows::kSsimFg && rows::settingText(row.setting, "axis") == condition.axis &&
-          rows::settingText(row.setting, "at") == condition.at && (!least || row.value < least->value))
+      if (row.table == kConditionView && row.sequence == sequence && row.method == name && row.quantity == kSsimFg &&
+          settingText(row.setting, "axis") == condition.axis && settingText(row.setting, "at") == condition.at &&
+          (!least || row.value < least->value))
         least = &row;
     if (!least) continue;
     FOURDVT_TRY(checkStop(context_));
-    const auto frame = static_cast<uint32_t>(rows::settingNumber(least->setting, "frame"));
-    const std::string camera = rows::settingText(least->setting, "view");
+    const auto frame = static_cast<uint32_t>(settingNumber(least->setting, "frame"));
+    const std::string camera = settingText(least->setting, "view");
     const auto view = std::find_if(setup_.testCameras().begin(), setup_.testCameras().end(),
                                    [&](const PinholeCamera& c) { return c.name == camera; });
     if (view == setup_.testCameras().end()) continue;
@@ -155,13 +152,13 @@ Status MethodSheets::worst(FrameWindow& frames, const Condition& condition, cons
   }
   if (sheet.columns.empty()) return {};
   return save("worst-" + condition.at + "-" + sequence + ".jpg", sheet, sequence, "at=" + condition.at,
-              rows::kPictureWorstViews);
+              kPictureWorstViews);
 }
 
 // Draws the first input camera's view without its picture and with it.
 Status MethodSheets::crossValidation(FrameWindow& frames) {
   std::vector<std::string> names;
-  for (const char* name : {rows::kMethodHoloportation, rows::kMethodMontage})
+  for (const char* name : {kMethodHoloportation, kMethodMontage})
     for (const std::string& known : setup_.methods())
       if (known == name) names.push_back(known);
   if (names.empty()) return {};
@@ -179,7 +176,7 @@ Status MethodSheets::crossValidation(FrameWindow& frames) {
   for (const char* own : {"", " +"})
     for (const std::string& name : names) sheet.columns.push_back(name + own);
   for (const Condition& condition : proxyConditions(context_.options.quick)) {
-    if (condition.at != rows::kProxyGiven && condition.at != rows::kProxyHull) continue;
+    if (condition.at != kProxyGiven && condition.at != kProxyHull) continue;
     FOURDVT_TRY(checkStop(context_));
     FOURDVT_ASSIGN(auto methods, setup_.make(names));
     FOURDVT_ASSIGN(const FrameScene scene, setup_.scene(condition, frames, frame));
@@ -199,7 +196,7 @@ Status MethodSheets::crossValidation(FrameWindow& frames) {
   }
   setup_.stage().leaveOut({});
   return save("cross-" + frames.sequence().name + ".jpg", sheet, frames.sequence().name, "view=" + view.name,
-              rows::kPictureCross);
+              kPictureCross);
 }
 
 Result<Rows> MethodSheets::run() {
@@ -212,8 +209,7 @@ Result<Rows> MethodSheets::run() {
     FOURDVT_TRY(figure8(frames));
     FOURDVT_TRY(crossValidation(frames));
     for (const Condition& condition : proxyConditions(context_.options.quick))
-      if (condition.at == rows::kProxyGiven || condition.at == rows::kProxyHull)
-        FOURDVT_TRY(worst(frames, condition, views));
+      if (condition.at == kProxyGiven || condition.at == kProxyHull) FOURDVT_TRY(worst(frames, condition, views));
   }
   return std::move(out_);
 }

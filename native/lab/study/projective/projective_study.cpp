@@ -7,8 +7,6 @@
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/run_steps.h"
 #include "lab/study/tables/projective.h"
-#include "platform/files.h"
-#include "report/document.h"
 
 namespace fourdvt::study {
 namespace {
@@ -20,7 +18,7 @@ Result<Rows> runAbout(const StudyContext& context) {
   FOURDVT_ASSIGN(const auto choice, chooseMethods(*context.device, context.options.methods));
   Rows out;
   const auto fact = [&](const char* name, const std::string& text) {
-    RowWriter(out, rows::kAbout, "", "", "text=" + text).add(name, 0, "");
+    RowWriter(out, rows::kAbout, "", "", "text=" + text).add({{name, 0}});
   };
   fact(rows::kAboutDevice, context.device->caps().renderer);
   std::string frames;
@@ -77,7 +75,6 @@ uint32_t crossFrames(const StudyOptions& options) {
 
 Result<Rows> runProjectiveStudy(const StudyContext& given) {
   const StudyContext context = resolved(given);
-  const std::string& folder = context.options.report_folder;
   if (context.options.sequences.empty())
     return Error{ErrorId::FileMissing, context.options.capture_folder +
                                            "/capture.json: no sequence has \"test_frames\", frames with held-out "
@@ -92,21 +89,11 @@ Result<Rows> runProjectiveStudy(const StudyContext& given) {
                                      {"stages", 3, runMethodStages},
                                      {"pictures", 12, runMethodPictures}};
   FOURDVT_ASSIGN(const auto steps, askedSteps(kSteps, context.options.steps));
-  FOURDVT_TRY(openReportFolder(folder, studyKey(context.options, kVersion)));
-  const std::string& stem = context.options.stem;
-  const std::string& name = context.capture->name;
-  Rows published;
-  const auto publish = [&](const Rows& rows) -> Status {
-    published = rows;
-    const Rows conclusions = projectiveConclusions(rows);
-    published.insert(published.end(), conclusions.begin(), conclusions.end());
-    FOURDVT_TRY(platform::writeFileAtomic(folder + "/" + stem + ".csv", rowsCsv(published)));
-    FOURDVT_TRY(platform::writeFileAtomic(folder + "/" + stem + ".json", rowsJson(published, context.options, name)));
-    return platform::writeFileAtomic(folder + "/report.html",
-                                     report::documentHtml(makeProjectiveDocument(rows, context.options, name)));
+  FOURDVT_TRY(openReportFolder(context.options.report_folder, studyKey(context.options, kVersion)));
+  const auto document = [&](const Rows& rows) {
+    return makeProjectiveDocument(rows, context.options, context.capture->name);
   };
-  FOURDVT_ASSIGN(const auto rows, runSteps(context, steps, publish));
-  return published;
+  return publishSteps(context, steps, document, projectiveConclusions);
 }
 
 }  // namespace fourdvt::study

@@ -36,7 +36,7 @@ Result<Rows> timeStages(const StudyContext& context, const std::string& name) {
   Rows out;
   for (const PassClock::Part& part : clock.parts()) {
     const RowWriter row(out, rows::kStage, sequence.name, name, "proxy=given pass=" + part.label);
-    row.add(rows::kFrameMs, 1e3 * part.seconds / std::max(1u, count - 1), "ms");
+    row.add({{rows::kFrameMs, 1e3 * part.seconds / std::max(1u, count - 1)}});
   }
   return out;
 }
@@ -50,9 +50,8 @@ Result<Rows> runMethodStages(const StudyContext& context) {
   for (const char* name : kTimed) {
     if (std::find(choice.methods.begin(), choice.methods.end(), name) == choice.methods.end()) continue;
     reportProgress(context, "", name, done++ / double(std::size(kTimed)));
-    FOURDVT_ASSIGN(auto rows,
-                   keptPart(context, std::string("stages-") + name, [&] { return timeStages(context, name); }));
-    out.insert(out.end(), rows.begin(), rows.end());
+    FOURDVT_TRY(addPart(
+        context, std::string("stages-") + name, [&] { return timeStages(context, name); }, out));
   }
   return out;
 }

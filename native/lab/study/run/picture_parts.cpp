@@ -88,10 +88,10 @@ void SeamTable::write(Rows& out, const std::string& sequence) const {
   for (const auto& [key, sum] : sums_) {
     const RowWriter row(out, rows::kSeams, sequence, key.first, "view=" + key.second);
     if (sum.samples) {
-      row.add(rows::kSeamContrast, sum.seam / static_cast<double>(sum.samples), "levels");
-      row.add(rows::kSeamControl, sum.control / static_cast<double>(sum.samples), "levels");
+      row.add({{rows::kSeamContrast, sum.seam / static_cast<double>(sum.samples)},
+               {rows::kSeamControl, sum.control / static_cast<double>(sum.samples)}});
     }
-    if (sum.pictures) row.add(rows::kFringePercent, 100 * sum.fringe / static_cast<double>(sum.pictures), "percent");
+    if (sum.pictures) row.add({{rows::kFringePercent, 100 * sum.fringe / static_cast<double>(sum.pictures)}});
   }
 }
 

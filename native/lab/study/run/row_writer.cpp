@@ -12,6 +12,8 @@
 namespace fourdvt::study {
 namespace {
 
+using namespace rows;
+
 constexpr const char* kHeader = "table,sequence,method,setting,quantity,value,unit";
 constexpr size_t kFields = 7;
 
@@ -90,20 +92,39 @@ std::string rowsJson(const Rows& rows, const StudyOptions& options, const std::s
   return out + "\n]}\n";
 }
 
+const char* rows::unitOf(const std::string& quantity) {
+  static constexpr std::pair<const char*, const char*> kByName[] = {
+      {kFramesPerS, "1/s"},     {kCharactersPerFlow, "characters"}, {"unreadable_barcodes", "frames"},
+      {"stated_cost", "ratio"}, {kSeamContrast, "levels"},          {kSeamControl, "levels"}};
+  static constexpr std::pair<const char*, const char*> kByWord[] = {
+      {"db", "dB"},       {"bytes", "bytes"},     {"bps", "bit/s"},    {"s", "s"},
+      {"seconds", "s"},   {"ms", "ms"},           {"mm", "mm"},        {"px", "px"},
+      {"ratio", "ratio"}, {"percent", "percent"}, {"levels", "levels"}};
+  for (const auto& [name, unit] : kByName)
+    if (quantity == name) return unit;
+  for (const auto& [word, unit] : kByWord)
+    if (("_" + quantity + "_").find("_" + std::string(word) + "_") != std::string::npos) return unit;
+  return "";
+}
+
+void RowWriter::add(std::initializer_list<std::pair<const char*, double>> values) const {
+  for (const auto& [quantity, value] : values)
+    out_->push_back({row_.table, row_.sequence, row_.method, row_.setting, quantity, value, rows::unitOf(quantity)});
+}
+
 void writeScores(const RowWriter& row, const measure::MeanScores& scores) {
   if (scores.count() == 0) return;
   const measure::PictureScore m = scores.mean();
-  row.add(rows::kSsimFg, m.ssim_fg, "");
-  row.add(rows::kSsimFull, m.ssim_full, "");
-  row.add("ssim_box", m.ssim_box, "");
-  row.add(rows::kPsnrFgDb, m.psnr_fg_db, "dB");
-  row.add(rows::kPsnrFullDb, m.psnr_full_db, "dB");
-  row.add("psnr_box_db", m.psnr_box_db, "dB");
-  row.add(rows::kPsnrCommonDb, m.psnr_common_db, "dB");
+  row.add({{kSsimFg, m.ssim_fg},
+           {kSsimFull, m.ssim_full},
+           {"ssim_box", m.ssim_box},
+           {kPsnrFgDb, m.psnr_fg_db},
+           {kPsnrFullDb, m.psnr_full_db},
+           {"psnr_box_db", m.psnr_box_db},
+           {kPsnrCommonDb, m.psnr_common_db}});
   if (scores.count() < 2) return;
   const measure::PictureScore error = scores.standardError();
-  row.add(rows::kPsnrFgSeDb, error.psnr_fg_db, "dB");
-  row.add(rows::kSsimFgSe, error.ssim_fg, "");
+  row.add({{kPsnrFgSeDb, error.psnr_fg_db}, {kSsimFgSe, error.ssim_fg}});
 }
 
 Result<Rows> parseRowsCsv(const std::string& text, const std::string& path) {

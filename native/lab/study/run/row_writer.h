@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "measure/picture_score.h"
 #include "lab/study/run/context.h"
+#include "measure/picture_score.h"
 
 namespace fourdvt::study {
 
@@ -19,18 +19,12 @@ std::string rowsCsv(const Rows& rows);
 std::string rowsJson(const Rows& rows, const StudyOptions& options, const std::string& capture_name);
 Result<Rows> parseRowsCsv(const std::string& text, const std::string& path);
 
-// Appends rows with common table, sequence, method and setting.
+// Appends rows with common table, sequence, method and setting; the unit follows from the quantity.
 class RowWriter {
  public:
   RowWriter(Rows& out, std::string table, std::string sequence, std::string method, std::string setting)
       : out_(&out), row_{std::move(table), std::move(sequence), std::move(method), std::move(setting), {}, 0, {}} {}
-  void add(const char* quantity, double value, const char* unit) const {
-    Row row = row_;
-    row.quantity = quantity;
-    row.value = value;
-    row.unit = unit;
-    out_->push_back(std::move(row));
-  }
+  void add(std::initializer_list<std::pair<const char*, double>> values) const;
 
  private:
   Rows* out_;

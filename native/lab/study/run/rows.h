@@ -243,14 +243,19 @@ inline constexpr const char* kAboutCommand = "command";
 inline constexpr const char* kAboutDevice = "device";    // GL renderer
 inline constexpr const char* kAboutEncoder = "encoder";  // library and version
 
-// Value of `key` in a setting; empty if absent. "text", "pass" and "stage" extend to the end and come last, as they may
-// contain spaces.
+// Unit of a quantity, by its name: "dB" for psnr_fg_db, "" for ssim_fg.
+const char* unitOf(const std::string& quantity);
+
+// True for keys whose value extends to the end of the setting, as it may contain spaces.
+inline bool isLastKey(const std::string& key) { return key == "text" || key == "pass" || key == "stage"; }
+
+// Value of `key` in a setting; empty if absent.
 inline std::string settingText(const std::string& setting, const std::string& key) {
   const std::string padded = " " + setting + " ", wanted = " " + key + "=";
   const size_t at = padded.find(wanted);
   if (at == std::string::npos) return {};
   const size_t start = at + wanted.size();
-  if (key == "text" || key == "pass" || key == "stage") return setting.substr(start - 1);
+  if (isLastKey(key)) return setting.substr(start - 1);
   return padded.substr(start, padded.find(' ', start) - start);
 }
 // Value of `key` as a number; NaN if absent.

@@ -7,6 +7,7 @@
 #include "base/hash.h"
 #include "base/text.h"
 #include "lab/study/run/row_writer.h"
+#include "lab/study/run/rows.h"
 #include "platform/files.h"
 
 namespace fourdvt::study {
@@ -40,12 +41,12 @@ void listFiles(const fs::path& folder, const fs::path& except, std::vector<std::
 }
 
 std::string commandLine(const StudyOptions& options) {
-  std::string sequences;
-  for (const std::string& name : options.sequences) sequences += (sequences.empty() ? " --sequences " : ",") + name;
-  std::string steps;
-  for (const std::string& name : options.steps) steps += (steps.empty() ? " --steps " : ",") + name;
+  const auto listed = [](const char* option, const std::vector<std::string>& names) {
+    return names.empty() ? "" : option + joined(names, ",");
+  };
   return "fourdvt-lab " + std::string(options.command) + " '" + options.capture_folder + "' -o '" +
-         options.report_folder + "'" + options.further + sequences + steps + (options.quick ? " --quick" : "");
+         options.report_folder + "'" + options.further + listed(" --sequences ", options.sequences) +
+         listed(" --steps ", options.steps) + (options.quick ? " --quick" : "");
 }
 
 // Kept rows, or nullopt if there are none or the file is damaged.
@@ -117,15 +118,31 @@ Status checkStop(const StudyContext& context) {
   return Error{ErrorId::Interrupted, "stopped"};
 }
 
-Result<Rows> keptPart(const StudyContext& context, const std::string& name,
-                      const std::function<Result<Rows>()>& measure) {
+Status addPart(const StudyContext& context, const std::string& name, const std::function<Result<Rows>()>& measure,
+               Rows& out) {
   const std::string folder = context.work() + "/rows", path = folder + "/" + name + ".csv";
-  if (auto kept = keptRows(path)) return std::move(*kept);
-  FOURDVT_TRY(checkStop(context));
-  FOURDVT_ASSIGN(auto rows, measure());
-  FOURDVT_TRY(platform::makeFolder(folder));
-  FOURDVT_TRY(platform::writeFileAtomic(path, rowsCsv(rows)));
-  return rows;
+  auto rows = keptRows(path);
+  if (!rows) {
+    FOURDVT_TRY(checkStop(context));
+    FOURDVT_ASSIGN(rows, measure());
+    FOURDVT_TRY(platform::makeFolder(folder));
+    FOURDVT_TRY(platform::writeFileAtomic(path, rowsCsv(*rows)));
+  }
+  out.insert(out.end(), rows->begin(), rows->end());
+  return {};
+}
+
+Status addPicture(const StudyContext& context, const std::string& file, const Image& picture, Row shown, Rows& out,
+                  int quality) {
+  FOURDVT_TRY(platform::writeImage(context.pictures() + "/" + file, picture, quality));
+  shown.table = rows::kPictures;
+  shown.setting = "file=" + file + " " + shown.setting;
+  out.push_back(std::move(shown));
+  return {};
+}
+
+std::string sizeSetting(const Image& picture) {
+  return "width=" + std::to_string(picture.width) + " height=" + std::to_string(picture.height);
 }
 
 Result<Rows> rowsOfStep(const StudyContext& context, const std::string& step) {
@@ -140,9 +157,8 @@ Result<std::vector<StudyStep>> askedSteps(std::span<const StudyStep> all, const 
   };
   for (const std::string& name : names) {
     if (std::any_of(all.begin(), all.end(), [&](const StudyStep& step) { return name == step.name; })) continue;
-    std::string known;
-    for (const StudyStep& step : all) known.append(known.empty() ? "" : ", ").append(step.name);
-    return Error{ErrorId::InvalidArgument, "no step is named \"" + name + "\"; the steps are " + known};
+    return Error{ErrorId::InvalidArgument,
+                 "no step is named \"" + name + "\"; the steps are " + joined(all, ", ", &StudyStep::name)};
   }
   std::vector<StudyStep> out;
   std::copy_if(all.begin(), all.end(), std::back_inserter(out), isAsked);
@@ -176,6 +192,23 @@ Result<Rows> runSteps(const StudyContext& context, std::span<const StudyStep> st
     if (context.progress) context.progress({step.name, "finished", std::min(before, 1.0)});
   }
   return all;
+}
+
+Result<Rows> publishSteps(const StudyContext& context, std::span<const StudyStep> steps,
+                          const std::function<report::Document(const Rows&)>& makeDocument,
+                          Rows (*conclude)(const Rows&)) {
+  const std::string folder = context.options.report_folder + "/", stem = folder + context.options.stem;
+  Rows published;
+  FOURDVT_ASSIGN([[maybe_unused]] const auto measured, runSteps(context, steps, [&](const Rows& rows) -> Status {
+                   published = rows;
+                   const Rows conclusions = conclude ? conclude(rows) : Rows();
+                   published.insert(published.end(), conclusions.begin(), conclusions.end());
+                   FOURDVT_TRY(platform::writeFileAtomic(stem + ".csv", rowsCsv(published)));
+                   FOURDVT_TRY(platform::writeFileAtomic(stem + ".json",
+                                                         rowsJson(published, context.options, context.capture->name)));
+                   return platform::writeFileAtomic(folder + "report.html", report::documentHtml(makeDocument(rows)));
+                 }));
+  return published;
 }
 
 }  // namespace fourdvt::study

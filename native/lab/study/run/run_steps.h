@@ -7,7 +7,9 @@
 #include <span>
 #include <string>
 
+#include "base/image.h"
 #include "lab/study/run/context.h"
+#include "report/document.h"
 
 namespace fourdvt::study {
 
@@ -27,9 +29,21 @@ Result<std::vector<StudyStep>> askedSteps(std::span<const StudyStep> all, const 
 Result<Rows> runSteps(const StudyContext& context, std::span<const StudyStep> steps,
                       const std::function<Status(const Rows&)>& publish);
 
-// Runs a part of a step, unless its rows are kept in work(): an interrupted step resumes after its finished parts.
-Result<Rows> keptPart(const StudyContext& context, const std::string& name,
-                      const std::function<Result<Rows>()>& measure);
+// Runs the steps and writes <stem>.csv, <stem>.json and report.html after each one. `conclude` (null: none) returns
+// rows that follow from the others; the document is made without them. Returns all rows.
+Result<Rows> publishSteps(const StudyContext& context, std::span<const StudyStep> steps,
+                          const std::function<report::Document(const Rows&)>& makeDocument,
+                          Rows (*conclude)(const Rows&) = nullptr);
+
+// Runs a part of a step, unless its rows are kept in work(), and appends its rows: an interrupted step resumes after
+// its finished parts.
+Status addPart(const StudyContext& context, const std::string& name, const std::function<Result<Rows>()>& measure,
+               Rows& out);
+
+// Writes a file of the report's pictures and appends its row: `shown` without table and "file=…".
+Status addPicture(const StudyContext& context, const std::string& file, const Image& picture, Row shown, Rows& out,
+                  int quality = 90);
+std::string sizeSetting(const Image& picture);  // "width=640 height=480"
 
 // Rows of an earlier step. Errors: Internal if it has not run.
 Result<Rows> rowsOfStep(const StudyContext& context, const std::string& step);

@@ -2,6 +2,7 @@
 #include "lab/study/steps/codec.h"
 
 #include <cmath>
+#include <future>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -9,26 +10,29 @@
 #include "platform/ffmpeg_video.h"
 
 namespace fourdvt::study {
-namespace {
 
-Result<std::vector<uint8_t>> encoded(const Image& image, const char* extension, const std::vector<int>& parameters) {
+Result<std::vector<uint8_t>> encodePng(const Image& image) {
   const cv::Mat rgb(image.height, image.width, CV_8UC(image.channels), const_cast<uint8_t*>(image.pixels.data()));
   cv::Mat bgr;
   cv::cvtColor(rgb, bgr, image.channels == 4 ? cv::COLOR_RGBA2BGR : cv::COLOR_RGB2BGR);
   std::vector<uint8_t> bytes;
-  if (!cv::imencode(extension, bgr, bytes, parameters))
-    return Error{ErrorId::Internal, std::string("OpenCV did not encode a ") + extension + " picture"};
+  if (!cv::imencode(".png", bgr, bytes, {cv::IMWRITE_PNG_COMPRESSION, 6, cv::IMWRITE_PNG_STRATEGY, 0}))
+    return Error{ErrorId::Internal, "OpenCV did not encode a .png picture"};
   return bytes;
 }
 
-}  // namespace
-
-Result<std::vector<uint8_t>> encodePng(const Image& image) {
-  return encoded(image, ".png", {cv::IMWRITE_PNG_COMPRESSION, 6, cv::IMWRITE_PNG_STRATEGY, 0});
-}
-
-Result<std::vector<uint8_t>> encodeJpeg(const Image& image, int quality) {
-  return encoded(image, ".jpg", {cv::IMWRITE_JPEG_QUALITY, quality});
+Result<uint64_t> codedBytes(const std::vector<Image>& pictures, const PictureCoder& code) {
+  std::vector<std::future<Result<std::vector<uint8_t>>>> running;
+  for (const Image& picture : pictures)
+    running.push_back(std::async(std::launch::async, [&code, &picture] { return code(picture); }));
+  std::vector<Result<std::vector<uint8_t>>> coded;
+  for (auto& one : running) coded.push_back(one.get());
+  uint64_t sum = 0;
+  for (auto& one : coded) {
+    if (!one) return one.error();
+    sum += one.value().size();
+  }
+  return sum;
 }
 
 void fillI420(const Image& image, encode::I420Picture& out) {
@@ -41,27 +45,24 @@ uint64_t gopBytes(const encode::EncodedGop& gop) {
   return bytes;
 }
 
-Status decodeGop(const encode::EncodedGop& gop,
-                 const std::function<Status(uint32_t frame, const I420View&)>& on_picture) {
+Result<size_t> decodeGop(encode::Codec codec, const encode::EncodedGop& gop,
+                         const std::function<Status(uint32_t frame, const I420View&)>& on_picture) {
   Status first;
-  uint32_t pictures = 0;
-  FOURDVT_ASSIGN(auto decoder,
-                 platform::SampleDecoder::create("avc1.640028", {}, [&](const I420View& picture, int64_t timestamp_us) {
-                   ++pictures;
-                   if (first.ok()) first = on_picture(static_cast<uint32_t>(timestamp_us), picture);
-                 }));
-  std::vector<uint8_t> bytes = gop.parameter_sets;
+  size_t pictures = 0;
+  FOURDVT_ASSIGN(auto decoder, platform::SampleDecoder::create(
+                                   encode::infoOf(codec).kind, {}, [&](const I420View& picture, int64_t timestamp_us) {
+                                     ++pictures;
+                                     if (first.ok()) first = on_picture(static_cast<uint32_t>(timestamp_us), picture);
+                                   }));
   for (const encode::EncodedPacket& packet : gop.packets) {
+    std::vector<uint8_t> bytes;
+    if (packet.key && codec == encode::Codec::H264) bytes = gop.parameter_sets;
     bytes.insert(bytes.end(), packet.bytes.begin(), packet.bytes.end());
     FOURDVT_TRY(decoder->decode(bytes, packet.frame, packet.key));
-    bytes.clear();
   }
   FOURDVT_TRY(decoder->flush());
   FOURDVT_TRY(first);
-  if (pictures != gop.packets.size())
-    return Error{ErrorId::VideoInvalid, "the decoder returned " + std::to_string(pictures) + " of " +
-                                            std::to_string(gop.packets.size()) + " pictures that were encoded"};
-  return {};
+  return pictures;
 }
 
 void SquaredError::add(const Image& a, const Image& b, const std::vector<uint8_t>& inside) {

@@ -12,17 +12,20 @@
 
 namespace fourdvt::study {
 
-// Encodes RGB(A) as PNG of zlib level 6 with adaptive filters, or JPEG of this quality. Errors: Internal.
+// Encodes RGB(A) as RGB in a PNG of zlib level 6 with adaptive filters. Errors: Internal.
 Result<std::vector<uint8_t>> encodePng(const Image& image);
-Result<std::vector<uint8_t>> encodeJpeg(const Image& image, int quality);
+using PictureCoder = std::function<Result<std::vector<uint8_t>>(const Image&)>;
+// Sum of the coded pictures' bytes; codes on all cores.
+Result<uint64_t> codedBytes(const std::vector<Image>& pictures, const PictureCoder& code);
 
 // Converts RGB(A) with even sides to 4:2:0.
 void fillI420(const Image& image, encode::I420Picture& out);
 
 uint64_t gopBytes(const encode::EncodedGop& gop);
-// Decodes H.264 only. Pictures in presentation order. Errors: VideoInvalid and those of `on_picture`.
-Status decodeGop(const encode::EncodedGop& gop,
-                 const std::function<Status(uint32_t frame, const I420View&)>& on_picture);
+// Pictures in presentation order; `frame` counts from the GOP's first. Returns their number. Errors: VideoInvalid and
+// those of `on_picture`.
+Result<size_t> decodeGop(encode::Codec codec, const encode::EncodedGop& gop,
+                         const std::function<Status(uint32_t frame, const I420View&)>& on_picture);
 
 // Sum of squared differences over RGB of the pixels inside, and its PSNR.
 struct SquaredError {

@@ -15,6 +15,8 @@
 namespace fourdvt::study {
 namespace {
 
+using namespace rows;
+
 constexpr size_t kHysteresisFrames = 2;  // on each side, as in the bake's survey
 
 struct Measured {
@@ -73,22 +75,17 @@ struct LabelVariant {
   bake::LabelOptions options;
 };
 
-const std::vector<LabelVariant>& labelVariants() {
-  static const std::vector<LabelVariant> kVariants{
-      {rows::kNaive, {.rule = &lab::kNaive}},
-      {rows::kSpatial, {.rule = &lab::kSpatial}},
-      {rows::kTemporalPaper, {.rule = &lab::kTemporalPaper}},
-      {rows::kJoint, {}},
-      {rows::kJointNoUnseen, {.label_unseen = false}},
-      {rows::kJointNoPartial, {.use_partial = false}},
-      {rows::kJointNeither, {.use_partial = false, .label_unseen = false}}};
-  return kVariants;
-}
-
 Status compareParts(const LabelProblem& problem, Rows& out) {
-  for (const LabelVariant& variant : labelVariants()) {
+  const std::vector<LabelVariant> variants{{kNaive, {.rule = &lab::kNaive}},
+                                           {kSpatial, {.rule = &lab::kSpatial}},
+                                           {kTemporalPaper, {.rule = &lab::kTemporalPaper}},
+                                           {kJoint, {}},
+                                           {kJointNoUnseen, {.label_unseen = false}},
+                                           {kJointNoPartial, {.use_partial = false}},
+                                           {kJointNeither, {.use_partial = false, .label_unseen = false}}};
+  for (const LabelVariant& variant : variants) {
     FOURDVT_ASSIGN(auto statistics, problem.solve(variant.options));
-    writeLabelRows(statistics, rows::kLabelParts, problem.sequence, variant.name, out);
+    writeLabelRows(statistics, kLabelParts, problem.sequence, variant.name, out);
   }
   return {};
 }
@@ -98,8 +95,8 @@ Status compareSolves(const LabelProblem& problem, Rows& out) {
     bake::LabelOptions options;
     if (is_global) options.window_frames = options.hop_frames = static_cast<int>(problem.frameCount());
     FOURDVT_ASSIGN(auto statistics, problem.solve(options));
-    RowWriter(out, rows::kLabels, problem.sequence, rows::kJoint, is_global ? "solve=global" : "solve=windowed")
-        .add(rows::kEnergy, statistics.energy, "");
+    RowWriter(out, kLabels, problem.sequence, kJoint, is_global ? "solve=global" : "solve=windowed")
+        .add({{kEnergy, statistics.energy}});
   }
   return {};
 }
@@ -110,11 +107,11 @@ void writeLabelRows(const bake::LabelStatistics& s, const std::string& table, co
                     const std::string& method, Rows& out) {
   for (size_t l = 0; l < s.seam_percent.size(); ++l) {
     const RowWriter row(out, table, sequence, method, "layer=" + std::to_string(l + 1));
-    row.add(rows::kSeamPercent, s.seam_percent[l], "percent");
-    row.add(rows::kFlipPercent, s.flip_percent[l], "percent");
-    row.add(rows::kSeenSeamPercent, s.seen_seam_percent[l], "percent");
-    row.add(rows::kSeenFlipPercent, s.seen_flip_percent[l], "percent");
-    row.add(rows::kMeanPenalty, s.mean_penalty[l], "");
+    row.add({{kSeamPercent, s.seam_percent[l]},
+             {kFlipPercent, s.flip_percent[l]},
+             {kSeenSeamPercent, s.seen_seam_percent[l]},
+             {kSeenFlipPercent, s.seen_flip_percent[l]},
+             {kMeanPenalty, s.mean_penalty[l]}});
   }
 }
 

@@ -24,6 +24,8 @@
 namespace fourdvt::study {
 namespace {
 
+using namespace rows;
+
 constexpr int kJpegQuality = 95, kErrorMapLayers = 3;
 
 // Point of a curve: labels of one method for one number of layers.
@@ -127,8 +129,7 @@ Status LayerStudy::survey() {
     FOURDVT_TRY(checkStop(context_));
     options.layers = l;
     FOURDVT_ASSIGN(joint_[l], surveyOnly(context_, options));
-    if (context_.progress)
-      context_.progress({name_, "labels of " + std::to_string(l) + " layers", 0.1 * l / plan_.max_layers});
+    reportProgress(context_, name_, "labels of " + std::to_string(l) + " layers", 0.1 * l / plan_.max_layers);
   }
   return {};
 }
@@ -158,10 +159,9 @@ Status LayerStudy::drawReferences() {
 std::vector<LayerVariant> LayerStudy::variantsOf(int size) const {
   const bool large = size > 1024;
   std::vector<LayerVariant> out;
-  for (const auto& [layers, labels] : joint_) out.push_back({rows::kJoint, layers, labels.get(), true});
+  for (const auto& [layers, labels] : joint_) out.push_back({kJoint, layers, labels.get(), true});
   if (!context_.options.quick && !large)
-    for (int layers = 1; layers <= plan_.max_layers; ++layers)
-      out.push_back({rows::kNaive, layers, naive_.get(), false});
+    for (int layers = 1; layers <= plan_.max_layers; ++layers) out.push_back({kNaive, layers, naive_.get(), false});
   return out;
 }
 
@@ -176,36 +176,24 @@ Result<std::vector<uint8_t>> LayerStudy::labelsOf(const LayerVariant& variant, u
 }
 
 Status LayerStudy::addPictures(const std::vector<Image>& layers, Stored& stored) {
-  std::vector<std::future<Result<std::pair<size_t, size_t>>>> running;
-  for (const Image& layer : layers)
-    running.push_back(std::async(std::launch::async, [&layer]() -> Result<std::pair<size_t, size_t>> {
-      FOURDVT_ASSIGN(auto png, encodePng(layer));
-      FOURDVT_ASSIGN(auto jpeg, encodeJpeg(layer, kJpegQuality));
-      return std::pair{png.size(), jpeg.size()};
-    }));
-  Status first;
-  for (auto& one : running) {
-    auto sizes = one.get();
-    if (!sizes && first.ok()) first = sizes.error();
-    if (!sizes) continue;
-    stored.png += sizes.value().first;
-    stored.jpeg += sizes.value().second;
-  }
+  FOURDVT_ASSIGN(const auto png, codedBytes(layers, encodePng));
+  FOURDVT_ASSIGN(const auto jpeg, codedBytes(layers, [](const Image& layer) {
+                   return platform::encodeImage(layer, ".jpg", kJpegQuality);
+                 }));
+  stored.png += png;
+  stored.jpeg += jpeg;
   ++stored.pictures_of;
-  return first;
+  return {};
 }
 
 Status LayerStudy::saveErrorMap(const LayerVariant& variant, int size, uint32_t frame, const Image& reference,
                                 const Image& picture) {
   has_error_map_ = true;
-  const std::string file = "error-map-" + std::to_string(size) + ".jpg";
-  FOURDVT_TRY(platform::writeImage(context_.pictures() + "/" + file, errorMap(reference, picture), 92));
   const double ssim = measure::scorePicture(reference, picture).ssim_fg;
-  RowWriter(pictures_, rows::kPictures, sequence_.name, variant.method,
-            "file=" + file + " " + variant.setting(size) + " frame=" + std::to_string(frame) +
-                " score=" + std::to_string(ssim))
-      .add(rows::kPictureErrorMap, ssim, "");
-  return {};
+  const std::string setting =
+      variant.setting(size) + " frame=" + std::to_string(frame) + " score=" + std::to_string(ssim);
+  return addPicture(context_, "error-map-" + std::to_string(size) + ".jpg", errorMap(reference, picture),
+                    {"", sequence_.name, variant.method, setting, kPictureErrorMap, ssim, ""}, pictures_, 92);
 }
 
 Status LayerStudy::drawViews(const LayerVariant& variant, int size, uint32_t frame, const std::vector<Image>& layers) {
@@ -213,7 +201,7 @@ Status LayerStudy::drawViews(const LayerVariant& variant, int size, uint32_t fra
   const auto& cameras = views_.at(frame);
   for (size_t v = 0; v < cameras.size(); ++v) {
     FOURDVT_ASSIGN(auto picture, drawing_->draw(cameras[v], variant.layers));
-    const bool mapped = variant.method == rows::kJoint && variant.layers == std::min(kErrorMapLayers, plan_.max_layers);
+    const bool mapped = variant.method == kJoint && variant.layers == std::min(kErrorMapLayers, plan_.max_layers);
     if (mapped && v == 1 && !has_error_map_)
       FOURDVT_TRY(saveErrorMap(variant, size, frame, references_.at(frame)[v], picture));
     lane_.add(references_.at(frame)[v], std::move(picture), keyOf(variant));
@@ -306,10 +294,9 @@ Result<Rows> LayerStudy::measureSize(int size, double before, double share) {
       if (isDrawn(f)) FOURDVT_TRY(drawing_->setGeometry(positions, labels, variant.layers));
       FOURDVT_TRY(addFrame(variant, size, f, std::move(layers)));
     }
-    if (context_.progress)
-      context_.progress({name_,
-                         std::to_string(size) + " texels " + std::to_string(f + 1) + "/" + std::to_string(frames),
-                         before + share * (f + 1) / frames});
+    reportProgress(context_, name_,
+                   std::to_string(size) + " texels " + std::to_string(f + 1) + "/" + std::to_string(frames),
+                   before + share * (f + 1) / frames);
   }
   FOURDVT_TRY(encodeGop(variants, size));
   for (const auto& [key, score] : lane_.finish()) shown_[key].scores.add(score);
@@ -317,20 +304,19 @@ Result<Rows> LayerStudy::measureSize(int size, double before, double share) {
   Rows out;
   for (const LayerVariant& variant : variants) {
     const Shown& shown = shown_[keyOf(variant)];
-    const RowWriter row(out, rows::kLayers, sequence_.name, variant.method, variant.setting(size));
+    const RowWriter row(out, kLayers, sequence_.name, variant.method, variant.setting(size));
     const Stored& stored = shown.stored;
     if (plan_.frames > 0) {
       writeScores(row, shown.scores);
-      row.add(rows::kGpuBytes, shown.gpu_bytes, "bytes");
+      row.add({{kGpuBytes, shown.gpu_bytes}});
     }
     if (stored.pictures_of > 0) {
-      row.add(rows::kImageBytes, static_cast<double>(stored.png) / stored.pictures_of, "bytes");
-      row.add("jpeg_bytes_frame", static_cast<double>(stored.jpeg) / stored.pictures_of, "bytes");
+      row.add({{kImageBytes, static_cast<double>(stored.png) / stored.pictures_of},
+               {"jpeg_bytes_frame", static_cast<double>(stored.jpeg) / stored.pictures_of}});
     }
     if (!variant.stored || plan_.video_frames == 0) continue;
     const double a_frame = static_cast<double>(stored.video) / plan_.video_frames;
-    row.add(rows::kVideoBytes, a_frame * sequence_.frame_count, "bytes");
-    row.add(rows::kVideoBps, 8 * a_frame * context_.capture->fps, "bit/s");
+    row.add({{kVideoBytes, a_frame * sequence_.frame_count}, {kVideoBps, 8 * a_frame * context_.capture->fps}});
   }
   out.insert(out.end(), pictures_.begin(), pictures_.end());
   return out;
@@ -344,9 +330,8 @@ Result<Rows> LayerStudy::run() {
   Rows out;
   for (int size : plan_.sizes) {
     const double share = 0.85 * std::pow(size, 1.5) / total;
-    FOURDVT_ASSIGN(auto part, keptPart(context_, name_ + "-" + std::to_string(size),
-                                       [&] { return measureSize(size, before, share); }));
-    out.insert(out.end(), part.begin(), part.end());
+    FOURDVT_TRY(addPart(
+        context_, name_ + "-" + std::to_string(size), [&] { return measureSize(size, before, share); }, out));
     before += share;
   }
   return out;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bake/run/character_files.h"
+#include "lab/study/run/scene.h"
 #include "measure/metrics.h"
 
 namespace fourdvt::study {
@@ -85,24 +86,9 @@ Status LayerDrawing::show(const std::vector<Image>& layers) {
 
 Result<Image> LayerDrawing::draw(const PinholeCamera& camera, int layers) {
   FOURDVT_ASSIGN(auto figure, figureOf(layers));
-  if (!target_ || width_ != camera.width || height_ != camera.height) {
-    target_.reset();
-    FOURDVT_ASSIGN(auto color,
-                   gpu::makeTexture(device_, {.width = camera.width, .height = camera.height, .label = "study"}));
-    FOURDVT_ASSIGN(auto target, gpu::makeTarget(device_, {.colors = {color.id()}, .label = "study"}));
-    color_ = std::move(color);
-    target_ = std::move(target);
-    width_ = camera.width;
-    height_ = camera.height;
-  }
-  render::RecipeOptions recipe;
-  recipe.ground_shadow = false;
-  FOURDVT_TRY(figure->draw(*recipe_, picture_, render::viewFromCamera(camera), recipe, target_.id()));
-  Image image(camera.width, camera.height, 4);
-  FOURDVT_TRY(device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8, {.width = image.width, .height = image.height},
-                                 image.pixels.data()));
-  unpremultiply(image);
-  return image;
+  const render::View view = render::viewFromCamera(camera);
+  return still_.render(
+      view, [&](gpu::TargetId target) { return figure->draw(*recipe_, picture_, view, studyRecipe(), target); });
 }
 
 Result<uint64_t> LayerDrawing::gpuBytes(int layers) {

@@ -9,6 +9,7 @@
 #include "bake/run/job.h"
 #include "gpu/device.h"
 #include "render/plain_figure.h"
+#include "render/still_target.h"
 
 namespace fourdvt::study {
 
@@ -27,7 +28,8 @@ class LayerDrawing {
   Result<uint64_t> gpuBytes(int layers);
 
  private:
-  LayerDrawing(gpu::Device& device, const bake::Job& job, int size) : device_(device), job_(job), size_(size) {}
+  LayerDrawing(gpu::Device& device, const bake::Job& job, int size)
+      : device_(device), job_(job), size_(size), still_(device) {}
   Result<render::PlainFigure*> figureOf(int layers);
 
   gpu::Device& device_;
@@ -36,9 +38,7 @@ class LayerDrawing {
   std::unique_ptr<render::Recipe> recipe_;
   std::map<int, render::PlainFigure> figures_;  // by number of layers
   render::PictureTextures picture_;
-  gpu::Texture color_;
-  gpu::Target target_;
-  int width_ = 0, height_ = 0;  // target size
+  render::StillTarget still_;
 };
 
 // Reference, picture and |difference| × 4 as a heat map, side by side and cropped to the performer. RGB.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bake/bake.h"
+#include "base/text.h"
 #include "base/watch.h"
 #include "lab/labels/paper_labellings.h"
 #include "lab/measure/held_out.h"
@@ -26,25 +27,26 @@
 namespace fourdvt::study {
 namespace {
 
+using namespace rows;
+
 // Variant of the capture's bake.
 struct Method {
   std::string name;  // name in the rows
   bake::BakeOptions options;
   std::string setting() const {
-    return "layers=" + std::to_string(options.layers) + " size=" + std::to_string(options.texture) +
-           " codec=" + encode::infoOf(options.codec).name + " crf=" + std::to_string(options.crf) +
-           " layout=" + (options.equal_layers ? "equal" : "default");
+    return printed("layers=%d size=%d codec=%s crf=%d layout=%s", options.layers, options.texture,
+                   encode::infoOf(options.codec).name, options.crf, options.equal_layers ? "equal" : "default");
   }
 };
 
 // Lists the variants, the default first: its time includes the survey, which the others share.
 std::vector<Method> studyMethods(const StudyContext& context) {
-  const bake::BakeOptions shared = studyBake(context, rows::kJointDefault);
+  const bake::BakeOptions shared = studyBake(context, kJointDefault);
   bake::BakeOptions plain = defaultBake(context, shared.character_folder);
   plain.survey_folder = shared.survey_folder;
   plain.sequences = shared.sequences;
   plain.resume = false;
-  std::vector<Method> out{{rows::kJointDefault, plain}};
+  std::vector<Method> out{{kJointDefault, plain}};
   for (const bake::Labelling* rule :
        {&lab::kNaive, &lab::kSpatial, &lab::kTemporalPaper, &lab::kPerTexel, &bake::kJoint}) {
     if (rule == &lab::kPerTexel && context.options.quick) continue;
@@ -93,22 +95,20 @@ class MethodStudy {
 };
 
 Status MethodStudy::bakeCharacter() {
-  const bool timed = method_.name == rows::kJointDefault;
+  const bool timed = method_.name == kJointDefault;
   if (timed) platform::removeFolder(method_.options.survey_folder);
   FOURDVT_ASSIGN(baked_, runBake(context_, method_.options,
                                  [this](const std::string& stage, double share) { tell(stage, 0.6 * share); }));
   FOURDVT_ASSIGN(report_,
                  platform::readJsonFlat(bake::reportFolderOf(method_.options.character_folder) + "/report.json"));
   if (!timed) return {};
-  RowWriter(out_, rows::kBake, "", rows::kJointDefault, "")
-      .add(rows::kSecondsFrame, report_.number("/wall_s_per_frame").value_or(0), "s");
+  RowWriter(out_, kBake, "", kJointDefault, "").add({{kSecondsFrame, report_.number("/wall_s_per_frame").value_or(0)}});
   for (const auto& [stage, seconds] : baked_.seconds_by_stage)
-    RowWriter(out_, rows::kBake, "", rows::kJointDefault, "stage=" + stage)
-        .add(rows::kSecondsFrame, seconds / baked_.frames, "s");
+    RowWriter(out_, kBake, "", kJointDefault, "stage=" + stage).add({{kSecondsFrame, seconds / baked_.frames}});
   std::string encoder = std::string(encode::infoOf(method_.options.codec).name);
   if (const auto version = report_.string("/versions/libavcodec")) encoder += ", libavcodec " + *version;
-  RowWriter(out_, rows::kAbout, "", "", "text=" + encoder + ", crf " + std::to_string(method_.options.crf))
-      .add(rows::kAboutEncoder, 0, "");
+  RowWriter(out_, kAbout, "", "", "text=" + encoder + ", crf " + std::to_string(method_.options.crf))
+      .add({{kAboutEncoder, 0}});
   return {};
 }
 
@@ -126,15 +126,15 @@ Status MethodStudy::storage(const capture::CaptureSequence& sequence) {
   if (at.empty() || video <= 0 || geometry <= 0)
     return Error{ErrorId::Internal,
                  bake::reportFolderOf(method_.options.character_folder) + "/report.json: no sizes of " + sequence.name};
-  const RowWriter row(out_, rows::kTable1, sequence.name, method_.name, method_.setting());
-  row.add(rows::kTotalBytes, video + geometry + labels + other, "bytes");
-  row.add(rows::kVideoBytes, video, "bytes");
-  row.add(rows::kGeometryBytes, geometry, "bytes");
-  row.add(rows::kLabelBytes, labels, "bytes");
-  row.add(rows::kOtherBytes, other, "bytes");
+  const RowWriter row(out_, kTable1, sequence.name, method_.name, method_.setting());
+  row.add({{kTotalBytes, video + geometry + labels + other},
+           {kVideoBytes, video},
+           {kGeometryBytes, geometry},
+           {kLabelBytes, labels},
+           {kOtherBytes, other}});
   const double seconds = sequence.frame_count / context_.capture->fps;
-  row.add(rows::kVideoBps, 8 * video / seconds, "bit/s");
-  RowWriter(out_, rows::kLabels, sequence.name, method_.name, "").add(rows::kLabelBps, 8 * labels / seconds, "bit/s");
+  row.add({{kVideoBps, 8 * video / seconds}});
+  RowWriter(out_, kLabels, sequence.name, method_.name, "").add({{kLabelBps, 8 * labels / seconds}});
   return {};
 }
 
@@ -146,11 +146,11 @@ Status MethodStudy::loading(const capture::CaptureSequence& sequence) {
   FOURDVT_ASSIGN(player_, edge::CharacterPlayer::open(*context_.device, method_.options.character_folder));
   FOURDVT_ASSIGN(auto first, picture(captureCameras(context_)[0], sequence.name, 0));
   const double first_s = watch.seconds();
-  const RowWriter row(out_, rows::kTable1, sequence.name, method_.name, method_.setting());
-  row.add(rows::kLoadingS, first_s, "s");
+  const RowWriter row(out_, kTable1, sequence.name, method_.name, method_.setting());
+  row.add({{kLoadingS, first_s}});
   if (context_.options.quick) return {};
   for (uint32_t f = 1; f < sequence.frame_count; ++f) FOURDVT_TRY(player_->showFrame(sequence.name, f));
-  row.add(rows::kLoadingAllS, watch.seconds(), "s");
+  row.add({{kLoadingAllS, watch.seconds()}});
   return {};
 }
 
@@ -162,7 +162,7 @@ Status MethodStudy::ring(const capture::CaptureSequence& sequence) {
     FOURDVT_ASSIGN(auto drawn, picture(view.camera, sequence.name, view.frame));
     lane.add(std::move(reference), std::move(drawn));
   }
-  writeScores({out_, rows::kTable1, sequence.name, method_.name, method_.setting()}, lane.finishMean());
+  writeScores({out_, kTable1, sequence.name, method_.name, method_.setting()}, lane.finishMean());
   return {};
 }
 
@@ -184,11 +184,11 @@ Status MethodStudy::heldOut(const capture::CaptureSequence& sequence) {
     mean.add(scores[i].second);
     measure::MeanScores one;
     one.add(scores[i].second);
-    writeScores({out_, rows::kHeldOutViews, sequence.name, method_.name, scores[i].first}, one);
+    writeScores({out_, kHeldOutViews, sequence.name, method_.name, scores[i].first}, one);
     if (scores[i].second.ssim_fg < scores[worst].second.ssim_fg) worst = i;
   }
-  writeScores({out_, rows::kHeldOut, sequence.name, method_.name, "views=" + std::to_string(views.size())}, mean);
-  if (method_.name != rows::kJointDefault) return {};
+  writeScores({out_, kHeldOut, sequence.name, method_.name, "views=" + std::to_string(views.size())}, mean);
+  if (method_.name != kJointDefault) return {};
   return worstPicture(sequence, *views[worst].first, views[worst].second, scores[worst].second.ssim_fg);
 }
 
@@ -197,40 +197,29 @@ Status MethodStudy::worstPicture(const capture::CaptureSequence& sequence, const
   FOURDVT_ASSIGN(auto truth, measure::heldOutTruth(sequence, camera, frame));
   FOURDVT_ASSIGN(auto drawn, picture(camera, sequence.name, frame));
   FOURDVT_ASSIGN(auto fvvr, readReference(referencePath(context_, sequence.name, camera.name, frame)));
-  const auto scored = [&](const Image& picture) { return measure::scorePicture(truth, picture); };
-  const measure::PictureScore ours = scored(drawn), theirs = scored(fvvr);
-  measure::WorstView view;
-  view.score = {sequence.name,
-                camera.name,
-                frame,
-                true,
-                ours.psnr_fg_db,
-                ours.ssim_fg,
-                ours.psnr_common_db,
-                theirs.psnr_fg_db,
-                theirs.ssim_fg,
-                theirs.psnr_common_db};
-  view.truth = measure::compositedOnBlack(truth);
-  view.character = measure::compositedOnBlack(drawn);
-  view.yardstick = measure::compositedOnBlack(fvvr);
-  const std::string file = "worst-held-out-" + sequence.name + ".jpg";
-  FOURDVT_TRY(platform::writeImage(context_.pictures() + "/" + file, measure::contactSheet({view}, "FVVR"), 90));
-  RowWriter(
-      out_, rows::kPictures, sequence.name, rows::kJointDefault,
-      "file=" + file + " frame=" + std::to_string(frame) + " view=" + camera.name + " score=" + std::to_string(ssim))
-      .add(rows::kPictureWorst, ssim, "");
-  return {};
+  const auto scored = [&](const Image& picture) -> measure::ViewQuality {
+    const measure::PictureScore score = measure::scorePicture(truth, picture);
+    return {score.psnr_fg_db, score.ssim_fg, score.psnr_common_db};
+  };
+  const measure::WorstView view{{sequence.name, camera.name, frame, true, scored(drawn), scored(fvvr)},
+                                measure::compositedOnBlack(truth),
+                                measure::compositedOnBlack(drawn),
+                                measure::compositedOnBlack(fvvr)};
+  const std::string setting =
+      "frame=" + std::to_string(frame) + " view=" + camera.name + " score=" + std::to_string(ssim);
+  return addPicture(context_, "worst-held-out-" + sequence.name + ".jpg", measure::contactSheet({view}, "FVVR"),
+                    {"", sequence.name, kJointDefault, setting, kPictureWorst, ssim, ""}, out_);
 }
 
 void MethodStudy::labels(const capture::CaptureSequence& sequence) {
   const auto it = baked_.labels_by_sequence.find(sequence.name);
   if (it == baked_.labels_by_sequence.end()) return;
   const bake::LabelStatistics& s = it->second;
-  writeLabelRows(s, rows::kLabels, sequence.name, method_.name, out_);
-  const RowWriter row(out_, rows::kLabels, sequence.name, method_.name, "");
-  row.add(rows::kEnergy, s.energy, "");
-  row.add(rows::kEmptyPercent, s.empty_percent, "percent");
-  row.add(rows::kLabelMsFrame, s.frames ? 1000 * s.seconds / s.frames : 0, "ms");
+  writeLabelRows(s, kLabels, sequence.name, method_.name, out_);
+  const RowWriter row(out_, kLabels, sequence.name, method_.name, "");
+  row.add({{kEnergy, s.energy},
+           {kEmptyPercent, s.empty_percent},
+           {kLabelMsFrame, s.frames ? 1000 * s.seconds / s.frames : 0}});
 }
 
 Result<Rows> MethodStudy::run() {
@@ -255,14 +244,13 @@ struct EqualQuality {
   const char *theirs, *ours;     // quantities: multi-view videos, held-out table
   const char *percent, *beyond;  // quantities of table1
 };
-constexpr EqualQuality kEqualQualities[] = {
-    {rows::kHeldOutPsnrDb, rows::kPsnrFgDb, rows::kPercentAtPsnr, rows::kBeyondAtPsnr},
-    {rows::kHeldOutSsim, rows::kSsimFg, rows::kPercentAtSsim, rows::kBeyondAtSsim}};
+constexpr EqualQuality kEqualQualities[] = {{kHeldOutPsnrDb, kPsnrFgDb, kPercentAtPsnr, kBeyondAtPsnr},
+                                            {kHeldOutSsim, kSsimFg, kPercentAtSsim, kBeyondAtSsim}};
 
 std::vector<RatePoint> multiviewLadder(const Rows& reference, const std::string& sequence, const char* quality) {
   std::vector<RatePoint> ladder;
   for (const Row& row : reference) {
-    if (row.table != rows::kMultiviewCodec || row.sequence != sequence || row.quantity != rows::kVideoBytes) continue;
+    if (row.table != kMultiviewCodec || row.sequence != sequence || row.quantity != kVideoBytes) continue;
     const double value = StudyValues(reference).of(row.table, sequence, row.method, row.setting, quality);
     if (!std::isnan(value)) ladder.push_back({row.value, value});
   }
@@ -273,18 +261,17 @@ std::vector<RatePoint> multiviewLadder(const Rows& reference, const std::string&
 // FVVR reaches the same quality at the held-out cameras. No extrapolation beyond the measured rates.
 void compareStorage(const Rows& reference, const std::string& sequence, const std::vector<Method>& methods, Rows& out) {
   const StudyValues measured(out);
-  const double masked =
-      StudyValues(reference).of(rows::kMultiview, sequence, rows::kMethodMultiview, "", rows::kMaskedBytes);
+  const double masked = StudyValues(reference).of(kMultiview, sequence, kMethodMultiview, "", kMaskedBytes);
   for (const Method& method : methods) {
-    const double total = measured.of(rows::kTable1, sequence, method.name, "", rows::kTotalBytes);
+    const double total = measured.of(kTable1, sequence, method.name, "", kTotalBytes);
     if (std::isnan(total)) continue;
-    const RowWriter row(out, rows::kTable1, sequence, method.name, method.setting());
-    if (!std::isnan(masked)) row.add(rows::kPercentOfMasked, 100 * total / masked, "percent");
+    const RowWriter row(out, kTable1, sequence, method.name, method.setting());
+    if (!std::isnan(masked)) row.add({{kPercentOfMasked, 100 * total / masked}});
     for (const EqualQuality& equal : kEqualQualities) {
-      const double quality = measured.of(rows::kHeldOut, sequence, method.name, "", equal.ours);
+      const double quality = measured.of(kHeldOut, sequence, method.name, "", equal.ours);
       const auto [bytes, beyond] = bytesAtQuality(multiviewLadder(reference, sequence, equal.theirs), quality);
-      if (bytes) row.add(equal.percent, 100 * total / *bytes, "percent");
-      if (beyond) row.add(equal.beyond, beyond, "");
+      if (bytes) row.add({{equal.percent, 100 * total / *bytes}});
+      if (beyond) row.add({{equal.beyond, beyond}});
     }
   }
 }
@@ -297,16 +284,13 @@ Result<Rows> runMethods(const StudyContext& context) {
   Rows out;
   const double share = 1 / static_cast<double>(methods.size());
   for (size_t m = 0; m < methods.size(); ++m) {
-    FOURDVT_ASSIGN(auto part, keptPart(context, "method-" + methods[m].name, [&] {
-                     return MethodStudy(context, methods[m], share * static_cast<double>(m), share).run();
-                   }));
-    out.insert(out.end(), part.begin(), part.end());
+    const auto measure = [&] { return MethodStudy(context, methods[m], share * double(m), share).run(); };
+    FOURDVT_TRY(addPart(context, "method-" + methods[m].name, measure, out));
   }
   FOURDVT_ASSIGN(auto reference, rowsOfStep(context, "reference"));
   for (const auto* sequence : sequences) compareStorage(reference, sequence->name, methods, out);
   for (const Method& method : methods)
-    if (method.name != rows::kJointDefault && method.name != rows::kJoint)
-      platform::removeFolder(method.options.character_folder);
+    if (method.name != kJointDefault && method.name != kJoint) platform::removeFolder(method.options.character_folder);
   return out;
 }
 

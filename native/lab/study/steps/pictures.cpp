@@ -87,15 +87,10 @@ Result<Image> PictureStep::drawFvvr(const PinholeCamera& camera) {
 }
 
 Status PictureStep::save(const std::string& file, const Image& sheet, const Row& shown) {
-  FOURDVT_TRY(platform::writeImage(context_.pictures() + "/" + file, sheet, 90));
-  Row row = shown;
-  row.table = rows::kPictures;
-  row.sequence = sequence_.name;
-  row.setting = "file=" + file + " " + row.setting + (row.setting.empty() ? "" : " ") +
-                "frame=" + std::to_string(frame_) + " width=" + std::to_string(sheet.width) +
-                " height=" + std::to_string(sheet.height);
-  out_.push_back(std::move(row));
-  return {};
+  const std::string setting = shown.setting + (shown.setting.empty() ? "" : " ") + "frame=" + std::to_string(frame_);
+  return addPicture(context_, file, sheet,
+                    {"", sequence_.name, shown.method, setting + " " + sizeSetting(sheet), shown.quantity, 0, ""},
+                    out_);
 }
 
 Status PictureStep::bakeSheetCharacter(const bake::Labelling& rule, double from) {
@@ -197,12 +192,12 @@ Status PictureStep::changesSheet() {
 Status PictureStep::grazing() {
   const size_t count = middles_deg_.size();
   struct View {
-    const char* name;
+    const char *key, *name;
     double azimuth_deg, elevation_deg;
   };
-  const View views[] = {{"from above", middles_deg_[0], kGrazing_deg},
-                        {"from below", middles_deg_[count / 2], -kGrazing_deg},
-                        {"between two cameras", middles_deg_[count - 1], 0}};
+  const View views[] = {{"above", "from above", middles_deg_[0], kGrazing_deg},
+                        {"below", "from below", middles_deg_[count / 2], -kGrazing_deg},
+                        {"between", "between two cameras", middles_deg_[count - 1], 0}};
   for (size_t i = 0; i < std::size(views); ++i) {
     const View& view = views[i];
     const PinholeCamera camera = orbit(view.azimuth_deg, view.elevation_deg, 720, 960);
@@ -218,11 +213,7 @@ Status PictureStep::grazing() {
       sheet.cells.push_back(viewWithCrops(picture, box));
     }
     FOURDVT_TRY(save("grazing-" + std::to_string(i + 1) + ".jpg", report::drawSheet(sheet),
-                     {"", "", "",
-                      "view=" + std::string(i == 0   ? "above"
-                                            : i == 1 ? "below"
-                                                     : "between"),
-                      rows::kPictureGrazing, 0, ""}));
+                     {"", "", "", std::string("view=") + view.key, rows::kPictureGrazing, 0, ""}));
   }
   return {};
 }

@@ -2,12 +2,12 @@
 // Rate-distortion, in two steps: "rate" measures the default codec for one, two and three layers, "codecs" codecs,
 // presets, layouts and sizes of layers. Layers are baked once per size and layout; each point then encodes, decodes and
 // renders the same pictures (rate_point.h).
-#include <cmath>
 #include <filesystem>
 
 #include "bake/quality.h"
 #include "bake/run/character_files.h"
 #include "bake/texels/frame_baker.h"
+#include "base/text.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/rows.h"
 #include "lab/study/run/run_steps.h"
@@ -68,9 +68,8 @@ std::vector<Group> codecGroups() {
           {{2048, 3, false}, some}};
 }
 
-std::string settingOf(const LayerSetting& layers, const encode::EncodeSettings& encode) {
-  return "preset=" + encode.preset + " crf=" + std::to_string(encode.crf) + " size=" + std::to_string(layers.texture) +
-         " layers=" + std::to_string(layers.layers) + " layout=" + (layers.equal ? "equal" : "default");
+std::string settingOf(const LayerSetting& l) {
+  return printed("size=%d layers=%d layout=%s", l.texture, l.layers, l.equal ? "equal" : "default");
 }
 
 // Deletes the large pictures when the group is done.
@@ -154,21 +153,21 @@ Result<std::vector<RateView>> RateStudy::makeViews(uint32_t frame_count) const {
 void RateStudy::write(const std::string& method, const std::string& setting, const RateScore& score) {
   const RowWriter out(rows_, rows::kRate, sequence_.name, method, setting);
   if (score.video_bps > 0) {
-    out.add(rows::kVideoBps, score.video_bps, "bit/s");
-    out.add(rows::kEncodeMsFrame, score.encode_ms_frame, "ms");
-    out.add("unreadable_barcodes", score.unreadable_barcodes, "frames");
-    out.add("ssim_fg_vs_uncompressed", score.ssim_fg_vs_uncompressed, "");
-    out.add("psnr_fg_vs_uncompressed_db", score.psnr_fg_vs_uncompressed_db, "dB");
+    out.add({{rows::kVideoBps, score.video_bps},
+             {rows::kEncodeMsFrame, score.encode_ms_frame},
+             {"unreadable_barcodes", score.unreadable_barcodes},
+             {"ssim_fg_vs_uncompressed", score.uncompressed.mean().ssim_fg},
+             {"psnr_fg_vs_uncompressed_db", score.uncompressed.mean().psnr_fg_db}});
   }
-  if (std::isnan(score.ssim_fg)) return;
-  out.add(rows::kSsimFg, score.ssim_fg, "");
-  out.add(rows::kPsnrFgDb, score.psnr_fg_db, "dB");
+  if (score.truth.count() > 0)
+    out.add({{rows::kSsimFg, score.truth.mean().ssim_fg}, {rows::kPsnrFgDb, score.truth.mean().psnr_fg_db}});
 }
 
 Status RateStudy::measurePoint(RateMeter& meter, const LayerSetting& layers, const encode::EncodeSettings& encode,
                                bool chosen, const std::vector<RateView>& views) {
   FOURDVT_TRY(checkStop(context_));
-  const std::string setting = (chosen ? "chosen=1 " : "") + settingOf(layers, encode);
+  const std::string setting = (chosen ? "chosen=1 preset=" : "preset=") + encode.preset +
+                              " crf=" + std::to_string(encode.crf) + " " + settingOf(layers);
   tell(std::string(encode::infoOf(encode.codec).name) + " " + setting);
   FOURDVT_ASSIGN(auto score, meter.measure(encode, views));
   write(encode::infoOf(encode.codec).name, setting, score);
@@ -197,9 +196,7 @@ Status RateStudy::measureGroup(const Group& group) {
   FOURDVT_ASSIGN(auto views, makeViews(clip.frame_count));
   FOURDVT_ASSIGN(auto meter, RateMeter::create(*context_.device, clip));
   FOURDVT_TRY(meter->drawUncompressed(views));
-  const std::string plain = "size=" + std::to_string(options.texture) + " layers=" + std::to_string(options.layers) +
-                            " layout=" + (options.equal_layers ? "equal" : "default");
-  if (!group.again) write("uncompressed", plain, meter->scoreUncompressed(views));
+  if (!group.again) write("uncompressed", settingOf(group.layers), meter->scoreUncompressed(views));
   for (const CodecSetting& codec : group.codecs) {
     encode::EncodeSettings encode;
     encode.codec = codec.codec;
@@ -227,12 +224,12 @@ Result<Rows> RateStudy::run(const std::vector<Group>& groups) {
   for (const Group& group : groups) {
     const std::string name = name_ + "-" + std::to_string(group.layers.texture) + "-" +
                              std::to_string(group.layers.layers) + (group.layers.equal ? "-equal" : "");
-    FOURDVT_ASSIGN(auto part, keptPart(context_, name, [&]() -> Result<Rows> {
-                     rows_.clear();
-                     FOURDVT_TRY(measureGroup(group));
-                     return std::move(rows_);
-                   }));
-    all.insert(all.end(), part.begin(), part.end());
+    const auto measure = [&]() -> Result<Rows> {
+      rows_.clear();
+      FOURDVT_TRY(measureGroup(group));
+      return std::move(rows_);
+    };
+    FOURDVT_TRY(addPart(context_, name, measure, all));
   }
   return all;
 }

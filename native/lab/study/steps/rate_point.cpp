@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/study/steps/rate_point.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <limits>
 
 #include "base/watch.h"
-#include "measure/metrics.h"
+#include "lab/study/run/scene.h"
+#include "lab/study/steps/codec.h"
 #include "package/barcode.h"
-#include "platform/ffmpeg_video.h"
 
 namespace fourdvt::study {
 namespace {
@@ -19,30 +16,9 @@ struct FileCloser {
 };
 using File = std::unique_ptr<std::FILE, FileCloser>;
 
-struct PairScore {
-  double ssim = std::numeric_limits<double>::quiet_NaN(), psnr_db = ssim;
-};
-
-// Scores both over black, over the union of their silhouettes.
-PairScore compare(const Image& truth, const Image& drawn) {
-  if (truth.empty()) return {};
-  const Image a = measure::compositedOnBlack(truth), b = measure::compositedOnBlack(drawn);
-  const measure::Mask inside = measure::unionOfSilhouettes(truth, drawn);
-  // Clamps the infinite PSNR of equal pictures, so that means stay finite.
-  return {measure::ssim(a, b, inside), std::min(measure::psnr(a, b, inside), 99.0)};
-}
-
 void add(const RateView& view, const Image& drawn, RateScore& sum) {
-  const PairScore truth = compare(view.truth, drawn), codec = compare(view.uncompressed, drawn);
-  sum.ssim_fg += truth.ssim;
-  sum.psnr_fg_db += truth.psnr_db;
-  sum.ssim_fg_vs_uncompressed += codec.ssim;
-  sum.psnr_fg_vs_uncompressed_db += codec.psnr_db;
-}
-
-void divide(RateScore& sum, size_t views) {
-  for (double* v : {&sum.ssim_fg, &sum.psnr_fg_db, &sum.ssim_fg_vs_uncompressed, &sum.psnr_fg_vs_uncompressed_db})
-    *v /= double(views);
+  if (!view.truth.empty()) sum.truth.add(measure::scorePicture(view.truth, drawn));
+  sum.uncompressed.add(measure::scorePicture(view.uncompressed, drawn));
 }
 
 package::Rendition renditionOf(const RateClip& clip) {
@@ -75,37 +51,12 @@ Result<std::unique_ptr<RateMeter>> RateMeter::create(gpu::Device& device, const 
   return meter;
 }
 
-Status RateMeter::prepareTarget(int width, int height) {
-  if (width == target_width_ && height == target_height_) return {};
-  gpu::TextureDesc texture;
-  texture.width = width;
-  texture.height = height;
-  texture.label = "rate view";
-  FOURDVT_ASSIGN(auto color, gpu::makeTexture(device_, texture));
-  gpu::TargetDesc desc;
-  desc.colors = {color.id()};
-  desc.width = width;
-  desc.height = height;
-  desc.label = "rate view";
-  FOURDVT_ASSIGN(target_, gpu::makeTarget(device_, desc));
-  color_ = std::move(color);
-  target_width_ = width;
-  target_height_ = height;
-  return {};
-}
-
 Result<Image> RateMeter::draw(const I420View& picture, uint32_t frame, const PinholeCamera& camera) {
-  FOURDVT_TRY(prepareTarget(camera.width, camera.height));
   render::uploadPicture(device_, picture_, picture);
   figure_.setFrame(device_, clip_.positions[frame], clip_.labels[frame]);
-  render::RecipeOptions options;
-  options.ground_shadow = false;
-  FOURDVT_TRY(figure_.draw(*recipe_, picture_, render::viewFromCamera(camera), options, target_.id()));
-  Image image(camera.width, camera.height, 4);
-  FOURDVT_TRY(device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8,
-                                 {.width = camera.width, .height = camera.height}, image.pixels.data()));
-  unpremultiply(image);
-  return image;
+  const render::View view = render::viewFromCamera(camera);
+  return still_.render(
+      view, [&](gpu::TargetId target) { return figure_.draw(*recipe_, picture_, view, studyRecipe(), target); });
 }
 
 Status RateMeter::readPicture(uint32_t frame, encode::I420Picture& picture) const {
@@ -130,7 +81,6 @@ Status RateMeter::drawUncompressed(std::vector<RateView>& views) {
 RateScore RateMeter::scoreUncompressed(const std::vector<RateView>& views) const {
   RateScore score;
   for (const RateView& view : views) add(view, view.uncompressed, score);
-  divide(score, views.size());
   return score;
 }
 
@@ -156,30 +106,19 @@ Result<encode::EncodedGop> RateMeter::encodeGop(const encode::EncodeSettings& se
 
 Status RateMeter::scoreGop(const encode::EncodeSettings& settings, const encode::EncodedGop& gop, uint32_t first_frame,
                            const std::vector<RateView>& views, RateScore& sum) {
-  Status drawing;
-  FOURDVT_ASSIGN(auto decoder,
-                 platform::SampleDecoder::create(
-                     encode::infoOf(settings.codec).kind, {}, [&](const I420View& picture, int64_t frame) {
-                       const auto barcode = package::readBarcode(clip_.layout.barcode, picture);
-                       sum.unreadable_barcodes +=
-                           barcode != std::optional<uint32_t>(static_cast<uint32_t>(frame) % 4096);
-                       for (const RateView& view : views) {
-                         if (view.frame != frame || !drawing.ok()) continue;
-                         auto drawn = draw(picture, view.frame, view.camera);
-                         if (drawn)
-                           add(view, drawn.value(), sum);
-                         else
-                           drawing = drawn.error();
-                       }
-                     }));
-  for (const encode::EncodedPacket& packet : gop.packets) {
-    std::vector<uint8_t> bytes;
-    if (packet.key && settings.codec == encode::Codec::H264) bytes = gop.parameter_sets;
-    bytes.insert(bytes.end(), packet.bytes.begin(), packet.bytes.end());
-    FOURDVT_TRY(decoder->decode(bytes, int64_t(first_frame) + packet.frame, packet.key));
-  }
-  FOURDVT_TRY(decoder->flush());
-  return drawing;
+  const auto score = [&](uint32_t in_gop, const I420View& picture) -> Status {
+    const uint32_t frame = first_frame + in_gop;
+    const auto barcode = package::readBarcode(clip_.layout.barcode, picture);
+    sum.unreadable_barcodes += barcode != std::optional<uint32_t>(frame % 4096);
+    for (const RateView& view : views) {
+      if (view.frame != frame) continue;
+      FOURDVT_ASSIGN(const Image drawn, draw(picture, view.frame, view.camera));
+      add(view, drawn, sum);
+    }
+    return {};
+  };
+  FOURDVT_ASSIGN([[maybe_unused]] const size_t pictures, decodeGop(settings.codec, gop, score));
+  return {};
 }
 
 Result<RateScore> RateMeter::measure(const encode::EncodeSettings& given, const std::vector<RateView>& views) {
@@ -188,14 +127,12 @@ Result<RateScore> RateMeter::measure(const encode::EncodeSettings& given, const 
   settings.height = clip_.layout.height;
   settings.fps = clip_.fps;
   RateScore score;
-  score.encoder_codec = encode::infoOf(settings.codec).name;
   double bytes = 0, seconds = 0;
   for (size_t g = 0; g < clip_.gop_first_frames.size(); ++g) {
     FOURDVT_ASSIGN(auto gop, encodeGop(settings, g, seconds));
     for (const encode::EncodedPacket& packet : gop.packets) bytes += double(packet.bytes.size());
     FOURDVT_TRY(scoreGop(settings, gop, clip_.gop_first_frames[g], views, score));
   }
-  divide(score, views.size());
   score.video_bps = 8 * bytes * clip_.fps / clip_.frame_count;
   score.encode_ms_frame = 1000 * seconds / clip_.frame_count;
   return score;

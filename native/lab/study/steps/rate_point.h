@@ -10,9 +10,11 @@
 #include "encode/encoder.h"
 #include "encode/tile.h"
 #include "gpu/device.h"
+#include "measure/picture_score.h"
 #include "package/base_mesh.h"
 #include "package/character.h"
 #include "render/plain_figure.h"
+#include "render/still_target.h"
 
 namespace fourdvt::study {
 
@@ -37,12 +39,10 @@ struct RateView {
 };
 
 struct RateScore {
-  double video_bps = 0;                // bits a second
-  double ssim_fg = 0, psnr_fg_db = 0;  // against the truth, union of the silhouettes; NaN without truth
-  double ssim_fg_vs_uncompressed = 0, psnr_fg_vs_uncompressed_db = 0;
-  double encode_ms_frame = 0;        // one thread, wall clock
-  uint32_t unreadable_barcodes = 0;  // pictures that players would reject
-  std::string encoder_codec;         // CodecInfo::name
+  measure::MeanScores truth, uncompressed;  // against the views' pictures; no scores without a truth
+  double video_bps = 0;                     // bits a second
+  double encode_ms_frame = 0;               // one thread, wall clock
+  uint32_t unreadable_barcodes = 0;         // pictures that players would reject
 };
 
 Status appendPicture(const std::string& path, const encode::I420Picture& picture, bool first);  // WriteFailed
@@ -59,9 +59,8 @@ class RateMeter {
   Result<RateScore> measure(const encode::EncodeSettings& settings, const std::vector<RateView>& views);
 
  private:
-  RateMeter(gpu::Device& device, const RateClip& clip) : device_(device), clip_(clip) {}
+  RateMeter(gpu::Device& device, const RateClip& clip) : device_(device), clip_(clip), still_(device) {}
   Result<Image> draw(const I420View& picture, uint32_t frame, const PinholeCamera& camera);
-  Status prepareTarget(int width, int height);
   Status readPicture(uint32_t frame, encode::I420Picture& picture) const;
   Result<encode::EncodedGop> encodeGop(const encode::EncodeSettings& settings, size_t gop, double& seconds) const;
   Status scoreGop(const encode::EncodeSettings& settings, const encode::EncodedGop& gop, uint32_t first_frame,
@@ -72,9 +71,7 @@ class RateMeter {
   render::PlainFigure figure_;
   render::PictureTextures picture_;
   std::unique_ptr<render::Recipe> recipe_;
-  gpu::Texture color_;
-  gpu::Target target_;
-  int target_width_ = 0, target_height_ = 0;
+  render::StillTarget still_;
 };
 
 }  // namespace fourdvt::study

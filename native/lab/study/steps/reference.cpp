@@ -24,26 +24,9 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr uint32_t kWholePictureEvery = 8;  // unmasked PNGs are slow and vary little
+using namespace rows;
 
-// PNG bytes of pictures, encoded on all cores.
-Result<uint64_t> pngBytes(const std::vector<Image>& pictures, const std::function<Image(const Image&)>& prepare) {
-  std::vector<std::future<Result<size_t>>> sizes;
-  for (const Image& picture : pictures)
-    sizes.push_back(std::async(std::launch::async, [&picture, &prepare]() -> Result<size_t> {
-      FOURDVT_ASSIGN(auto png, encodePng(prepare(picture)));
-      return png.size();
-    }));
-  uint64_t sum = 0;
-  Status first;
-  for (auto& size : sizes) {
-    auto bytes = size.get();
-    if (bytes) sum += bytes.value();
-    if (!bytes && first.ok()) first = bytes.error();
-  }
-  if (!first.ok()) return first.error();
-  return sum;
-}
+constexpr uint32_t kWholePictureEvery = 8;  // unmasked PNGs are slow and vary little
 
 class Reference {
  public:
@@ -137,7 +120,7 @@ Status Reference::heldOut(const mattes::CaptureFrame& captured, render::Fvvr& fv
     FOURDVT_ASSIGN(auto truth, measure::heldOutTruth(sequence_, camera, frame));
     FOURDVT_ASSIGN(auto picture, fvvr.renderStill(render::viewFromCamera(camera), {}));
     const measure::PictureScore score = measure::scorePicture(truth, picture);
-    FOURDVT_ASSIGN(auto fewer, fvvr.renderStill(render::viewFromCamera(camera), {.closest = rows::kClosestCameras}));
+    FOURDVT_ASSIGN(auto fewer, fvvr.renderStill(render::viewFromCamera(camera), {.closest = kClosestCameras}));
     held_out_closest_.add(measure::scorePicture(truth, fewer));
     held_out_scores_.add(score);
     held_out_by_view_[viewSetting(camera, frame)].add(score);
@@ -153,11 +136,13 @@ Status Reference::drawFrame(const mattes::CaptureFrame& frame, render::Fvvr& fvv
     FOURDVT_TRY(platform::writeImage(referencePath(context_, sequence_.name, view), picture));
   }
   FOURDVT_TRY(heldOut(frame, fvvr));
-  FOURDVT_ASSIGN(auto masked, pngBytes(frame.pictures, measure::compositedOnBlack));
+  FOURDVT_ASSIGN(const auto masked, codedBytes(frame.pictures, [](const Image& picture) {
+                   return encodePng(measure::compositedOnBlack(picture));
+                 }));
   masked_png_bytes_ += masked;
   for (const Image& p : frame.pictures) raw_bytes_ += 3ull * p.width * p.height;
   if (frame.index % kWholePictureEvery) return {};
-  FOURDVT_ASSIGN(auto whole, pngBytes(frame.pictures, [](const Image& picture) { return picture; }));
+  FOURDVT_ASSIGN(const auto whole, codedBytes(frame.pictures, encodePng));
   whole_png_bytes_ += whole;
   ++whole_pngs_;
   return {};
@@ -192,33 +177,27 @@ Result<Rows> Reference::draw() {
          0.5 * (f + 1) / sequence_.frame_count);
   }
   Rows out;
-  const RowWriter table(out, rows::kTable1, sequence_.name, rows::kFvvr, "");
-  table.add(rows::kLoadingS, first_s, "s");
-  if (!context_.options.quick) table.add(rows::kLoadingAllS, loading_s, "s");
-  table.add(rows::kTotalBytes, static_cast<double>(masked_png_bytes_), "bytes");
-  const RowWriter multiview(out, rows::kMultiview, sequence_.name, rows::kMethodMultiview,
+  const RowWriter table(out, kTable1, sequence_.name, kFvvr, "");
+  table.add({{kLoadingS, first_s}});
+  if (!context_.options.quick) table.add({{kLoadingAllS, loading_s}});
+  table.add({{kTotalBytes, static_cast<double>(masked_png_bytes_)}});
+  const RowWriter multiview(out, kMultiview, sequence_.name, kMethodMultiview,
                             "cameras=" + std::to_string(context_.capture->cameras.size()) +
                                 " frames=" + std::to_string(sequence_.frame_count));
-  multiview.add(rows::kRawBytes, static_cast<double>(raw_bytes_), "bytes");
-  multiview.add(rows::kCompressedBytes,
-                static_cast<double>(whole_png_bytes_) * sequence_.frame_count / std::max(1u, whole_pngs_), "bytes");
-  multiview.add(rows::kMaskedBytes, static_cast<double>(masked_png_bytes_), "bytes");
+  multiview.add(
+      {{kRawBytes, static_cast<double>(raw_bytes_)},
+       {kCompressedBytes, static_cast<double>(whole_png_bytes_) * sequence_.frame_count / std::max(1u, whole_pngs_)},
+       {kMaskedBytes, static_cast<double>(masked_png_bytes_)}});
   if (&sequence_ == &shortestSequence(context_)) {  // baseline of the layers' rows
-    const RowWriter layers(out, rows::kLayers, sequence_.name, rows::kFvvr, "");
-    layers.add(rows::kMaskedBytes, static_cast<double>(masked_png_bytes_) / sequence_.frame_count, "bytes");
-    layers.add(rows::kGpuBytes, static_cast<double>(gpu_bytes), "bytes");
+    const RowWriter layers(out, kLayers, sequence_.name, kFvvr, "");
+    layers.add({{kMaskedBytes, static_cast<double>(masked_png_bytes_) / sequence_.frame_count},
+                {kGpuBytes, static_cast<double>(gpu_bytes)}});
   }
-  writeScores({out, rows::kHeldOut, sequence_.name, rows::kFvvr, "views=" + std::to_string(held_out_scores_.count())},
-              held_out_scores_);
-  if (held_out_given_.count() > 0)
-    writeScores(
-        {out, rows::kHeldOut, sequence_.name, rows::kFvvrGiven, "views=" + std::to_string(held_out_given_.count())},
-        held_out_given_);
-  writeScores(
-      {out, rows::kHeldOut, sequence_.name, rows::kFvvrClosest, "views=" + std::to_string(held_out_closest_.count())},
-      held_out_closest_);
+  for (const auto& [method, scores] :
+       {std::pair{kFvvr, &held_out_scores_}, {kFvvrGiven, &held_out_given_}, {kFvvrClosest, &held_out_closest_}})
+    writeScores({out, kHeldOut, sequence_.name, method, "views=" + std::to_string(scores->count())}, *scores);
   for (const auto& [view, scores] : held_out_by_view_)
-    writeScores({out, rows::kHeldOutViews, sequence_.name, rows::kFvvr, view}, scores);
+    writeScores({out, kHeldOutViews, sequence_.name, kFvvr, view}, scores);
   return out;
 }
 
@@ -298,8 +277,13 @@ Status Reference::finishGop(CameraGop& gop, CameraVideo& out) const {
     gop.encoders[i].reset();
     if (!coded) return coded.error();
     out.bytes[i] += gopBytes(coded.value());
-    FOURDVT_TRY(
-        decodeGop(coded.value(), [&](uint32_t f, const I420View& view) { return takeDecoded(gop, f, view, i, out); }));
+    const size_t packets = coded.value().packets.size();
+    FOURDVT_ASSIGN(const size_t pictures,
+                   decodeGop(encode::Codec::H264, coded.value(),
+                             [&](uint32_t f, const auto& view) { return takeDecoded(gop, f, view, i, out); }));
+    if (pictures != packets)
+      return Error{ErrorId::VideoInvalid, "the decoder returned " + std::to_string(pictures) + " of " +
+                                              std::to_string(packets) + " pictures that were encoded"};
   }
   return {};
 }
@@ -366,15 +350,13 @@ Result<Rows> Reference::encode() {
   FOURDVT_ASSIGN(auto fvvr, makeFvvr(context_));
   Rows out;
   for (size_t i = 0; i < crfs.size(); ++i) {
-    const RowWriter row(out, rows::kMultiviewCodec, sequence_.name, "h264", "crf=" + std::to_string(crfs[i]));
-    row.add(rows::kVideoBytes, static_cast<double>(sum.bytes[i]), "bytes");
-    row.add(rows::kVideoBps, 8 * static_cast<double>(sum.bytes[i]) * context_.capture->fps / sequence_.frame_count,
-            "bit/s");
-    row.add(rows::kPsnrFgDb, sum.error[i].psnr_db(), "dB");
+    const RowWriter row(out, kMultiviewCodec, sequence_.name, "h264", "crf=" + std::to_string(crfs[i]));
+    row.add({{kVideoBytes, static_cast<double>(sum.bytes[i])},
+             {kVideoBps, 8 * static_cast<double>(sum.bytes[i]) * context_.capture->fps / sequence_.frame_count},
+             {kPsnrFgDb, sum.error[i].psnr_db()}});
     if (held_out_.empty() || sequence_.test_frames.empty()) continue;
     FOURDVT_ASSIGN(auto scores, scoreDecoded(crfs[i], *fvvr));
-    row.add(rows::kHeldOutPsnrDb, scores.mean().psnr_fg_db, "dB");
-    row.add(rows::kHeldOutSsim, scores.mean().ssim_fg, "");
+    row.add({{kHeldOutPsnrDb, scores.mean().psnr_fg_db}, {kHeldOutSsim, scores.mean().ssim_fg}});
   }
   platform::removeFolder(decodedFolder());
   return out;
@@ -390,16 +372,16 @@ Result<Rows> runReference(const StudyContext& context) {
   for (const auto* sequence : sequences) {
     const double share = sequence->frame_count / total;
     Reference reference(context, *sequence, before, share);
-    FOURDVT_ASSIGN(auto drawn, keptPart(context, "reference-" + sequence->name, [&] { return reference.draw(); }));
-    FOURDVT_ASSIGN(auto encoded, keptPart(context, "multiview-" + sequence->name, [&] { return reference.encode(); }));
-    out.insert(out.end(), drawn.begin(), drawn.end());
-    out.insert(out.end(), encoded.begin(), encoded.end());
+    FOURDVT_TRY(addPart(
+        context, "reference-" + sequence->name, [&] { return reference.draw(); }, out));
+    FOURDVT_TRY(addPart(
+        context, "multiview-" + sequence->name, [&] { return reference.encode(); }, out));
     before += share;
   }
-  RowWriter(out, rows::kAbout, "", "",
+  RowWriter(out, kAbout, "", "",
             "text=fourdvt-lab study CAPTURE -o REPORT" + std::string(context.options.quick ? " --quick" : ""))
-      .add(rows::kAboutCommand, 0, "");
-  RowWriter(out, rows::kAbout, "", "", "text=" + context.device->caps().renderer).add(rows::kAboutDevice, 0, "");
+      .add({{kAboutCommand, 0}});
+  RowWriter(out, kAbout, "", "", "text=" + context.device->caps().renderer).add({{kAboutDevice, 0}});
   return out;
 }
 

@@ -14,6 +14,8 @@
 namespace fourdvt::study {
 namespace {
 
+using namespace rows;
+
 constexpr int kSpeedFrames = 24, kQuickSpeedFrames = 10;
 
 // Bakes one sequence with default settings.
@@ -35,22 +37,20 @@ struct SpeedRows {
   const FrameRates& rates;
   std::string method, setting;
 
-  RowWriter writer() const { return {out, rows::kSpeed, rates.sequence, method, setting}; }
+  RowWriter writer() const { return {out, kSpeed, rates.sequence, method, setting}; }
   void addTimes(const PassTimes& times, uint64_t gpu_bytes) const {
-    writer().add(rows::kFramesPerS, times.framesPerSecond(), "1/s");
-    writer().add(rows::kFrameMs, times.frame_ms, "ms");
-    writer().add(rows::kGpuBytes, static_cast<double>(gpu_bytes), "bytes");
+    writer().add({{kFramesPerS, times.framesPerSecond()},
+                  {kFrameMs, times.frame_ms},
+                  {kGpuBytes, static_cast<double>(gpu_bytes)}});
   }
   void addPasses(const PassTimes& times, const std::string& size) const {
-    const auto pass = [&](const char* name, double ms) {
-      RowWriter(out, rows::kSpeed, rates.sequence, method, setting + " pass=" + size + " " + name)
-          .add(rows::kFrameMs, ms, "ms");
-    };
-    pass("upload", times.upload_ms);
-    pass("geometry", times.geometry_ms);
-    if (method == rows::kFvvr) pass("depth maps", times.depth_maps_ms);
-    pass("shading", times.shading_ms);
-    pass("readback", times.readback_ms);
+    for (const auto& [name, ms] : {std::pair{"upload", times.upload_ms},
+                                   {"geometry", times.geometry_ms},
+                                   {"depth maps", times.depth_maps_ms},
+                                   {"shading", times.shading_ms},
+                                   {"readback", times.readback_ms}})
+      if (method == kFvvr || std::string(name) != "depth maps")
+        RowWriter(out, kSpeed, rates.sequence, method, setting + " pass=" + size + " " + name).add({{kFrameMs, ms}});
   }
 };
 
@@ -62,17 +62,17 @@ std::string closestSetting(const FvvrRate& fvvr) {
 void addSize(Rows& out, const FrameRates& rates, const FrameRate& rate, bool with_passes) {
   const std::string setting = "layers=" + std::to_string(rates.layers) + " size=" + std::to_string(rates.layer_side) +
                               " view=" + sizeText(rate);
-  const SpeedRows ours{out, rates, rows::kMethodLayered, setting};
+  const SpeedRows ours{out, rates, kMethodLayered, setting};
   ours.addTimes(rate.layered, rates.layered_bytes);
   if (with_passes) ours.addPasses(rate.layered, sizeText(rate));
   for (const FvvrRate& fvvr : rate.fvvr) {
-    const SpeedRows theirs{out, rates, rows::kFvvr, setting + closestSetting(fvvr)};
+    const SpeedRows theirs{out, rates, kFvvr, setting + closestSetting(fvvr)};
     theirs.addTimes(fvvr.times, rates.fvvr_bytes);
     if (with_passes) theirs.addPasses(fvvr.times, sizeText(rate));
-    const RowWriter ratios = SpeedRows{out, rates, rows::kMethodLayered, theirs.setting}.writer();
-    ratios.add(rows::kRatioToFvvr, rate.ratio(fvvr.times), "ratio");
-    ratios.add(rows::kDrawRatioToFvvr, rate.drawRatio(fvvr.times), "ratio");
-    ratios.add("shading_ratio_to_fvvr", rate.shadingRatio(fvvr.times), "ratio");  // excluding depth maps
+    const RowWriter ratios = SpeedRows{out, rates, kMethodLayered, theirs.setting}.writer();
+    ratios.add({{kRatioToFvvr, rate.ratio(fvvr.times)},
+                {kDrawRatioToFvvr, rate.drawRatio(fvvr.times)},
+                {"shading_ratio_to_fvvr", rate.shadingRatio(fvvr.times)}});  // excluding depth maps
   }
 }
 
@@ -80,7 +80,7 @@ void addSize(Rows& out, const FrameRates& rates, const FrameRate& rate, bool wit
 
 Result<Rows> runSpeed(const StudyContext& context) {
   std::vector<std::string> characters;
-  const std::string as_baked = context.work() + "/methods/" + rows::kJointDefault,
+  const std::string as_baked = context.work() + "/methods/" + kJointDefault,
                     papers_size = context.work() + "/methods/joint-512";
   if (isCharacter(as_baked)) {
     characters.push_back(as_baked);

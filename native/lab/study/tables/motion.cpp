@@ -8,7 +8,9 @@
 namespace fourdvt::study {
 namespace {
 
-Cells weightsOf(const StudyValues& v) { return numbersOf(v, {rows::kMotionAppearance, "", "w", 2, "w = "}); }
+using namespace rows;
+
+Cells weightsOf(const StudyValues& v) { return numbersOf(v, {kMotionAppearance, "", "w", 2, "w = "}); }
 
 // Adds curves over w, one per method.
 void addOverW(Section& section, const StudyValues& v, CurvesOptions options) {
@@ -19,75 +21,68 @@ void addOverW(Section& section, const StudyValues& v, CurvesOptions options) {
 }
 
 void addBlend(Section& section, const StudyValues& v) {
-  Cells blends{{{"linear"}, rows::kLinear}};
-  for (const double r : v.numbers(rows::kMotionBlend, rows::kHybrid, "references")) {
+  Cells blends{{{"linear"}, kLinear}};
+  for (const double r : v.numbers(kMotionBlend, kHybrid, "references")) {
     const std::string count = fixedText(r, 0), filter = "references=" + count;
-    const bool baked = !std::isnan(v.mean(rows::kMotionBlend, rows::kHybrid, filter + " baked=1", rows::kErrorMaxMm));
-    blends.push_back({{"hybrid, R = " + count + (baked ? " (as baked)" : "")}, rows::kHybrid, filter});
+    const bool baked = !std::isnan(v.mean(kMotionBlend, kHybrid, filter + " baked=1", kErrorMaxMm));
+    blends.push_back({{"hybrid, R = " + count + (baked ? " (as baked)" : "")}, kHybrid, filter});
   }
-  blends.push_back({{"non-linear (solver)"}, rows::kNonlinear});
+  blends.push_back({{"non-linear (solver)"}, kNonlinear});
   addGrid(section, v,
-          {rows::kMotionBlend,
+          {kMotionBlend,
            "Mesh blend against the non-linear one",
            "Largest and rms vertex distance over phases and weights. Hybrid: linear, and R precomputed corrections. "
            "Times: native, one frame of two members.",
            {"blend"}},
           blends,
-          {{{"max, mm"}, "", "", rows::kErrorMaxMm, fixed<2>},
-           {{"rms, mm"}, "", "", rows::kErrorRmsMm, fixed<2>},
-           {{"ms a frame"}, "", "", rows::kBlendMs, fixed<3>},
-           {{"of the solver's time"}, "", "", rows::kRatioToNonlinear, [](double r) { return percentText(100 * r); }}});
+          cellsOf({{"max, mm", kErrorMaxMm, fixed<2>},
+                   {"rms, mm", kErrorRmsMm, fixed<2>},
+                   {"ms a frame", kBlendMs, fixed<3>},
+                   {"of the solver's time", kRatioToNonlinear, [](double r) { return percentText(100 * r); }}}));
 }
 
 void addFlow(Section& section, const StudyValues& v) {
-  const Cells methods = methodsOf(v, rows::kMotionFlow);
+  const Cells methods = methodsOf(v, kMotionFlow);
   addGrid(section, v,
-          {rows::kMotionFlow,
+          {kMotionFlow,
            "Flow against OpenCV's Farnebäck",
            "Distance of the end points on the foreground, between two members' looks on the same mesh and view. "
            "OpenCV's own flow is " +
-               fixedText(v.mean(rows::kMotionFlow, rows::kFlowOpencv, "against=none", rows::kDifferenceMeanPx), 2) +
-               " px in the mean.",
+               fixedText(v.mean(kMotionFlow, kFlowOpencv, "against=none", kDifferenceMeanPx), 2) + " px in the mean.",
            {"method"},
            {.filter = "against=opencv"}},
-          methods,
-          {{{"mean, px"}, "", "", rows::kDifferenceMeanPx, fixed<3>},
-           {{"95 %, px"}, "", "", rows::kDifferenceTailPx, fixed<3>}});
+          methods, cellsOf({{"mean, px", kDifferenceMeanPx, fixed<3>}, {"95 %, px", kDifferenceTailPx, fixed<3>}}));
   addGrid(section, v,
-          {rows::kMotionFlow,
+          {kMotionFlow,
            "End-point error against the known displacement",
            "“None”: how far the members' appearance is apart. Flow methods in the picture; the baked alignment "
            "projected into the same views.",
            {"method"},
            {.filter = "against=truth", .text = fixed<2>}},
           methods,
-          {{{"mean, px"}, "", "", rows::kDifferenceMeanPx},
-           {{"95 %, px"}, "", "", rows::kDifferenceTailPx},
-           {{"mean, mm"}, "", "", rows::kDifferenceMeanMm},
-           {{"95 %, mm"}, "", "", rows::kDifferenceTailMm}});
+          cellsOf({{"mean, px", kDifferenceMeanPx},
+                   {"95 %, px", kDifferenceTailPx},
+                   {"mean, mm", kDifferenceMeanMm},
+                   {"95 %, mm", kDifferenceTailMm}}));
 }
 
 // Adds PSNR and SSIM by w, a row per method.
 void addTruth(Section& section, const StudyValues& v, const std::string& filter, const std::string& title,
               const std::string& note) {
-  const Cell score{.filter = filter,
-                   .quantity = rows::kPsnrFgDb,
-                   .text = fixed<2>,
-                   .beside = rows::kSsimFg,
-                   .beside_text = fixed<4>};
-  addGrid(section, v, {rows::kMotionAppearance, title, note, {"method"}, score}, methodsOf(v, rows::kMotionAppearance),
-          weightsOf(v));
+  addGrid(section, v,
+          {kMotionAppearance, title, note, {"method"}, {.filter = filter, .quantity = kPsnrFgDb, .beside = kSsimFg}},
+          methodsOf(v, kMotionAppearance), weightsOf(v));
 }
 
 const std::string kScores = "PSNR in dB / SSIM.";
 
 std::string meshNote(const StudyValues& v) {
   std::string note = " Vertices of the blended mesh are from those of the true one, mean / 95th percentile:";
-  for (const double w : v.numbers(rows::kMotionAppearance, "", "w")) {
+  for (const double w : v.numbers(kMotionAppearance, "", "w")) {
     const auto millimetres = [&](const char* quantity) {
-      return fixedText(v.mean(rows::kMotionAppearance, "", "w=" + fixedText(w, 2) + " !mesh", quantity), 1);
+      return fixedText(v.mean(kMotionAppearance, "", "w=" + fixedText(w, 2) + " !mesh", quantity), 1);
     };
-    note.append(" ").append(millimetres(rows::kMeshMeanMm)).append(" / ").append(millimetres(rows::kMeshTailMm));
+    note.append(" ").append(millimetres(kMeshMeanMm)).append(" / ").append(millimetres(kMeshTailMm));
     note.append(" mm at w = ").append(fixedText(w, 2)).append(",");
   }
   note.back() = '.';
@@ -100,14 +95,14 @@ std::string meshNote(const StudyValues& v) {
 void addAppearance(Section& section, const StudyValues& v) {
   const std::string judged = "mesh=truth region=common";
   addOverW(section, v,
-           {.table = rows::kMotionAppearance,
-            .quantity = rows::kPsnrFgDb,
+           {.table = kMotionAppearance,
+            .quantity = kPsnrFgDb,
             .title = "4DVT Fig. 8: PSNR against the truth, true mesh",
             .y_label = "PSNR, common foreground, dB",
             .filter = judged});
   addOverW(section, v,
-           {.table = rows::kMotionAppearance,
-            .quantity = rows::kSsimFg,
+           {.table = kMotionAppearance,
+            .quantity = kSsimFg,
             .title = "SSIM against the truth, true mesh",
             .y_label = "SSIM, common foreground",
             .filter = judged});
@@ -116,39 +111,39 @@ void addAppearance(Section& section, const StudyValues& v) {
            kScores + meshNote(v));
   addTruth(section, v, "mesh=blend region=whole", "Truth, drawn on the blended mesh, whole foreground", kScores);
   addOverW(section, v,
-           {.table = rows::kMotionSharpness,
-            .quantity = rows::kGradientRatio,
+           {.table = kMotionSharpness,
+            .quantity = kGradientRatio,
             .title = "Gradient energy against the members' own",
             .y_label = "ratio"});
-  addGrid(section, v,
-          {rows::kMotionSharpness,
-           "Sharpness half way, against the members' own looks",
-           "Mean squared gradient of the blend over that of both members' looks on the same mesh and view; detail: "
-           "the same of the Laplacian. 1: as sharp as the sources. Averaging lowers it even where all is aligned "
-           "(baked-mean), for noise and folds of two sources differ; baked puts that much contrast back. "
-           "flow-gpu-detail: the same put back in the flow's picture, in this study only; compare baked with it, and "
-           "baked-mean with flow-gpu.",
-           {"method"},
-           {.filter = "w=0.50", .text = fixed<3>}},
-          methodsOf(v, rows::kMotionSharpness),
-          {{{"gradient energy"}, "", "", rows::kGradientRatio},
-           {{"worst view"}, "", "", rows::kGradientRatioLeast},
-           {{"detail energy"}, "", "", rows::kDetailRatio}});
+  addGrid(
+      section, v,
+      {kMotionSharpness,
+       "Sharpness half way, against the members' own looks",
+       "Mean squared gradient of the blend over that of both members' looks on the same mesh and view; detail: "
+       "the same of the Laplacian. 1: as sharp as the sources. Averaging lowers it even where all is aligned "
+       "(baked-mean), for noise and folds of two sources differ; baked puts that much contrast back. "
+       "flow-gpu-detail: the same put back in the flow's picture, in this study only; compare baked with it, and "
+       "baked-mean with flow-gpu.",
+       {"method"},
+       {.filter = "w=0.50", .text = fixed<3>}},
+      methodsOf(v, kMotionSharpness),
+      cellsOf(
+          {{"gradient energy", kGradientRatio}, {"worst view", kGradientRatioLeast}, {"detail energy", kDetailRatio}}));
 }
 
 void addCost(Section& section, const StudyValues& v) {
-  for (const std::string& size : v.settings(rows::kMotionCost, "", "size"))
+  for (const std::string& size : v.settings(kMotionCost, "", "size"))
     addGrid(section, v,
-            {rows::kMotionCost,
+            {kMotionCost,
              "Drawing a blend of two members, " + size,
              "Medians of one run, the variants taking turns. Characters: how many with baked alignment, each fully "
              "shaded, take as long as one with run-time flow.",
              {"method"},
              {.filter = "size=" + size + " !characters", .text = fixed<2>}},
-            methodsOf(v, rows::kMotionCost),
-            {{{"ms a frame"}, "", "", rows::kFrameMs},
-             {{"× plain blend"}, "", "", rows::kRatioToNone},
-             {{"characters for one of flow-gpu"}, "", "", rows::kCharactersPerFlow}});
+            methodsOf(v, kMotionCost),
+            cellsOf({{"ms a frame", kFrameMs},
+                     {"× plain blend", kRatioToNone},
+                     {"characters for one of flow-gpu", kCharactersPerFlow}}));
 }
 
 // Rows of a table with this quantity: a row per sequence and setting, titled by the sequence or keys of the setting.
@@ -158,7 +153,7 @@ Cells casesOf(const StudyValues& v, const char* table, const char* quantity, con
     if (row.table != table || row.quantity != quantity) continue;
     Cell cell{.filter = row.setting, .sequence = row.sequence};
     for (const std::string& key : keys) {
-      const std::string text = key == "sequence" ? row.sequence : rows::settingText(row.setting, key);
+      const std::string text = key == "sequence" ? row.sequence : settingText(row.setting, key);
       cell.title.push_back(text.empty() ? "–" : text);
     }
     out.push_back(std::move(cell));
@@ -168,7 +163,7 @@ Cells casesOf(const StudyValues& v, const char* table, const char* quantity, con
 
 void addTransitions(Section& section, const StudyValues& v) {
   addGrid(section, v,
-          {rows::kMotionTransitions,
+          {kMotionTransitions,
            "Transitions",
            "Latency: from the request to the first frame in which the target is seen (bound 0.4 s), and the fit, as "
            "the motion graph plans them from every frame; played: what the player takes, preparation and ticks "
@@ -176,28 +171,28 @@ void addTransitions(Section& section, const StudyValues& v) {
            "one tick of 40 ms to the next during the transition, over the most in the two motions by themselves "
            "(travel left out).",
            {"from", "to"}},
-          casesOf(v, rows::kMotionTransitions, rows::kLatencyMeanS, {"from", "to"}),
-          {{{"latency, mean"}, "", "", rows::kLatencyMeanS, secondsText},
-           {{"max"}, "", "", rows::kLatencyMaxS, secondsText},
-           {{"played, mean"}, "", "", rows::kLatencyPlayedMeanS, secondsText},
-           {{"max"}, "", "", rows::kLatencyPlayedS, secondsText},
-           {{"fit, mean mm"}, "", "", rows::kFitMeanMm, fixed<1>},
-           {{"max mm"}, "", "", rows::kFitMaxMm, fixed<1>},
-           {{"step mm"}, "", "", rows::kStepMm, fixed<1>},
-           {{"of own"}, "", "", rows::kStepMm, fixed<2>, rows::kOwnStepMm},
-           {{"change, levels"}, "", "", rows::kChangeLevels, fixed<2>},
-           {{"of own"}, "", "", rows::kChangeLevels, fixed<2>, rows::kOwnChangeLevels}});
+          casesOf(v, kMotionTransitions, kLatencyMeanS, {"from", "to"}),
+          cellsOf({{"latency, mean", kLatencyMeanS},
+                   {"max", kLatencyMaxS},
+                   {"played, mean", kLatencyPlayedMeanS},
+                   {"max", kLatencyPlayedS},
+                   {"fit, mean mm", kFitMeanMm},
+                   {"max mm", kFitMaxMm},
+                   {"step mm", kStepMm},
+                   {"of own", kStepMm, fixed<2>, kOwnStepMm},
+                   {"change, levels", kChangeLevels},
+                   {"of own", kChangeLevels, fixed<2>, kOwnChangeLevels}}));
   addGrid(section, v,
-          {rows::kMotionSkate,
+          {kMotionSkate,
            "Feet on the ground while travelling",
            "How far a vertex strays over the ground while it stands, by contact: the player travels at 25 ticks a "
            "second.",
            {"state", "at"}},
-          casesOf(v, rows::kMotionSkate, rows::kSkateMeanMm, {"sequence", "at"}),
-          {{{"contacts"}, "", "", rows::kContacts, fixed<0>},
-           {{"mean, mm"}, "", "", rows::kSkateMeanMm, fixed<1>},
-           {{"95 %, mm"}, "", "", rows::kSkateTailMm, fixed<1>},
-           {{"max, mm"}, "", "", rows::kSkateMaxMm, fixed<1>}});
+          casesOf(v, kMotionSkate, kSkateMeanMm, {"sequence", "at"}),
+          cellsOf({{"contacts", kContacts, fixed<0>},
+                   {"mean, mm", kSkateMeanMm},
+                   {"95 %, mm", kSkateTailMm},
+                   {"max, mm", kSkateMaxMm}}));
 }
 
 }  // namespace

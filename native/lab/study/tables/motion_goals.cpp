@@ -9,6 +9,8 @@
 namespace fourdvt::study {
 namespace {
 
+using namespace rows;
+
 constexpr double kMaxBlendMm = 1, kMaxFlowPx = 0.3, kMinGradient = 0.95, kMaxCost = 1.3, kMaxLatency_s = 0.4;
 // Rounding of pictures to whole levels: share of a mean change of 40, a tenth of a level.
 constexpr double kChangeRounding = 0.0025;
@@ -25,13 +27,13 @@ double largest(const StudyValues& v, const char* table, const char* quantity, co
 }
 
 Judgement blendGoal(const StudyValues& v) {
-  const double error = v.mean(rows::kMotionBlend, rows::kHybrid, "baked=1", rows::kErrorMaxMm);
+  const double error = v.mean(kMotionBlend, kHybrid, "baked=1", kErrorMaxMm);
   return judged("Hybrid mesh blend, as baked: at most 1 mm from the non-linear one", error, error <= kMaxBlendMm,
                 fixed<2>(error) + " mm", "See the table for what more corrections would leave.");
 }
 
 Judgement flowGoal(const StudyValues& v) {
-  const double difference = v.mean(rows::kMotionFlow, rows::kFlowGpu, "against=opencv", rows::kDifferenceMeanPx);
+  const double difference = v.mean(kMotionFlow, kFlowGpu, "against=opencv", kDifferenceMeanPx);
   return judged("flow-gpu within 0.3 px of OpenCV's Farnebäck in the mean", difference, difference <= kMaxFlowPx,
                 fixed<3>(difference) + " px", "See the 95th percentile: whether few pixels or all differ.");
 }
@@ -40,14 +42,14 @@ Judgement flowGoal(const StudyValues& v) {
 void truthGoals(const StudyValues& v, std::vector<Judgement>& out) {
   const auto meanOf = [&](const char* method) {
     double sum = 0, count = 0;
-    for (const double w : v.numbers(rows::kMotionAppearance, method, "w")) {
-      sum += v.mean(rows::kMotionAppearance, method, "w=" + fixed<2>(w) + " mesh=truth region=common", rows::kPsnrFgDb);
+    for (const double w : v.numbers(kMotionAppearance, method, "w")) {
+      sum += v.mean(kMotionAppearance, method, "w=" + fixed<2>(w) + " mesh=truth region=common", kPsnrFgDb);
       ++count;
     }
     return count ? sum / count : kNaN;
   };
-  const double none = meanOf(rows::kAlignNone), baked = meanOf(rows::kAlignBaked),
-               flow = std::max(meanOf(rows::kFlowGpu), meanOf(rows::kFlowOpencv));
+  const double none = meanOf(kAlignNone), baked = meanOf(kAlignBaked),
+               flow = std::max(meanOf(kFlowGpu), meanOf(kFlowOpencv));
   const std::string measured =
       "none " + fixed<2>(none) + ", run-time flow " + fixed<2>(flow) + ", baked " + fixed<2>(baked) + " dB";
   out.push_back(judged("Truth between the members: baked at least as good as run-time Farnebäck", baked - flow,
@@ -58,9 +60,9 @@ void truthGoals(const StudyValues& v, std::vector<Judgement>& out) {
 }
 
 Judgement sharpnessGoal(const StudyValues& v) {
-  const double none = v.mean(rows::kMotionSharpness, rows::kAlignNone, "w=0.50", rows::kGradientRatio),
-               baked = v.mean(rows::kMotionSharpness, rows::kAlignBaked, "w=0.50", rows::kGradientRatio),
-               flow = v.mean(rows::kMotionSharpness, rows::kFlowGpu, "w=0.50", rows::kGradientRatio);
+  const double none = v.mean(kMotionSharpness, kAlignNone, "w=0.50", kGradientRatio),
+               baked = v.mean(kMotionSharpness, kAlignBaked, "w=0.50", kGradientRatio),
+               flow = v.mean(kMotionSharpness, kFlowGpu, "w=0.50", kGradientRatio);
   return judged("Half way as sharp as the members: gradient energy at least 0.95 with baked alignment, less without",
                 baked - none, baked >= kMinGradient && baked > none, fixed<3>(baked) + ", plain " + fixed<3>(none),
                 "Run-time flow keeps " + fixed<3>(flow) +
@@ -69,10 +71,10 @@ Judgement sharpnessGoal(const StudyValues& v) {
 
 void costGoals(const StudyValues& v, std::vector<Judgement>& out) {
   double most = kNaN, characters = kNaN;
-  for (const std::string& size : v.settings(rows::kMotionCost, "", "size")) {
-    const double ratio = v.mean(rows::kMotionCost, rows::kAlignBaked, "size=" + size, rows::kRatioToNone);
+  for (const std::string& size : v.settings(kMotionCost, "", "size")) {
+    const double ratio = v.mean(kMotionCost, kAlignBaked, "size=" + size, kRatioToNone);
     most = std::isnan(most) ? ratio : std::max(most, ratio);
-    const double count = v.mean(rows::kMotionCost, rows::kAlignBaked, "size=" + size, rows::kCharactersPerFlow);
+    const double count = v.mean(kMotionCost, kAlignBaked, "size=" + size, kCharactersPerFlow);
     characters = std::isnan(characters) ? count : std::min(characters, count);
   }
   out.push_back(
@@ -82,13 +84,13 @@ void costGoals(const StudyValues& v, std::vector<Judgement>& out) {
 }
 
 void transitionGoals(const StudyValues& v, std::vector<Judgement>& out) {
-  const double latency = std::max(largest(v, rows::kMotionTransitions, rows::kLatencyMaxS),
-                                  largest(v, rows::kMotionTransitions, rows::kLatencyPlayedS));
+  const double latency =
+      std::max(largest(v, kMotionTransitions, kLatencyMaxS), largest(v, kMotionTransitions, kLatencyPlayedS));
   out.push_back(judged("Transitions are seen within 0.4 s of the request", latency, latency <= kMaxLatency_s + 1e-9,
                        secondsText(latency) + " at most, as planned and as played",
                        "See which pair waits; the player prepares the target first."));
-  const double step = largest(v, rows::kMotionTransitions, rows::kStepMm, rows::kOwnStepMm),
-               change = largest(v, rows::kMotionTransitions, rows::kChangeLevels, rows::kOwnChangeLevels);
+  const double step = largest(v, kMotionTransitions, kStepMm, kOwnStepMm),
+               change = largest(v, kMotionTransitions, kChangeLevels, kOwnChangeLevels);
   out.push_back(
       judged("No pop: in transitions, vertices and pictures change no more than in the motions themselves",
              std::max(step, change), step <= 1 + 1e-9 && change <= 1 + kChangeRounding,

@@ -19,12 +19,14 @@ constexpr std::pair<const char*, const char*> kProxyTitles[] = {
 constexpr std::pair<const char*, const char*> kDecided[] = {
     {kProxyGiven, "tracked mesh"}, {kProxyRefined, "refined hull"}, {kProxyHull, "hull"}};
 
+std::string onProxy(const std::string& proxy) { return "axis=proxy at=" + proxy; }
+
 Cells proxyColumns(const StudyValues& v) {
   const auto measured = v.settings(kCondition, "", "at");
   Cells out;
   for (const auto& [name, title] : kProxyTitles)
     if (std::find(measured.begin(), measured.end(), name) != measured.end())
-      out.push_back({{title}, "", std::string("axis=proxy at=") + name});
+      out.push_back({{title}, "", onProxy(name)});
   return out;
 }
 
@@ -40,7 +42,7 @@ std::string byAxis(const std::string& axis, const std::string& place) {
 
 // Rows of the base and each condition of these axes.
 Cells axisRows(const StudyValues& v, const std::vector<const char*>& axes) {
-  Cells out{{{"none"}, "", "axis=proxy at=given"}};
+  Cells out{{{"none"}, "", onProxy(kProxyGiven)}};
   for (const char* axis : axes)
     for (const Row& row : v.rows()) {
       if (row.table != kCondition || settingText(row.setting, "axis") != axis) continue;
@@ -53,46 +55,44 @@ Cells axisRows(const StudyValues& v, const std::vector<const char*>& axes) {
   return out;
 }
 
-Cells columnsOf(const StudyValues& v, std::initializer_list<const char*> methods) {
+Cells axisColumns(const StudyValues& v) {
   Cells out;
-  for (const char* method : methods)
-    for (const std::string& known : v.methods(kCondition))
-      if (known == method) out.push_back({{methodTitle(known)}, known});
+  for (const char* method : {kMethodLinear, kFvvr, kMethodFloating, kMethodMontage, kMethodSweep})
+    for (const Cell& known : methodsOf(v, kCondition))
+      if (known.method == method) out.push_back(known);
   return out;
 }
-Cells axisColumns(const StudyValues& v) {
-  return columnsOf(v, {kMethodLinear, kFvvr, kMethodFloating, kMethodMontage, kMethodSweep});
-}
 
-const Cell kQuality{.quantity = kPsnrFgDb, .text = fixed<2>, .beside = kSsimFg, .beside_text = fixed<4>};
+const Cell kQuality{.quantity = kPsnrFgDb, .beside = kSsimFg};
 
 void fillGoals(Section& section, const StudyValues& v) {
   for (const auto& [proxy, title] : kDecided)
     if (const std::string method = pickMethod(v, proxy).method; !method.empty())
       section.tiles.push_back({methodTitle(method), std::string("to take on a ") + title});
-  section.tables.push_back(judgementTable(judgeProjective(v), "What the papers promise"));
+  addTable(section, judgementTable(judgeProjective(v), "What the papers promise"));
 }
 
 void fillChoice(Section& section, const StudyValues& v) {
   for (const auto& [proxy, title] : kDecided) {
-    const std::string filter = std::string("axis=proxy at=") + proxy;
     const MethodPick pick = pickMethod(v, proxy);
-    Table table{
-        std::string("On a ") + title,
-        "",
-        {"method", "dB", "SSIM", "flicker, levels", "new frame against FVVR", "new view against FVVR", "bytes", ""},
-        {}};
-    for (const std::string& method : v.methods(kCondition)) {
-      const auto value = [&](const char* quantity) { return v.mean(kCondition, method, filter, quantity); };
-      if (std::isnan(value(kSsimFg))) continue;
-      std::string remark = method == pick.method ? "✓ take this" : "";
+    const auto remark = [&](const StudyValues&, const Cell& cell) {
       for (const auto& [refused, why] : pick.refused)
-        if (refused == method) remark = why;
-      table.rows.push_back({methodTitle(method), fixedText(value(kPsnrFgDb), 2), fixedText(value(kSsimFg), 4),
-                            fixedText(value(kFlickerLevels), 2), times(value(kRatioToFvvr)),
-                            times(value(kViewS) / v.mean(kCondition, kFvvr, filter, kViewS)), "0", remark});
-    }
-    if (!table.rows.empty()) section.tables.push_back(std::move(table));
+        if (refused == cell.method) return why;
+      return std::string(cell.method == pick.method ? "✓ take this" : "");
+    };
+    const auto newView = [](const StudyValues& values, const Cell& cell) {
+      return values.mean(kCondition, cell.method, cell.filter, kViewS) /
+             values.mean(kCondition, kFvvr, cell.filter, kViewS);
+    };
+    Cells columns = cellsOf({{"dB", kPsnrFgDb},
+                             {"SSIM", kSsimFg},
+                             {"flicker, levels", kFlickerLevels},
+                             {"new frame against FVVR", kRatioToFvvr, times}});
+    columns.push_back({.title = {"new view against FVVR"}, .text = times, .value = newView});
+    columns.push_back({.title = {"bytes"}, .words = [](const StudyValues&, const Cell&) { return "0"; }});
+    columns.push_back({.title = {""}, .words = remark});
+    addGrid(section, v, {kCondition, std::string("On a ") + title, "", {"method"}, {.filter = onProxy(proxy)}},
+            methodsOf(v, kCondition), columns);
   }
 }
 
@@ -106,40 +106,31 @@ void fillProxies(Section& section, const StudyValues& v) {
       {"PSNR-FG, dB / SSIM-FG at the held-out cameras", "", kQuality},
       {"Shift-tolerant PSNR, dB",
        "Blocks of 16 × 16 pixels may each lie up to 3 pixels off.",
-       {.quantity = kShiftTolerantDb, .text = fixed<2>}},
+       {.quantity = kShiftTolerantDb}},
       {"Gradient energy against the truth's",
        "Below 1: blurred. Above: ghosts, seams, noise.",
-       {.quantity = kGradientRatio, .text = fixed<2>}},
+       {.quantity = kGradientRatio}},
       {"Flicker, levels",
        "What the error changes from frame to frame under a point of the surface, at an input camera that is left out.",
-       {.quantity = kFlickerLevels, .text = fixed<2>}},
+       {.quantity = kFlickerLevels}},
       {"Cost of a new frame against FVVR's in the same run", "", {.quantity = kRatioToFvvr, .text = times}}};
   for (const Shown& s : shown) addGrid(section, v, {kCondition, s.title, s.note, {"method"}, s.cell}, methods, proxies);
 }
 
-void addAxisPlots(Section& section, const StudyValues& v, const char* axis, const std::string& label, int decimals,
-                  double base) {
-  for (const auto& [quantity, title] : {std::pair{kSsimFg, "SSIM-FG"}, {kPsnrFgDb, "PSNR-FG, dB"}}) {
-    Plot plot{std::string(title) + " over " + label, label, title, false, false, {}};
-    for (const Cell& method : axisColumns(v)) {
-      Curve curve{method.title.front(), {}};
-      curve.points.emplace_back(base, v.mean(kCondition, method.method, "axis=proxy at=given", quantity));
-      for (const Row& row : v.rows()) {
-        if (row.table != kCondition || row.method != method.method || row.quantity != quantity ||
-            settingText(row.setting, "axis") != axis)
-          continue;
-        const double x = settingNumber(row.setting, "at");
-        const std::string filter = std::string("axis=") + axis + " at=" + fixedText(x, decimals);
-        const std::pair<double, double> point{x, v.mean(kCondition, method.method, filter, quantity)};
-        if (std::find(curve.points.begin(), curve.points.end(), point) == curve.points.end())
-          curve.points.push_back(point);
-      }
-      std::erase_if(curve.points, [](const auto& point) { return std::isnan(point.second); });
-      std::sort(curve.points.begin(), curve.points.end());
-      if (curve.points.size() > 1) plot.curves.push_back(std::move(curve));
-    }
-    if (!plot.curves.empty()) section.plots.push_back(std::move(plot));
-  }
+void addAxisPlots(Section& section, const StudyValues& v, const std::string& axis, const std::string& label,
+                  int decimals, double base) {
+  for (const auto& [quantity, title] : {std::pair{kSsimFg, std::string("SSIM-FG")}, {kPsnrFgDb, "PSNR-FG, dB"}})
+    addCurves(section, v,
+              {.table = kCondition,
+               .quantity = quantity,
+               .x_key = "at",
+               .x_decimals = decimals,
+               .title = title + " over " + label,
+               .x_label = label,
+               .y_label = title,
+               .filter = "axis=" + axis,
+               .base = std::pair{base, onProxy(kProxyGiven)}},
+              axisColumns(v));
 }
 
 void fillCameras(Section& section, const StudyValues& v) {
@@ -158,22 +149,30 @@ void fillCalibration(Section& section, const StudyValues& v) {
   addAxisPlots(section, v, kAxisRotation, "rotation, σ in degrees", 2, 0);
 }
 
+// Frames per second of a run, for methods that were cross-validated.
+double framesPerSecond(const StudyValues& v, const Cell& cell) {
+  const double rmse = v.of(kCross, cell.sequence, cell.method, cell.filter, kRmse);
+  return std::isnan(rmse)
+             ? rmse
+             : 1 / v.of(kCondition, cell.sequence, cell.method, onProxy(settingText(cell.filter, "proxy")), kFrameS);
+}
+
 void fillCross(Section& section, const StudyValues& v) {
-  for (const auto& [own, title] : {std::pair{"0", "Each camera left out"}, {"1", "With the camera's own picture"}}) {
-    Table table{title, "", {"motion, surface", "method", "RMSE", "dB", "SSIM", "frames/s"}, {}};
-    for (const std::string& sequence : v.sequences(kCross))
-      for (const std::string& proxy : v.settings(kCross, "", "proxy"))
-        for (const std::string& method : v.methods(kCross)) {
-          const std::string filter = "proxy=" + proxy + " own=" + own;
-          const auto value = [&](const char* quantity) { return v.of(kCross, sequence, method, filter, quantity); };
-          if (std::isnan(value(kRmse))) continue;
-          const double frame_s = v.of(kCondition, sequence, method, "axis=proxy at=" + proxy, kFrameS);
-          table.rows.push_back({sequence + ", " + proxy, methodTitle(method), fixedText(100 * value(kRmse), 2) + " %",
-                                fixedText(value(kPsnrFgDb), 2), fixedText(value(kSsimFg), 4),
-                                fixedText(1 / frame_s, 1)});
-        }
-    if (!table.rows.empty()) section.tables.push_back(std::move(table));
-  }
+  Cells measured;
+  for (const std::string& sequence : v.sequences(kCross))
+    for (const Cell& proxy : settingsOf(v, kCross, "", "proxy"))
+      for (const Cell& method : methodsOf(v, kCross))
+        measured.push_back({.title = {sequence + ", " + proxy.title[0], method.title[0]},
+                            .method = method.method,
+                            .filter = proxy.filter,
+                            .sequence = sequence});
+  Cells columns = cellsOf({{"RMSE", kRmse, [](double rmse) { return fixedText(100 * rmse, 2) + " %"; }},
+                           {"dB", kPsnrFgDb},
+                           {"SSIM", kSsimFg}});
+  columns.push_back({.title = {"frames/s"}, .text = fixed<1>, .value = framesPerSecond});
+  for (const auto& [own, title] : {std::pair{"0", "Each camera left out"}, {"1", "With the camera's own picture"}})
+    addGrid(section, v, {kCross, title, "", {"motion, surface", "method"}, {.filter = std::string("own=") + own}},
+            measured, columns);
 }
 
 void fillTried(Section& section, const StudyValues& v) {
@@ -201,24 +200,12 @@ void fillTried(Section& section, const StudyValues& v) {
     }
     table.rows.push_back(std::move(cells));
   }
-  if (!table.rows.empty()) section.tables.push_back(std::move(table));
+  addTable(section, std::move(table));
 }
 
 void fillStages(Section& section, const StudyValues& v) {
-  const Cells methods = methodsOf(v, kStage);
-  Cells passes;
-  for (const std::string& label : v.settings(kStage, "", "pass")) {
-    Cell cell{{label}};
-    cell.value = [label](const StudyValues& values, const Cell& at) {
-      for (const Row& row : values.rows())
-        if (row.table == kStage && row.method == at.method && settingText(row.setting, "pass") == label)
-          return row.value;
-      return std::nan("");
-    };
-    passes.push_back(std::move(cell));
-  }
-  addGrid(section, v, {kStage, "Milliseconds of a new frame, by pass", "", {"pass"}, {.text = fixed<2>}}, passes,
-          methods);
+  addGrid(section, v, {kStage, "Milliseconds of a new frame, by pass", "", {"pass"}, {.quantity = kFrameMs}},
+          settingsOf(v, kStage, "", "pass"), methodsOf(v, kStage));
 }
 
 const SectionPlan kMethodsSections[] = {
@@ -280,17 +267,6 @@ const SectionPlan kMethodsSections[] = {
      {}},
     {"worst", "Worst views", "", nullptr, {kPictureWorstViews}}};
 
-Section settingsSection(const StudyValues& v, const StudyOptions& options) {
-  Section section{
-      "settings", "Settings", "Every figure of this page, and more, is in `projective.csv` beside it.", {}, {}, {}, {}};
-  Table table{"", "", {"", "value"}, {}};
-  table.rows.push_back({"mode", options.quick ? "quick" : "full"});
-  for (const Row& row : v.rows())
-    if (row.table == kAbout) table.rows.push_back({row.quantity, settingText(row.setting, "text")});
-  section.tables.push_back(std::move(table));
-  return section;
-}
-
 }  // namespace
 
 Document makeProjectiveDocument(const Rows& rows, const StudyOptions& options, const std::string& capture_name) {
@@ -298,13 +274,9 @@ Document makeProjectiveDocument(const Rows& rows, const StudyOptions& options, c
   Document document{capture_name + ": methods of texturing from cameras", "", {}};
   document.subtitle = "Floating Textures, Montage4D and the blends that they are measured against, on " + capture_name +
                       ". Made by `fourdvt-lab methods" + std::string(options.quick ? " --quick`." : "`.");
-  for (const SectionPlan& plan : kMethodsSections) {
-    Section section{plan.id, plan.title, plan.text, {}, {}, {}, {}};
-    if (plan.fill) plan.fill(section, values);
-    section.pictures = picturesOf(values, plan.pictures);
-    if (measured(section)) document.sections.push_back(std::move(section));
-  }
-  document.sections.push_back(settingsSection(values, options));
+  addSections(document, values, kMethodsSections);
+  document.sections.push_back(
+      settingsSection(values, "Settings", "projective", {{"mode", options.quick ? "quick" : "full"}}));
   return document;
 }
 

@@ -4,28 +4,30 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text.h"
 #include "lab/study/run/projective_rows.h"
 #include "lab/study/tables/sections.h"
 
 namespace fourdvt::study {
 namespace {
 
+using namespace rows;
+
 void addTile(Section& section, double value, const std::string& text, const std::string& meaning) {
   if (!std::isnan(value)) section.tiles.push_back({text, meaning});
 }
 
 void fillSummary(Section& section, const StudyValues& v) {
-  const double ours = v.sum(rows::kTable1, rows::kJoint, "", rows::kTotalBytes),
-               masked = v.sum(rows::kTable1, rows::kFvvr, "", rows::kTotalBytes), smaller = 100 * (1 - ours / masked);
+  const double ours = v.sum(kTable1, kJoint, "", kTotalBytes), masked = v.sum(kTable1, kFvvr, "", kTotalBytes),
+               smaller = 100 * (1 - ours / masked);
   addTile(section, smaller, percentText(smaller), "less than the foreground-only multi-view, at L = 3, 512²");
-  const double ssim = v.mean(rows::kTable1, rows::kJointDefault, "", rows::kSsimFg);
+  const double ssim = v.mean(kTable1, kJointDefault, "", kSsimFg);
   addTile(section, ssim, fixedText(ssim, 4), "SSIM-FG against FVVR, default settings");
-  const double ratio = v.mean(rows::kSpeed, rows::kMethodLayered, "!pass !closest", rows::kRatioToFvvr);
+  const double ratio = v.mean(kSpeed, kMethodLayered, "!pass !closest", kRatioToFvvr);
   addTile(section, ratio, fixedText(ratio, 2) + " ×", "FVVR's frame rate");
-  const double gap = v.mean(rows::kHeldOut, rows::kJointDefault, "", rows::kPsnrFgDb) -
-                     v.mean(rows::kHeldOut, rows::kFvvr, "", rows::kPsnrFgDb);
+  const double gap = v.mean(kHeldOut, kJointDefault, "", kPsnrFgDb) - v.mean(kHeldOut, kFvvr, "", kPsnrFgDb);
   addTile(section, gap, (gap > 0 ? "+" : "") + fixedText(gap, 2) + " dB", "against FVVR at the held-out cameras");
-  const double bake = v.mean(rows::kBake, rows::kJointDefault, "!stage", rows::kSecondsFrame);
+  const double bake = v.mean(kBake, kJointDefault, "!stage", kSecondsFrame);
   addTile(section, bake, secondsText(bake), "a frame, whole bake");
   section.tables.push_back(judgementTable(judgeGoals(v), "Goals"));
 }
@@ -55,7 +57,7 @@ const SectionPlan kStudySections[] = {
      "layer size; all layers of one size, as in the papers. SSIM over the foreground of the ring views, on black. "
      "The difference maps are LVDT Fig. 6.",
      fillLayers,
-     {rows::kPictureErrorMap}},
+     {kPictureErrorMap}},
     {"storage",
      "Storage and memory",
      "LVDT Table 1 and Fig. 7a–c. Reductions of the layers as images and as video are against the foreground-only "
@@ -83,7 +85,7 @@ const SectionPlan kStudySections[] = {
      "Against pictures of cameras that no method uses: the truth. Foreground: the union of both silhouettes; "
      "“common”: where both are, without the outline's error.",
      fillHeldOut,
-     {rows::kPictureWorst}},
+     {kPictureWorst}},
     {"rate",
      "Rate and quality",
      "The rendered view (not the atlas) against the truth of the held-out cameras, over the bitrate of the video: of "
@@ -97,12 +99,12 @@ const SectionPlan kStudySections[] = {
      "camera), the same two on the body, and the share of the layer in the blend. Large patches of one colour "
      "compress better and have fewer seams.",
      nullptr,
-     {rows::kPictureLayers, rows::kPictureChanges}},
+     {kPictureLayers, kPictureChanges}},
     {"grazing",
      "Grazing views and seams",
      "Views from far above and below and midway between two cameras, where seams and green fringes would show.",
      fillGrazing,
-     {rows::kPictureGrazing}},
+     {kPictureGrazing}},
     {"motion",
      "Motion",
      "4DVT 5–6: a motion class, one character between its members. Methods of bringing the members' appearance "
@@ -111,7 +113,7 @@ const SectionPlan kStudySections[] = {
      "only. To judge appearance and not the silhouette, pictures are compared where both show the character; the "
      "whole foreground is given as well.",
      fillMotion,
-     {rows::kPictureMotionColumns, rows::kPictureMotionCrops, rows::kPictureTransition}},
+     {kPictureMotionColumns, kPictureMotionCrops, kPictureTransition}},
     {"trends",
      "The papers' trends",
      "What the papers report, and whether this capture shows it. Reasons that begin with “Likely” are an "
@@ -145,33 +147,42 @@ Table constantsTable() {
             "correlation of the members' detail"}}};
 }
 
-Section settingsSection(const StudyValues& v, const StudyOptions& options, const std::vector<std::string>& missing) {
-  Section section{"settings", "Settings and versions", "", {}, {}, {}, {}};
-  section.text = "Every figure of this page, and more, is in `evaluate.csv` beside it.";
-  if (!missing.empty()) {
-    section.text += "\n\nNot measured in this run: ";
-    for (size_t i = 0; i < missing.size(); ++i) section.text += (i ? ", " : "") + missing[i];
-    section.text += options.quick ? " (quick run)." : ".";
+// Pictures of these caption keys, in the rows' order.
+std::vector<Picture> picturesOf(const StudyValues& values, const std::vector<std::string>& keys) {
+  std::vector<Picture> out;
+  for (const Row& row : values.rows()) {
+    if (row.table != kPictures || std::find(keys.begin(), keys.end(), row.quantity) == keys.end()) continue;
+    const std::string file = settingText(row.setting, "file");
+    if (file.empty()) continue;
+    Picture picture{"pictures/" + file, ""};
+    const double width = settingNumber(row.setting, "width"), height = settingNumber(row.setting, "height");
+    if (width > 0 && height > 0) picture.width = static_cast<int>(width), picture.height = static_cast<int>(height);
+    static const std::pair<const char*, const char*> kKinds[] = {
+        {kPictureLayers, "Layers and their camera maps"},
+        {kPictureChanges, "Layer 1's camera maps in three frames; faces that change are white"},
+        {kPictureErrorMap, "Reference, ours, difference × 4"},
+        {kPictureGrazing, "View with crops, FVVR above"},
+        {kPictureWorst, "Worst held-out view: truth, ours, FVVR where kept, differences × 4"},
+        {kPictureMotionColumns, "From one member (w = 0) to the other (w = 1)"},
+        {kPictureMotionCrops, "Half way between the members"},
+        {kPictureTransition, "A transition"},
+        {kPictureMethods, "Methods on surfaces and calibrations that are more and more off"},
+        {kPictureCloseUps, "The same, close up"},
+        {kPictureCross, "An input camera's view without its own picture and with it, differences × 4"},
+        {kPictureWorstViews, "Every method's worst held-out view by SSIM-FG: truth, drawn, difference × 4"}};
+    for (const auto& [key, caption] : kKinds)
+      if (row.quantity == key) picture.caption = caption;
+    for (const std::string& part : {row.sequence, row.method.empty() ? "" : methodTitle(row.method)})
+      if (!part.empty()) picture.caption += ", " + part;
+    static const std::pair<const char*, const char*> kParts[] = {
+        {"layers", "L = "}, {"size", "size "}, {"frame", "frame "},   {"view", ""},
+        {"from", "from "},  {"to", "to "},     {"score", "SSIM-FG "}, {"at", "on "}};
+    for (const auto& [key, prefix] : kParts)
+      if (const std::string text = settingText(row.setting, key); !text.empty())
+        picture.caption += std::string(", ") + prefix + text;
+    out.push_back(std::move(picture));
   }
-  Table table{"", "", {"", "value"}, {}};
-  std::string sequences;
-  for (const std::string& name : options.sequences) sequences += (sequences.empty() ? "" : ", ") + name;
-  table.rows.push_back({"sequences", sequences.empty() ? "all" : sequences});
-  table.rows.push_back({"mode", options.quick ? "quick" : "full"});
-  table.rows.push_back({"jobs", options.jobs > 0 ? std::to_string(options.jobs) : "as many as cores"});
-  auto add = [&](bool first) {
-    for (const Row& row : v.rows()) {
-      const bool is_first = row.quantity == rows::kAboutCommand || row.quantity == rows::kAboutDevice ||
-                            row.quantity == rows::kAboutEncoder;
-      if (row.table != rows::kAbout || is_first != first) continue;
-      const std::string text = rows::settingText(row.setting, "text");
-      table.rows.push_back({row.quantity, text.empty() ? fixedText(row.value, 3) + " " + row.unit : text});
-    }
-  };
-  add(true), add(false);
-  section.tables.push_back(std::move(table));
-  section.tables.push_back(constantsTable());
-  return section;
+  return out;
 }
 
 }  // namespace
@@ -194,42 +205,33 @@ Table judgementTable(const std::vector<Judgement>& judgements, const std::string
   return table;
 }
 
-std::vector<Picture> picturesOf(const StudyValues& values, const std::vector<std::string>& keys) {
-  std::vector<Picture> out;
-  for (const Row& row : values.rows()) {
-    if (row.table != rows::kPictures || std::find(keys.begin(), keys.end(), row.quantity) == keys.end()) continue;
-    Picture picture;
-    const std::string file = rows::settingText(row.setting, "file");
-    if (file.empty()) continue;
-    picture.file = "pictures/" + file;
-    const double width = rows::settingNumber(row.setting, "width"), height = rows::settingNumber(row.setting, "height");
-    if (width > 0 && height > 0) picture.width = static_cast<int>(width), picture.height = static_cast<int>(height);
-    static const std::pair<const char*, const char*> kKinds[] = {
-        {rows::kPictureLayers, "Layers and their camera maps"},
-        {rows::kPictureChanges, "Layer 1's camera maps in three frames; faces that change are white"},
-        {rows::kPictureErrorMap, "Reference, ours, difference × 4"},
-        {rows::kPictureGrazing, "View with crops, FVVR above"},
-        {rows::kPictureWorst, "Worst held-out view: truth, ours, FVVR where kept, differences × 4"},
-        {rows::kPictureMotionColumns, "From one member (w = 0) to the other (w = 1)"},
-        {rows::kPictureMotionCrops, "Half way between the members"},
-        {rows::kPictureTransition, "A transition"},
-        {rows::kPictureMethods, "Methods on surfaces and calibrations that are more and more off"},
-        {rows::kPictureCloseUps, "The same, close up"},
-        {rows::kPictureCross, "An input camera's view without its own picture and with it, differences × 4"},
-        {rows::kPictureWorstViews, "Every method's worst held-out view by SSIM-FG: truth, drawn, difference × 4"}};
-    for (const auto& [key, caption] : kKinds)
-      if (row.quantity == key) picture.caption = caption;
-    for (const std::string& part : {row.sequence, row.method.empty() ? "" : methodTitle(row.method)})
-      if (!part.empty()) picture.caption += ", " + part;
-    static const std::pair<const char*, const char*> kParts[] = {
-        {"layers", "L = "}, {"size", "size "}, {"frame", "frame "},   {"view", ""},
-        {"from", "from "},  {"to", "to "},     {"score", "SSIM-FG "}, {"at", "on "}};
-    for (const auto& [key, prefix] : kParts)
-      if (const std::string text = rows::settingText(row.setting, key); !text.empty())
-        picture.caption += std::string(", ") + prefix + text;
-    out.push_back(std::move(picture));
+std::string addSections(Document& document, const StudyValues& values, std::span<const SectionPlan> plans) {
+  std::vector<std::string> missing;
+  for (const SectionPlan& plan : plans) {
+    Section section{plan.id, plan.title, plan.text, {}, {}, {}, {}};
+    if (plan.fill) plan.fill(section, values);
+    section.pictures = picturesOf(values, plan.pictures);
+    if (section.tables.empty() && section.plots.empty() && section.pictures.empty() && section.tiles.empty())
+      missing.push_back(plan.title);
+    else
+      document.sections.push_back(std::move(section));
   }
-  return out;
+  return joined(missing);
+}
+
+Section settingsSection(const StudyValues& v, const std::string& title, const std::string& stem,
+                        std::vector<std::vector<std::string>> settings) {
+  Section section{"settings", title, "Every figure of this page, and more, is in `" + stem + ".csv` beside it."};
+  for (const bool first : {true, false})
+    for (const Row& row : v.rows()) {
+      const bool is_first =
+          row.quantity == kAboutCommand || row.quantity == kAboutDevice || row.quantity == kAboutEncoder;
+      if (row.table != kAbout || is_first != first) continue;
+      const std::string text = settingText(row.setting, "text");
+      settings.push_back({row.quantity, text.empty() ? fixedText(row.value, 3) + " " + row.unit : text});
+    }
+  section.tables.push_back({"", "", {"", "value"}, std::move(settings)});
+  return section;
 }
 
 Document makeStudyDocument(const Rows& rows, const StudyOptions& options, const std::string& capture_name) {
@@ -239,17 +241,15 @@ Document makeStudyDocument(const Rows& rows, const StudyOptions& options, const 
                       " against free-viewpoint video rendering and held-out cameras: the tables and figures of the two "
                       "papers on this capture. Made by `fourdvt-lab study" +
                       std::string(options.quick ? " --quick`." : "`.");
-  std::vector<std::string> missing;
-  for (const SectionPlan& plan : kStudySections) {
-    Section section{plan.id, plan.title, plan.text, {}, {}, {}, {}};
-    if (plan.fill) plan.fill(section, values);
-    section.pictures = picturesOf(values, plan.pictures);
-    if (measured(section))
-      document.sections.push_back(std::move(section));
-    else
-      missing.push_back(plan.title);
-  }
-  document.sections.push_back(settingsSection(values, options, missing));
+  const std::string missing = addSections(document, values, kStudySections);
+  Section settings = settingsSection(values, "Settings and versions", "evaluate",
+                                     {{"sequences", options.sequences.empty() ? "all" : joined(options.sequences)},
+                                      {"mode", options.quick ? "quick" : "full"},
+                                      {"jobs", options.jobs > 0 ? std::to_string(options.jobs) : "as many as cores"}});
+  if (!missing.empty())
+    settings.text += "\n\nNot measured in this run: " + missing + (options.quick ? " (quick run)." : ".");
+  settings.tables.push_back(constantsTable());
+  document.sections.push_back(std::move(settings));
   return document;
 }
 

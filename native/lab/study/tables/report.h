@@ -39,6 +39,10 @@ class StudyValues {
   const Rows& rows() const { return rows_; }
 
  private:
+  // Values that mean and sum are of.
+  std::vector<double> each(const std::string& table, const std::string& method, const std::string& filter,
+                           const std::string& quantity) const;
+
   const Rows& rows_;
 };
 

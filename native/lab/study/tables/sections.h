@@ -4,6 +4,7 @@
 #pragma once
 
 #include <limits>
+#include <span>
 
 #include "lab/study/tables/grid.h"
 
@@ -18,9 +19,11 @@ struct SectionPlan {
   std::vector<std::string> pictures;                          // caption keys
 };
 
-inline bool measured(const Section& section) {
-  return !section.tables.empty() || !section.plots.empty() || !section.pictures.empty() || !section.tiles.empty();
-}
+// Adds the sections that were measured; returns the titles of the others, "Speed, Labels".
+std::string addSections(Document& document, const StudyValues& values, std::span<const SectionPlan> plans);
+// Last section: these settings and the facts of table "about". `stem`: of the CSV file.
+Section settingsSection(const StudyValues& values, const std::string& title, const std::string& stem,
+                        std::vector<std::vector<std::string>> settings);
 
 void fillTable1(Section& section, const StudyValues& values);
 void fillLayers(Section& section, const StudyValues& values);
@@ -37,8 +40,5 @@ Judgement judged(const std::string& claim, double decisive, bool holds, const st
                  const std::string& reason = {});
 std::vector<Judgement> judgeMotion(const StudyValues& values);
 Table judgementTable(const std::vector<Judgement>& judgements, const std::string& title);
-
-// Pictures of these caption keys, in the rows' order.
-std::vector<Picture> picturesOf(const StudyValues& values, const std::vector<std::string>& keys);
 
 }  // namespace fourdvt::study

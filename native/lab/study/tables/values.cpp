@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
+#include <functional>
+#include <numeric>
 #include <sstream>
 
 #include "lab/study/run/rows.h"
@@ -11,19 +12,44 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr const char* kMethodOrder[] = {
-    rows::kFvvr,           rows::kFvvrGiven,     rows::kFvvrClosest, rows::kNaive,        rows::kSpatial,
-    rows::kTemporalPaper,  rows::kPerTexel,      rows::kJoint,       rows::kJointDefault, rows::kJointNoUnseen,
-    rows::kJointNoPartial, rows::kJointNeither,  rows::kAlignNone,   rows::kAlignBaked,   rows::kAlignBakedMean,
-    rows::kFlowGpu,        rows::kFlowGpuDetail, rows::kFlowDis,     rows::kFlowOpencv,   rows::kOpencvDis};
+using namespace rows;
 
-size_t methodRank(const std::string& method) {
-  return static_cast<size_t>(std::find(std::begin(kMethodOrder), std::end(kMethodOrder), method) -
-                             std::begin(kMethodOrder));
+// Methods in the report's order, with their titles.
+const std::pair<std::string, std::string> kMethods[] = {{kFvvr, "FVVR"},
+                                                        {kFvvrGiven, "FVVR, mesh and cameras as given"},
+                                                        {kFvvrClosest, "FVVR, M = " + std::to_string(kClosestCameras)},
+                                                        {kNaive, "NO (naive)"},
+                                                        {kSpatial, "SO (spatial)"},
+                                                        {kTemporalPaper, "TO (Eq. 5)"},
+                                                        {kPerTexel, "per texel"},
+                                                        {kJoint, "ours (joint)"},
+                                                        {kJointDefault, "ours, default"},
+                                                        {kJointNoUnseen, "ours, unseen faces left empty"},
+                                                        {kJointNoPartial, "ours, no partial cameras"},
+                                                        {kJointNeither, "ours, neither"},
+                                                        {kAlignNone, kAlignNone},
+                                                        {kAlignBaked, kAlignBaked},
+                                                        {kAlignBakedMean, kAlignBakedMean},
+                                                        {kFlowGpu, kFlowGpu},
+                                                        {kFlowGpuDetail, kFlowGpuDetail},
+                                                        {kFlowDis, kFlowDis},
+                                                        {kFlowOpencv, kFlowOpencv},
+                                                        {kOpencvDis, kOpencvDis}};
+
+const auto* known(const std::string& method) {
+  return std::find_if(std::begin(kMethods), std::end(kMethods), [&](const auto& m) { return m.first == method; });
 }
 
-void addOnce(std::vector<std::string>& list, const std::string& name) {
-  if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
+// Distinct texts of a table's rows in order of appearance, without empty ones.
+template <class Text>
+std::vector<std::string> distinct(const Rows& rows, const std::string& table, Text text) {
+  std::vector<std::string> out;
+  for (const Row& row : rows) {
+    if (row.table != table) continue;
+    const std::string name = std::invoke(text, row);
+    if (!name.empty() && std::find(out.begin(), out.end(), name) == out.end()) out.push_back(name);
+  }
+  return out;
 }
 
 bool sameValue(const std::string& a, const std::string& b) {
@@ -39,11 +65,14 @@ bool matchesFilter(const std::string& setting, const std::string& filter) {
   std::istringstream pairs(filter);
   for (std::string pair; pairs >> pair;) {
     if (pair[0] == '!') {
-      if (!rows::settingText(setting, pair.substr(1)).empty()) return false;
+      if (!settingText(setting, pair.substr(1)).empty()) return false;
       continue;
     }
     const size_t equals = pair.find('=');
-    if (!sameValue(rows::settingText(setting, pair.substr(0, equals)), pair.substr(equals + 1))) return false;
+    const std::string key = pair.substr(0, equals);
+    std::string wanted = pair.substr(equals + 1), rest;
+    if (isLastKey(key) && std::getline(pairs, rest)) wanted += rest;
+    if (!sameValue(settingText(setting, key), wanted)) return false;
   }
   return true;
 }
@@ -57,56 +86,44 @@ double StudyValues::of(const std::string& table, const std::string& sequence, co
   return std::numeric_limits<double>::quiet_NaN();
 }
 
+std::vector<double> StudyValues::each(const std::string& table, const std::string& method, const std::string& filter,
+                                      const std::string& quantity) const {
+  const double whole = of(table, "", method, filter, quantity);
+  if (!std::isnan(whole)) return {whole};
+  std::vector<double> out;
+  for (const std::string& sequence : sequences(table)) out.push_back(of(table, sequence, method, filter, quantity));
+  std::erase_if(out, [](double value) { return std::isnan(value); });
+  return out;
+}
+
 double StudyValues::sum(const std::string& table, const std::string& method, const std::string& filter,
                         const std::string& quantity) const {
-  const double whole = of(table, "", method, filter, quantity);
-  if (!std::isnan(whole)) return whole;
-  double total = std::numeric_limits<double>::quiet_NaN();
-  for (const std::string& sequence : sequences(table)) {
-    const double value = of(table, sequence, method, filter, quantity);
-    if (!std::isnan(value)) total = std::isnan(total) ? value : total + value;
-  }
-  return total;
+  const std::vector<double> values = each(table, method, filter, quantity);
+  return values.empty() ? std::nan("") : std::accumulate(values.begin(), values.end(), 0.0);
 }
 
 double StudyValues::mean(const std::string& table, const std::string& method, const std::string& filter,
                          const std::string& quantity) const {
-  const double whole = of(table, "", method, filter, quantity);
-  if (!std::isnan(whole)) return whole;
-  double total = 0;
-  int count = 0;
-  for (const std::string& sequence : sequences(table)) {
-    const double value = of(table, sequence, method, filter, quantity);
-    if (!std::isnan(value)) total += value, ++count;
-  }
-  return count ? total / count : std::numeric_limits<double>::quiet_NaN();
+  const std::vector<double> values = each(table, method, filter, quantity);
+  return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());  // NaN for none
 }
 
 std::vector<std::string> StudyValues::sequences(const std::string& table) const {
-  std::vector<std::string> out;
-  for (const Row& row : rows_)
-    if (row.table == table && !row.sequence.empty()) addOnce(out, row.sequence);
-  return out;
+  return distinct(rows_, table, &Row::sequence);
 }
 
 std::vector<std::string> StudyValues::methods(const std::string& table) const {
-  std::vector<std::string> out;
-  for (const Row& row : rows_)
-    if (row.table == table && !row.method.empty()) addOnce(out, row.method);
+  std::vector<std::string> out = distinct(rows_, table, &Row::method);
   std::stable_sort(out.begin(), out.end(),
-                   [](const std::string& a, const std::string& b) { return methodRank(a) < methodRank(b); });
+                   [](const std::string& a, const std::string& b) { return known(a) < known(b); });
   return out;
 }
 
 std::vector<std::string> StudyValues::settings(const std::string& table, const std::string& method,
                                                const std::string& key) const {
-  std::vector<std::string> out;
-  for (const Row& row : rows_) {
-    if (row.table != table || (!method.empty() && row.method != method)) continue;
-    const std::string value = rows::settingText(row.setting, key);
-    if (!value.empty()) addOnce(out, value);
-  }
-  return out;
+  return distinct(rows_, table, [&](const Row& row) {
+    return method.empty() || row.method == method ? settingText(row.setting, key) : std::string();
+  });
 }
 
 std::vector<double> StudyValues::numbers(const std::string& table, const std::string& method,
@@ -123,20 +140,8 @@ std::vector<double> StudyValues::numbers(const std::string& table, const std::st
 }
 
 std::string methodTitle(const std::string& method) {
-  if (method == rows::kFvvr) return "FVVR";
-  if (method == rows::kFvvrGiven) return "FVVR, mesh and cameras as given";
-  if (method == rows::kFvvrClosest) return "FVVR, M = " + std::to_string(rows::kClosestCameras);
-  if (method == rows::kNaive) return "NO (naive)";
-  if (method == rows::kSpatial) return "SO (spatial)";
-  if (method == rows::kTemporalPaper) return "TO (Eq. 5)";
-  if (method == rows::kPerTexel) return "per texel";
-  if (method == rows::kJoint) return "ours (joint)";
-  if (method == rows::kJointDefault) return "ours, default";
-  if (method == rows::kJointNoUnseen) return "ours, unseen faces left empty";
-  if (method == rows::kJointNoPartial) return "ours, no partial cameras";
-  if (method == rows::kJointNeither) return "ours, neither";
-  if (method == rows::kMethodLayered) return "layered";
-  return method;
+  const auto* found = known(method);
+  return found == std::end(kMethods) ? method : found->second;
 }
 
 }  // namespace fourdvt::study
