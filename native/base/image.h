@@ -22,6 +22,16 @@ struct Image {
   const uint8_t* at(int x, int y) const { return pixels.data() + (static_cast<size_t>(y) * width + x) * channels; }
 };
 
+// Display marks stored in a file beside its pixels, in the order of application: stretching, mirroring, rotation.
+struct PictureMarks {
+  bool mirrored = false;    // left to right
+  int quarter_turns = 0;    // clockwise, 0 to 3
+  double pixel_aspect = 1;  // width of a stored pixel to its height
+  bool turns() const { return mirrored || quarter_turns != 0; }
+  bool swapsSides() const { return quarter_turns % 2 != 0; }
+  bool stretches() const { return pixel_aspect != 1; }
+};
+
 // Converts RGBA from premultiplied to straight alpha, in the encoded values. Pixels with alpha 0 are unchanged.
 inline void unpremultiply(Image& rgba) {
   for (size_t i = 0; i + 3 < rgba.pixels.size(); i += 4) {

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/mesh.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "base/robust.h"
 
 namespace fourdvt {
+
 void computeVertexNormals(const std::vector<glm::uvec3>& face_vertices, const glm::vec3* positions, size_t vertex_count,
                           std::vector<glm::vec3>& normals) {
   normals.assign(vertex_count, glm::vec3(0));
@@ -64,6 +69,33 @@ SurfaceFrames computeSurfaceFrames(const MeshTopology& topology, std::span<const
   for (const glm::uvec3& face : topology.face_uvs)
     for (int corner = 0; corner < 3; ++corner) frames.uv_from_tangents.push_back(sums[face[corner]].solve());
   return frames;
+}
+
+void dropUnusedVertices(TriangleMesh& mesh) {
+  std::vector<uint32_t> renumbered(mesh.positions.size(), UINT32_MAX);
+  Positions used;
+  for (glm::uvec3& face : mesh.faces)
+    for (int k = 0; k < 3; ++k) {
+      uint32_t& number = renumbered[face[k]];
+      if (number == UINT32_MAX) {
+        number = static_cast<uint32_t>(used.size());
+        used.push_back(mesh.positions[face[k]]);
+      }
+      face[k] = number;
+    }
+  mesh.positions = std::move(used);
+}
+
+double longestSide(const Positions& positions) {
+  glm::vec3 low = positions[0], high = low;
+  for (const glm::vec3& p : positions) low = glm::min(low, p), high = glm::max(high, p);
+  return std::max({high.x - low.x, high.y - low.y, high.z - low.z});
+}
+
+double lengthScale(std::vector<double> longest_sides_m) {
+  constexpr double kPerson_m = 2;  // mid-range size of a person's surface, arms raised to crouching
+  const double usual_m = median(std::move(longest_sides_m));
+  return usual_m > 0 ? std::exp2(std::round(std::log2(usual_m / kPerson_m))) : 1;
 }
 
 }  // namespace fourdvt

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangle topology with UVs per corner, the same in all frames of a character. Positions are kept apart, per frame.
+// Triangle meshes: topology with UVs per corner, the same in all frames of a character, and positions apart, per frame;
+// normals, tangents and sizes.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +9,7 @@
 #include <vector>
 
 namespace fourdvt {
+
 struct MeshTopology {
   uint32_t vertex_count = 0;
   std::vector<glm::vec2> uvs;             // texture coordinates, origin TOP left (glTF); texel = uv * size
@@ -35,7 +37,6 @@ void computeVertexNormals(const std::vector<glm::uvec3>& face_vertices, const gl
 
 // Tangent frame per vertex of the base mesh, and the texture displacement per metre along each tangent. Bake and player
 // compute identical frames, so that a tangential displacement is stored as two numbers per vertex, without a pose.
-
 struct SurfaceFrames {
   // [vertex] two orthonormal tangents of the base pose, perpendicular to its normal; right-handed with it.
   std::vector<glm::mat2x3> tangents;
@@ -47,5 +48,15 @@ struct SurfaceFrames {
 // `base`: vertex_count positions of the base mesh. Requires each texture vertex to belong to one vertex, as in decoded
 // base meshes.
 SurfaceFrames computeSurfaceFrames(const MeshTopology& topology, std::span<const glm::vec3> base);
+
+// Drops the vertices without a face and renumbers the others in the order of their first use.
+void dropUnusedVertices(TriangleMesh& mesh);
+
+// Longest side of the points' bounding box, metres. Requires at least one point.
+double longestSide(const Positions& positions);
+
+// World metres per metre of a scene scaled to the size of a person: a power of two, so that scaling lengths is exact
+// and changes rarely; 1 if the median of the frames' longest sides is 1.42 to 2.82 m, or if no side is above 0.
+double lengthScale(std::vector<double> longest_sides_m);
 
 }  // namespace fourdvt

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "base/image.h"
-#include "base/picture_marks.h"
 #include "base/result.h"
 
 namespace fourdvt {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "base/image.h"
-#include "base/picture_marks.h"
 #include "base/video.h"
 #include "capture/capture.h"
 

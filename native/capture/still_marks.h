@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "base/image.h"
-#include "base/picture_marks.h"
 
 namespace fourdvt::capture {
 

@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "base/text.h"
+
 namespace fourdvt::capture {
 namespace {
 
@@ -46,6 +48,14 @@ std::optional<PictureMarks> fitting(const Image& stored, const PictureMarks& mar
 cv::Mat viewOf(Image& image) { return {image.height, image.width, CV_8UC(image.channels), image.pixels.data()}; }
 
 }  // namespace
+
+std::string describe(const PictureMarks& marks) {
+  std::string out = marks.mirrored ? "mirrored" : "";
+  const auto add = [&](const std::string& more) { out += (out.empty() ? "" : " and ") + more; };
+  if (marks.quarter_turns != 0) add("turned by " + std::to_string(90 * marks.quarter_turns) + "°");
+  if (marks.stretches()) add(printed("with pixels of %.4g to 1", marks.pixel_aspect));
+  return out;
+}
 
 Image applyMarks(Image stored, const PictureMarks& marks) {
   if (marks.stretches()) {

@@ -6,11 +6,13 @@
 #include <string>
 
 #include "base/image.h"
-#include "base/picture_marks.h"
 #include "base/result.h"
 #include "capture/capture.h"
 
 namespace fourdvt::capture {
+
+// "mirrored and turned by 90°", "with pixels of 1.333 to 1"; empty if there are no marks.
+std::string describe(const PictureMarks& marks);
 
 // Stretches, mirrors and turns a picture with any number of channels.
 Image applyMarks(Image stored, const PictureMarks& marks);

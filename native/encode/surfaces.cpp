@@ -11,7 +11,7 @@
 #include "base/face_buffer.h"
 #include "base/hash.h"
 #include "base/image.h"
-#include "base/used_vertices.h"
+#include "base/mesh.h"
 
 namespace fourdvt::encode {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "base/picture_marks.h"
+#include "base/image.h"
 #include "platform/ffmpeg_handles.h"
 
 namespace fourdvt::platform {

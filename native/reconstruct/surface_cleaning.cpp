@@ -8,8 +8,8 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
+#include "base/mesh.h"
 #include "base/parallel.h"
-#include "base/used_vertices.h"
 
 namespace fourdvt::reconstruct {
 namespace {

@@ -18,7 +18,7 @@ namespace fourdvt::bake {
 
 class FrameDrawing {
  public:
-  // length_scale: base/length_scale.h. Errors: GpuFailure.
+  // length_scale: lengthScale in base/mesh.h. Errors: GpuFailure.
   static Result<std::unique_ptr<FrameDrawing>> create(gpu::Device& device, std::vector<PinholeCamera> cameras,
                                                       double length_scale = 1);
 

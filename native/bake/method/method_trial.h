@@ -20,7 +20,7 @@ struct TrialFrame {
   const std::vector<PinholeCamera>& cameras;
   const TriangleMesh& surface;
   std::span<const Image> pictures;  // one per camera, RGBA with straight alpha (the matte), with the colours to render
-  double length_scale = 1;          // base/length_scale.h
+  double length_scale = 1;          // lengthScale in base/mesh.h
 };
 
 // Sums over views.

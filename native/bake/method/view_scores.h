@@ -36,8 +36,8 @@ constexpr double kSharedWeight = 0.25;
 
 class SharedSight {
  public:
-  // Borrows the surface. length_scale: base/length_scale.h. Memory: 8 bytes per pixel of all cameras, at most 512 on
-  // the longer side of each.
+  // Borrows the surface. length_scale: lengthScale in base/mesh.h. Memory: 8 bytes per pixel of all cameras, at most
+  // 512 on the longer side of each.
   SharedSight(const std::vector<PinholeCamera>& cameras, const TriangleMesh& surface, double length_scale);
   // Pixels of the view, which may be a camera's own, at which at least two of the cameras other than `left_out` see
   // the surface with such weights.

@@ -62,7 +62,7 @@ struct Job {
   // alone, for glTF viewers.
   package::EncodedBaseMesh mesh;
   BoundingBox bounds;              // over all frames
-  double length_scale = 0;         // base/length_scale.h; 0: not measured yet
+  double length_scale = 0;         // lengthScale in base/mesh.h; 0: not measured yet
   encode::TileLayout layout;       // layout for one member
   encode::EncodeSettings encode;   // settings for a captured sequence
   uint32_t total_frames = 0;       // number of captured frames

@@ -91,7 +91,7 @@ struct BakeOptions {
 // Folder of the report, beside the character, which holds only files of the page.
 inline std::string reportFolderOf(const std::string& character_folder) { return character_folder + ".report"; }
 
-// Lengths for a person; the surface's length scale (base/length_scale.h) multiplies them.
+// Lengths for a person; the surface's length scale (lengthScale in base/mesh.h) multiplies them.
 
 inline constexpr double kLayersStep_m = 0.00025, kCamerasStep_m = 0.001;  // position steps
 inline constexpr double kCoarseStep_m = 0.002, kBlendError_m = 0.001, kAlignmentStep_m = 0.0001;

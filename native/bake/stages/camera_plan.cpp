@@ -4,7 +4,7 @@
 
 #include "bake/run/renditions.h"
 #include "bake/stages/stages.h"
-#include "base/length_scale.h"
+#include "base/mesh.h"
 #include "encode/surfaces.h"
 #include "mattes/frame_reader.h"
 

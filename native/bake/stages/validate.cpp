@@ -13,7 +13,7 @@
 #include "bake/run/options.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/stages.h"
-#include "base/length_scale.h"
+#include "base/mesh.h"
 #include "base/text.h"
 #include "capture/mesh_sequence.h"
 #include "mattes/frame_reader.h"

@@ -36,7 +36,7 @@ struct FrameBakerOptions {
   float gutter_texels = 10;  // in texels of layer 0
   ResampleOptions resample;
   std::vector<ColourMap> colour_maps;  // one per camera; empty: uncorrected
-  float length_scale = 1;              // base/length_scale.h
+  float length_scale = 1;              // lengthScale in base/mesh.h
 };
 
 class FrameBaker {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "base/face_buffer.h"
-#include "base/length_scale.h"
+#include "base/mesh.h"
 
 namespace fourdvt::measure {
 namespace {

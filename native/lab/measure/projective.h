@@ -15,7 +15,7 @@ namespace fourdvt::measure {
 
 struct ProjectiveOptions {
   int samples = 2;                  // samples per pixel along each axis
-  double depth_tolerance_m = 0.01;  // for a person's surface (base/length_scale.h)
+  double depth_tolerance_m = 0.01;  // for a person's surface (lengthScale in base/mesh.h)
 };
 
 // RGBA straight alpha; alpha = covered share of the samples. A covered sample without a visible camera uses the

@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "base/length_scale.h"
+#include "base/mesh.h"
 #include "base/text.h"
 #include "lab/measure/held_out_truth.h"
 #include "lab/measure/matte_agreement.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "base/length_scale.h"
+#include "base/mesh.h"
 
 #include <gtest/gtest.h>
 
