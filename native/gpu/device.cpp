@@ -9,6 +9,8 @@
 namespace fourdvt::gpu {
 namespace {
 
+ShaderReader shader_reader = nullptr;
+
 bool isFloat(PixelFormat format) {
   return format == PixelFormat::R32F || format == PixelFormat::RG32F || format == PixelFormat::RGBA32F;
 }
@@ -446,5 +448,11 @@ Result<Target> makeTarget(Device& device, const TargetDesc& desc) {
 }
 
 IndexBuffer makeIndexBuffer(Device& device) { return IndexBuffer(device, device.createIndexBuffer()); }
+
+void readShadersBy(ShaderReader reader) { shader_reader = reader; }
+
+std::string_view readShader(std::string_view name, std::string_view embedded) {
+  return shader_reader ? shader_reader(name) : embedded;
+}
 
 }  // namespace fourdvt::gpu

@@ -4,8 +4,8 @@
 # names. ONLY and LEAVE_OUT match the beginnings of the names in SHADER_DIR. Lines `#include "x.glsl"` are replaced by
 # that file's text, once per shader; further includes of the same file become empty. Comments and most spaces are
 # removed. MARK is a first line of every source, or of those with names matching LATER, found by wasm/split.mjs; the
-# last line keeps the linker from sharing its end with another string. READER: gpu/shader_reader.h may return other
-# texts.
+# last line keeps the linker from sharing its end with another string. READER: readShadersBy (gpu/device.h) may set
+# other texts.
 file(GLOB paths ${SHADER_DIR}/*.vert ${SHADER_DIR}/*.frag)
 if(ONLY)
   list(FILTER paths INCLUDE REGEX "/(${ONLY})[^/]*$")
@@ -51,7 +51,7 @@ foreach(path ${paths})
 endforeach()
 set(include "")
 if(READER)
-  set(include "\n#include \"gpu/shader_reader.h\"\n")
+  set(include "\n#include \"gpu/device.h\"\n")
 endif()
 string(REPLACE "::" ";" function ${FUNCTION})
 list(GET function 0 namespace)

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "gpu/shader_reader.h"
+#include "gpu/device.h"
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
 #include "platform/shader_folder.h"
