@@ -19,7 +19,7 @@ constexpr const char* kExtensionName = "FOURDVT_layered_video_texture";
 constexpr int kFormatVersion = 1;        // layered character
 constexpr int kCameraFormatVersion = 2;  // character from cameras
 constexpr int kCoarseFormatVersion = 3;  // layered character, coarse geometry allowed
-constexpr int kLiveFormatVersion = 4;    // live stream from cameras (live_manifest.h)
+constexpr int kLiveFormatVersion = 4;    // live stream from cameras (live_stream.h)
 constexpr int kMaxLayers = 6;
 constexpr int kMaxCameras = 31;  // a face's camera set is a 32-bit mask
 constexpr int kMaxPictureSide = 4096;
@@ -113,7 +113,7 @@ struct Room {
   std::string picture_uri;  // PNG or JPEG; empty: no room
   uint64_t picture_bytes = 0, picture_hash = 0;
   int width = 0, height = 0;  // picture size
-  std::array<Rect, 6> faces;  // rectangles in the picture, in the order of roomPoint (package/room_faces.h)
+  std::array<Rect, 6> faces;  // rectangles in the picture, in the order of roomPoint
 };
 
 // Start file: base mesh, and frame 0 of the first sequence in its lowest rendition (start_file.h).
@@ -156,5 +156,17 @@ struct Character {
 
 // Validates all values that later stages index or allocate by. Errors: ManifestInvalid, Unsupported (newer, or live).
 Result<Character> readManifest(const FlatJson& gltf);
+
+// Point of the box that a room picture's face shows. Face order: -x, +x, -y (floor), +y (ceiling), -z, +z, each seen
+// from inside: up is +y on walls, -z on floor and ceiling. `u` to the right and `v` down, both 0…1 over the face.
+inline glm::vec3 roomPoint(const BoundingBox& box, int face, float u, float v) {
+  const int axis = face / 2;
+  const bool high = face % 2 == 1, mirrored = high == (axis != 0);
+  glm::vec3 share;
+  share[axis] = high ? 1.0f : 0.0f;
+  share[axis == 0 ? 2 : 0] = mirrored ? 1 - u : u;
+  share[axis == 1 ? 2 : 1] = axis == 1 ? v : 1 - v;
+  return box.min + share * (box.max - box.min);
+}
 
 }  // namespace fourdvt::package

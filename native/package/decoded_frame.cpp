@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "package/decoded_frame.h"
-
 #include <algorithm>
 #include <cstring>
 
 #include "package/chunk_counts.h"
+#include "package/chunk_decoder.h"
 
 namespace fourdvt::package {
 namespace {

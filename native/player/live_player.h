@@ -12,8 +12,7 @@
 #include <optional>
 #include <vector>
 
-#include "package/live_frame.h"
-#include "package/live_manifest.h"
+#include "package/live_stream.h"
 #include "player/parts/pictures.h"
 #include "player/player.h"
 

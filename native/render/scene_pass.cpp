@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include "package/room_faces.h"
+#include "package/character.h"
 #include "render/passes.h"
 #include "render/table.h"
 

@@ -13,7 +13,7 @@
 #include "lab/studio/sensor.h"
 #include "lab/studio/set.h"
 #include "or_stop.h"
-#include "package/room_faces.h"
+#include "package/character.h"
 #include "platform/egl_context.h"
 #include "platform/files.h"
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "live/protocol/camera_messages.h"
-#include "package/live_frame.h"
+#include "package/live_stream.h"
 
 using namespace fourdvt;
 using namespace fourdvt::live;

@@ -3,8 +3,7 @@
 // time follow from their number.
 #pragma once
 
-#include "package/live_frame.h"
-#include "package/live_manifest.h"
+#include "package/live_stream.h"
 #include "surface_fixture.h"
 
 namespace fourdvt::testing {

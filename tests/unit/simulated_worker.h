@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// A simulated worker that decodes a player's geometry, as web/src/decode/geometry-worker.ts does: jobs by rank, those that are
-// no longer wanted are forgotten, frames come back after a while.
+// A simulated worker that decodes a player's geometry, as web/src/decode/geometry-worker.ts does: jobs by rank, those
+// that are no longer wanted are forgotten, frames come back after a while.
 #pragma once
 
 #include <deque>
 #include <map>
 #include <random>
 
-#include "package/decoded_frame.h"
+#include "package/chunk_decoder.h"
 #include "player/player.h"
 
 namespace fourdvt::testing {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "abi.h"
-#include "package/decoded_frame.h"
+#include "package/chunk_decoder.h"
 
 using namespace fourdvt;
 

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/parallel.h"
-#include "package/room_faces.h"
+#include "package/character.h"
 
 namespace fourdvt::bake {
 namespace {

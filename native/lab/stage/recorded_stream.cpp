@@ -12,8 +12,7 @@
 
 #include "lab/stage/counter.h"
 #include "package/barcode.h"
-#include "package/live_frame.h"
-#include "package/live_manifest.h"
+#include "package/live_stream.h"
 #include "package/surface_chunk.h"
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"

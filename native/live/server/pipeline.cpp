@@ -16,7 +16,7 @@
 #include "live/server/recorder.h"
 #include "live/server/tile_painter.h"
 #include "live/server/tiles.h"
-#include "package/live_frame.h"
+#include "package/live_stream.h"
 
 namespace fourdvt::live {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/later.h"
-#include "package/decoded_frame.h"
+#include "package/chunk_decoder.h"
 #include "player/parts/loading.h"
 
 namespace fourdvt {

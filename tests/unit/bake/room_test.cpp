@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "package/room_faces.h"
+#include "package/character.h"
 
 namespace fourdvt::bake {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "package/live_frame.h"
-
 #include <gtest/gtest.h>
+
+#include "package/live_stream.h"
 
 namespace fourdvt::package {
 namespace {

@@ -13,7 +13,7 @@
 #include "live_fixture.h"
 #include "mattes/frame_reader.h"
 #include "package/barcode.h"
-#include "package/live_frame.h"
+#include "package/live_stream.h"
 #include "package/surface_chunk.h"
 #include "platform/ffmpeg_video.h"
 #include "reconstruct/mesh_checks.h"

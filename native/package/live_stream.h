@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// One frame of a live stream: surface, tile placement of the camera pictures, and one video sample, all still coded.
-// Byte layout: FORMAT.md, "A live stream".
+// Manifest and frames of a live stream: a character from cameras without files, whose one sequence is the incoming
+// frames. Byte layout: FORMAT.md, "A live stream".
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "base/flat_json.h"
 #include "base/result.h"
+#include "package/character.h"
+#include "package/stream_file.h"
 
 namespace fourdvt::package {
 
+// One frame: surface, tile placement of the camera pictures, and one video sample, all still coded.
 struct LiveFrame {
   uint32_t number = 0;              // previous number + 1, or a gap, then a key
   bool key = false;                 // sample decodes without predecessors
@@ -24,5 +28,14 @@ constexpr size_t kMaxLiveFrameBytes = 8u << 20;
 std::vector<uint8_t> writeLiveFrame(const LiveFrame& frame);
 // Spans of the result borrow `bytes`. Errors: StreamInvalid; Unsupported (newer).
 Result<LiveFrame> readLiveFrame(std::span<const uint8_t> bytes);
+
+struct LiveCharacter {
+  Character character;   // one sequence "live" of one rendition
+  StreamIndex index;     // one GOP of one frame: index for SurfaceChunk::open of every LiveFrame's chunk
+  uint64_t session = 0;  // changes when the stream restarts with new frame numbers
+};
+
+// Validates a stream's manifest. Errors: ManifestInvalid; Unsupported (newer).
+Result<LiveCharacter> readLiveManifest(const FlatJson& manifest);
 
 }  // namespace fourdvt::package
