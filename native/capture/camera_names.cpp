@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/text.h"
+#include "capture/text.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -46,8 +47,6 @@ bool hasLetter(const std::string& text) {
   return std::any_of(text.begin(), text.end(), [](unsigned char c) { return std::isalpha(c) || c >= 0x80; });
 }
 
-bool isDigit(char c) { return c >= '0' && c <= '9'; }
-
 // "cam00_0017" without its last number; the whole stem without one.
 std::string withoutLastNumber(const std::string& stem) {
   size_t end = stem.size();
@@ -77,10 +76,7 @@ bool sameCamera(const CaptureCamera& a, const CaptureCamera& b, double extent) {
 }
 
 // Returns true if files name cameras and folders do not: "top/cam1.png", "top/cam2.png", "below/cam1.png" ….
-bool namesCameras(std::string file) {
-  std::transform(file.begin(), file.end(), file.begin(), [](unsigned char c) { return std::tolower(c); });
-  return file.find("cam") != std::string::npos;
-}
+bool namesCameras(const std::string& file) { return lowerCase(file).find("cam") != std::string::npos; }
 
 // Error for moving cameras: pictures of at least two equal names, each with another pose.
 Status refuseMotion(const std::map<Parts, std::vector<size_t>>& folders, const std::vector<ListedPicture>& pictures,

@@ -7,27 +7,14 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "capture/class_json.h"
-#include "capture/json_text.h"
 #include "capture/mesh_sequence.h"
+#include "capture/text.h"
 
 namespace fourdvt::capture {
 namespace {
 
 using Json = nlohmann::json;
 constexpr double kMaxFrames = 10'000'000, kMaxUnits = 1e6, kMinUnitsPerMetre = 1e-3, kMaxOffset_ms = 1e8;
-
-// Value of `key`; null if missing or if `node` is no object.
-const Json& member(const Json& node, const char* key) {
-  static const Json null;
-  if (!node.is_object()) return null;
-  const auto it = node.find(key);
-  return it == node.end() ? null : *it;
-}
-
-std::string text(const Json& node, const std::string& otherwise = {}) {
-  return node.is_string() ? node.get<std::string>() : otherwise;
-}
 
 class Parser {
  public:
@@ -37,26 +24,26 @@ class Parser {
     if (!root.is_object()) return error("is not a JSON object");
     Capture& capture = out_.capture;
     capture.folder = folder_;
-    capture.name = text(member(root, "name"), std::filesystem::path(folder_).filename().string());
-    capture.credit = text(member(member(root, "licence"), "credit"));
-    const Json& calibration = member(root, "calibration");
+    capture.name = jsonText(jsonMember(root, "name"), std::filesystem::path(folder_).filename().string());
+    capture.credit = jsonText(jsonMember(jsonMember(root, "licence"), "credit"));
+    const Json& calibration = jsonMember(root, "calibration");
     if (!calibration.is_null() && !calibration.is_object())
       return error("\"calibration\" must be an object, like {\"ring\": \"cameras\"}");
     if (root.contains("orientation")) return error("\"orientation\" belongs into \"calibration\"");
     FOURDVT_ASSIGN(capture.cameras_folder,
-                   inside("\"calibration\"", text(member(member(root, "calibration"), "ring"), "cameras")));
-    FOURDVT_TRY(skew(member(member(root, "calibration"), "skew")));
-    FOURDVT_TRY(orientation(member(member(root, "calibration"), "orientation")));
-    FOURDVT_TRY(background(member(root, "background")));
+                   inside("\"calibration\"", jsonText(jsonMember(calibration, "ring"), "cameras")));
+    FOURDVT_TRY(skew(jsonMember(calibration, "skew")));
+    FOURDVT_TRY(orientation(jsonMember(calibration, "orientation")));
+    FOURDVT_TRY(background(jsonMember(root, "background")));
     FOURDVT_TRY(scale(root));
-    FOURDVT_TRY(room(member(root, "room")));
+    FOURDVT_TRY(room(jsonMember(root, "room")));
     FOURDVT_TRY(topology(root));
-    FOURDVT_TRY(offsets(member(root, "offset_frames"), offset_frames_));
-    const Json& sequences = member(root, "sequences");
+    FOURDVT_TRY(offsets(jsonMember(root, "offset_frames"), offset_frames_));
+    const Json& sequences = jsonMember(root, "sequences");
     if (!sequences.is_array() || sequences.empty()) return error("needs \"sequences\", a list with at least one entry");
     for (const Json& entry : sequences) FOURDVT_TRY(sequence(entry));
-    FOURDVT_ASSIGN(capture.classes, parseClasses(member(root, "classes"), out_.sequences, file_));
-    FOURDVT_TRY(footsteps(member(root, "classes")));
+    FOURDVT_ASSIGN(capture.classes, parseClasses(jsonMember(root, "classes"), out_.sequences, file_));
+    FOURDVT_TRY(footsteps(jsonMember(root, "classes")));
     return std::move(out_);
   }
 
@@ -74,21 +61,25 @@ class Parser {
                  "): move the files inside, or link to them there");
   }
 
+  // Reads numbers of at most `max` in size by camera; false for anything else.
+  static bool readByCamera(const Json& node, double max, std::map<std::string, double>& out) {
+    if (node.is_null()) return true;
+    if (!node.is_object()) return false;
+    for (const auto& [camera, number] : node.items()) {
+      if (!number.is_number() || !(std::abs(number.get<double>()) <= max)) return false;
+      out[camera] = number.get<double>();
+    }
+    return true;
+  }
+
   // Skew, {"cam00": 0.3}, which COLMAP's models lack.
   Status skew(const Json& node) {
-    if (node.is_null()) return {};
-    const Error wrong =
-        error("\"skew\" of \"calibration\" must be numbers by camera, in pixels, like {\"cam00\": 0.3}");
-    if (!node.is_object()) return wrong;
-    for (const auto& [camera, pixels] : node.items()) {
-      if (!pixels.is_number() || !(std::abs(pixels.get<double>()) <= kMaxUnits)) return wrong;
-      out_.skew[camera] = pixels.get<double>();
-    }
-    return {};
+    if (readByCamera(node, kMaxUnits, out_.skew)) return {};
+    return error("\"skew\" of \"calibration\" must be numbers by camera, in pixels, like {\"cam00\": 0.3}");
   }
 
   Status orientation(const Json& node) {
-    const std::string kind = text(node);
+    const std::string kind = jsonText(node);
     if (kind == "marked") out_.orientation = Orientation::Marked;
     if (kind == "stored") out_.orientation = Orientation::Stored;
     if (node.is_null() || out_.orientation != Orientation::BySize) return {};
@@ -99,23 +90,17 @@ class Parser {
 
   // Offsets, {"cam03": -1.5}, of the whole capture or of one sequence, which takes precedence.
   Status offsets(const Json& node, std::map<std::string, double>& out) const {
-    if (node.is_null()) return {};
-    const Error wrong = error("\"offset_frames\" must be numbers by camera, in frames, like {\"cam03\": -1.5}");
-    if (!node.is_object()) return wrong;
-    for (const auto& [camera, frames] : node.items()) {
-      if (!frames.is_number() || !(std::abs(frames.get<double>()) <= kMaxFrames)) return wrong;
-      out[camera] = frames.get<double>();
-    }
-    return {};
+    if (readByCamera(node, kMaxFrames, out)) return {};
+    return error("\"offset_frames\" must be numbers by camera, in frames, like {\"cam03\": -1.5}");
   }
 
   // Background: a path, or {"plates": path, "kind": "chroma" | "natural"}. The path is "FOLDER/camNN.png", or
   // "FOLDER/camNN/%06d.png" for several plates; only the folder is used.
   Status background(const Json& node) {
-    const Json& given = node.is_object() ? member(node, "plates") : node;
-    const Json& kind = member(node, "kind");
+    const Json& given = node.is_object() ? jsonMember(node, "plates") : node;
+    const Json& kind = jsonMember(node, "kind");
     const auto valid = [](const Json& j) { return j.is_null() || j.is_string(); };
-    const std::string name = text(kind);
+    const std::string name = jsonText(kind);
     if (!valid(given) || !valid(kind) || !(kind.is_null() || name == "chroma" || name == "natural")) {
       return error(
           "\"background\" must be a path like \"background/camNN.png\", or {\"plates\": that path, \"kind\": "
@@ -124,7 +109,7 @@ class Parser {
     if (!kind.is_null()) {
       out_.capture.background_kind = name == "natural" ? BackgroundKind::Natural : BackgroundKind::Chroma;
     }
-    const std::string plates = text(given, "background/camNN.png");
+    const std::string plates = jsonText(given, "background/camNN.png");
     FOURDVT_ASSIGN(const std::string whole, inside("\"background\"", plates));
     const size_t camera = whole.rfind("/camNN/");
     const std::filesystem::path path = camera == std::string::npos ? whole : whole.substr(0, camera + 6);
@@ -133,12 +118,12 @@ class Parser {
   }
 
   Status scale(const Json& root) {
-    const Json& fps = member(root, "fps");
+    const Json& fps = jsonMember(root, "fps");
     if (!fps.is_number() || !(fps.get<double>() > 0) || fps.get<double>() > 1000) {
       return error("needs \"fps\", a number above 0");
     }
     out_.capture.fps = fps.get<double>();
-    const std::string units = text(member(root, "units"), "metre");
+    const std::string units = jsonText(jsonMember(root, "units"), "metre");
     if (units == "metre")
       out_.capture.metres_per_unit = 1;
     else if (units == "centimetre")
@@ -147,8 +132,9 @@ class Parser {
       out_.capture.metres_per_unit = 0.001;
     else
       return error("\"units\" must be metre, centimetre or millimetre, not \"" + units + "\"");
-    if (text(member(root, "up_axis"), "Y") != "Y") return error("\"up_axis\" must be Y: turn the cameras and meshes");
-    const Json& ground = member(root, "ground_y");
+    if (jsonText(jsonMember(root, "up_axis"), "Y") != "Y")
+      return error("\"up_axis\" must be Y: turn the cameras and meshes");
+    const Json& ground = jsonMember(root, "ground_y");
     if (ground.is_number() && !(std::abs(ground.get<double>()) <= kMaxUnits))
       return error("\"ground_y\" must be at most a million");
     if (ground.is_number()) out_.capture.ground_y_m = ground.get<double>() * out_.capture.metres_per_unit;
@@ -160,12 +146,9 @@ class Parser {
     if (node.is_null()) return {};
     BoundingBox box;
     const auto corner = [&](const char* key, glm::vec3& out) {
-      const Json& values = member(node, key);
-      bool valid = values.is_array() && values.size() == 3;
-      for (size_t i = 0; valid && i < 3; ++i) {
-        valid = values[i].is_number() && std::abs(values[i].get<double>()) <= kMaxUnits;
-        if (valid) out[static_cast<int>(i)] = float(values[i].get<double>() * out_.capture.metres_per_unit);
-      }
+      glm::dvec3 place(0);
+      const bool valid = jsonNumbers(jsonMember(node, key), 3, &place[0], kMaxUnits);
+      out = glm::vec3(place * out_.capture.metres_per_unit);
       return valid;
     };
     if (!corner("min", box.min) || !corner("max", box.max))
@@ -176,8 +159,8 @@ class Parser {
   }
 
   Status topology(const Json& root) {
-    const Json& node = member(root, "topology");
-    const std::string kind = node.is_null() ? "constant" : text(node);
+    const Json& node = jsonMember(root, "topology");
+    const std::string kind = node.is_null() ? "constant" : jsonText(node);
     out_.per_frame = kind == "per-frame";
     if (kind == "constant" || kind == "per-frame") return {};
     return error("\"topology\" must be \"constant\" (one mesh that moves, with UVs) or \"per-frame\"");
@@ -186,31 +169,31 @@ class Parser {
   Status sequence(const Json& node) {
     DeclaredSequence declared;
     CaptureSequence& sequence = declared.sequence;
-    sequence.name = text(member(node, "name"));
+    sequence.name = jsonText(jsonMember(node, "name"));
     if (sequence.name.empty() || sequence.name.find_first_of("/\\") != std::string::npos || sequence.name[0] == '.') {
       return error("every sequence needs a \"name\" that is a plain folder name");
     }
     if (!names_.insert(sequence.name).second) return error("sequence \"" + sequence.name + "\" is listed twice");
-    const Json& frames = member(node, "frames");
+    const Json& frames = jsonMember(node, "frames");
     const double count = frames.is_number() ? frames.get<double>() : 0;
     if (!(count >= 1) || count > kMaxFrames || count != std::floor(count)) {
       return error("sequence \"" + sequence.name + "\" needs \"frames\", a whole number above 0");
     }
     sequence.frame_count = static_cast<uint32_t>(count);
-    const Json& loop = member(node, "loop");
+    const Json& loop = jsonMember(node, "loop");
     if (!loop.is_null() && !loop.is_boolean())
       return error("\"loop\" of \"" + sequence.name + "\" must be true or false");
     sequence.loop = loop.is_boolean() && loop.get<bool>();
     sequence.folder = folder_ + "/" + sequence.name;
-    const Json& first = member(node, "first_frame");
+    const Json& first = jsonMember(node, "first_frame");
     if (!first.is_null() && !(first.is_number_unsigned() && first.get<uint64_t>() <= kMaxFrames))
       return error("\"first_frame\" of \"" + sequence.name + "\" must be a whole number, at least 0");
     if (!first.is_null()) sequence.first_frame = first.get<uint32_t>();
     sequence.offset_frames = offset_frames_;
-    FOURDVT_TRY(offsets(member(node, "offset_frames"), sequence.offset_frames));
+    FOURDVT_TRY(offsets(jsonMember(node, "offset_frames"), sequence.offset_frames));
     FOURDVT_TRY(rootVelocity(node, sequence));
     FOURDVT_TRY(testFrames(node, sequence));
-    FOURDVT_ASSIGN(sequence.sound, sound("\"audio\" of \"" + sequence.name + "\"", member(node, "audio")));
+    FOURDVT_ASSIGN(sequence.sound, sound("\"audio\" of \"" + sequence.name + "\"", jsonMember(node, "audio")));
     if (node.contains("mesh")) FOURDVT_TRY(mesh(node["mesh"], declared));
     out_.sequences.push_back(std::move(declared));
     return {};
@@ -219,8 +202,8 @@ class Parser {
   // Sound: a path, or {"file": path, "offset_ms": number}.
   Result<std::optional<CaptureSound>> sound(const std::string& what, const Json& node) const {
     if (node.is_null()) return std::optional<CaptureSound>();
-    const std::string file = text(node.is_object() ? member(node, "file") : node);
-    const Json& offset = member(node, "offset_ms");
+    const std::string file = jsonText(node.is_object() ? jsonMember(node, "file") : node);
+    const Json& offset = jsonMember(node, "offset_ms");
     if (file.empty() || !(offset.is_null() || offset.is_number()) ||
         (offset.is_number() && !(std::abs(offset.get<double>()) <= kMaxOffset_ms)))
       return error(what + " must be a path like \"walk/sound.wav\", or {\"file\": that path, \"offset_ms\": 40}");
@@ -234,27 +217,23 @@ class Parser {
   Status footsteps(const Json& classes) {
     for (CaptureClass& c : out_.capture.classes)
       for (const Json& node : classes) {
-        if (text(member(node, "name")) != c.name) continue;
-        FOURDVT_ASSIGN(c.footstep, sound("\"footsteps\" of class \"" + c.name + "\"", member(node, "footsteps")));
+        if (jsonText(jsonMember(node, "name")) != c.name) continue;
+        FOURDVT_ASSIGN(c.footstep, sound("\"footsteps\" of class \"" + c.name + "\"", jsonMember(node, "footsteps")));
       }
     return {};
   }
 
   Status rootVelocity(const Json& node, CaptureSequence& sequence) const {
-    const Json& velocity = member(node, "root_velocity");
+    const Json& velocity = jsonMember(node, "root_velocity");
     if (velocity.is_null()) return {};
-    bool valid = velocity.is_array() && velocity.size() == 3;
-    for (size_t i = 0; valid && i < 3; ++i) {
-      valid = velocity[i].is_number() && std::abs(velocity[i].get<double>()) <= kMaxUnits;
-      if (valid) sequence.root_velocity_mps[static_cast<int>(i)] = velocity[i].get<double>();
-    }
-    if (!valid) return error("\"root_velocity\" of \"" + sequence.name + "\" must be three numbers");
+    if (!jsonNumbers(velocity, 3, &sequence.root_velocity_mps[0], kMaxUnits))
+      return error("\"root_velocity\" of \"" + sequence.name + "\" must be three numbers");
     sequence.root_velocity_mps *= out_.capture.metres_per_unit;
     return {};
   }
 
   Status testFrames(const Json& node, CaptureSequence& sequence) const {
-    const Json& frames = member(node, "test_frames");
+    const Json& frames = jsonMember(node, "test_frames");
     if (frames.is_null()) return {};
     bool valid = frames.is_array();
     for (size_t i = 0; valid && i < frames.size(); ++i) {
@@ -272,7 +251,7 @@ class Parser {
     declared.without_meshes = node.is_null();
     if (node.is_null()) return {};
     if (!node.is_object()) {
-      const std::string pattern = text(node);
+      const std::string pattern = jsonText(node);
       FOURDVT_ASSIGN(sequence.mesh_pattern, inside(where, pattern));
       const std::string other = otherMeshKind(pattern);
       if (!other.empty()) {
@@ -285,8 +264,9 @@ class Parser {
       return error(where + " must be a path with one %06d for the frame number, or of one animated .glb or .gltf");
     }
     if (out_.per_frame) return error(where + " must be a path: packed positions belong to constant topology");
-    const std::string topology = text(member(node, "topology")), positions = text(member(node, "positions"));
-    const Json& units = member(node, "units_per_metre");
+    const std::string topology = jsonText(jsonMember(node, "topology")),
+                      positions = jsonText(jsonMember(node, "positions"));
+    const Json& units = jsonMember(node, "units_per_metre");
     if (topology.empty() || positions.empty() || !units.is_number() || !(units.get<double>() >= kMinUnitsPerMetre)) {
       return error(where + " needs \"topology\", \"positions\" and \"units_per_metre\" of at least 0.001");
     }

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parser of capture.json; opens no other file.
+// Parser of capture.json, and of its "classes" alone (class_json.cpp); opens no other file.
 #pragma once
 
+#include <cstddef>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,5 +31,15 @@ struct DeclaredCapture {
 // Parses capture.json in `folder`. Lengths are in the declared units, root velocities in those units per second.
 // Errors: CaptureJson.
 Result<DeclaredCapture> parseCaptureJson(std::string_view text, const std::string& folder);
+
+inline constexpr size_t kMinMembers = 2, kMaxMembers = 4;  // members per class
+
+// Motions with a common parameter, as declared. `list`: value of "classes", null without one. `file`: path of
+// capture.json, for messages. Errors: CaptureJson.
+Result<std::vector<CaptureClass>> parseClasses(const nlohmann::json& list,
+                                               const std::vector<DeclaredSequence>& sequences, const std::string& file);
+
+// Value of "classes" from which parseClasses reads `classes`, without footsteps.
+nlohmann::ordered_json classesJson(const std::vector<CaptureClass>& classes);
 
 }  // namespace fourdvt::capture

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/class_json.h"
-
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "base/text.h"
+#include "capture/capture_json.h"
+#include "capture/text.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -13,14 +13,6 @@ namespace {
 using Json = nlohmann::json;
 constexpr size_t kMaxParameters = 2;
 constexpr double kMaxValue = 1e6;
-
-// Value of the key; null if missing or if the node is no object.
-Json valueAt(const Json& node, const char* key) {
-  const auto it = node.is_object() ? node.find(key) : node.end();
-  return it == node.end() ? Json() : *it;
-}
-
-std::string textOf(const Json& node) { return node.is_string() ? node.get<std::string>() : std::string(); }
 
 // Reads a number or a list of numbers; false for anything else.
 bool readNumbers(const Json& node, std::vector<double>& out) {
@@ -59,10 +51,10 @@ class ClassParser {
 
   Status parseClass(const Json& node) {
     current_ = {};
-    current_.name = textOf(valueAt(node, "name"));
+    current_.name = jsonText(jsonMember(node, "name"));
     FOURDVT_TRY(checkName());
     FOURDVT_TRY(parameters(node));
-    const Json members = valueAt(node, "members");
+    const Json& members = jsonMember(node, "members");
     if (!members.is_array() || members.size() < kMinMembers || members.size() > kMaxMembers)
       return error("needs \"members\", a list of 2 to 4 sequences");
     for (const Json& entry : members) FOURDVT_TRY(member(entry));
@@ -82,10 +74,10 @@ class ClassParser {
   }
 
   Status parameters(const Json& node) {
-    const Json given = valueAt(node, "parameter");
+    const Json& given = jsonMember(node, "parameter");
     const Json list = given.is_array() ? given : Json::array({given});
     std::vector<std::string>& names = current_.parameters;
-    for (const Json& name : list) names.push_back(textOf(name));
+    for (const Json& name : list) names.push_back(jsonText(name));
     const bool named = std::none_of(names.begin(), names.end(), [](const std::string& n) { return n.empty(); });
     if (names.empty() || names.size() > kMaxParameters || !named || (names.size() == 2 && names[0] == names[1]))
       return error("needs \"parameter\", a name such as \"speed_mps\" or a list of two different ones");
@@ -94,7 +86,7 @@ class ClassParser {
 
   Status member(const Json& node) {
     CaptureClass::MemberOf out;
-    out.sequence = textOf(node.is_object() ? valueAt(node, "sequence") : node);
+    out.sequence = jsonText(node.is_object() ? jsonMember(node, "sequence") : node);
     const CaptureSequence* sequence = find(out.sequence);
     if (!sequence) return error("has a member \"" + out.sequence + "\" that is no sequence; choose among: " + known());
     for (const CaptureClass::MemberOf& other : current_.members) {
@@ -104,7 +96,7 @@ class ClassParser {
                      "\"); keep to one kind");
       }
     }
-    const Json value = valueAt(node, "value");
+    const Json& value = jsonMember(node, "value");
     if (!value.is_null() &&
         (!readNumbers(value, out.parameter) || out.parameter.size() != current_.parameters.size())) {
       return error("needs one number for each of its parameters (" + std::to_string(current_.parameters.size()) +

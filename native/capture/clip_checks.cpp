@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/clip_checks.h"
-
 #include <algorithm>
 
 #include "base/text.h"

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Common parts of COLMAP's text and binary models: camera models, cameras from numbers, lists of pictures.
+// Common parts of COLMAP's text and binary models: camera models, cameras from numbers, poses of
+// rigs, lists of pictures.
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "base/result.h"
 #include "capture/camera_names.h"
 #include "capture/capture.h"
-#include "capture/colmap_rigs.h"
+#include "capture/text.h"
 
 namespace fourdvt::capture {
 
 inline constexpr int kMaxColmapParameters = 12;
-
-inline std::span<const uint8_t> bytesOf(std::string_view text) {
-  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
-}
 
 struct ColmapIntrinsics {
   int width = 0, height = 0;
@@ -51,6 +51,16 @@ Result<CaptureCamera> makeColmapCamera(const ColmapIntrinsics& intrinsics, const
 
 // Refuses paths that lead out of the image folder. Errors: CameraPose.
 Status checkListedPath(std::string_view path, const std::string& where);
+
+// Rigs and frames of COLMAP 3.12 and later (colmap_rigs.cpp): poses of images by their rig, which override those in
+// images.txt or images.bin. Image number → QW QX QY QZ TX TY TZ, world to camera. Contains no images of cameras without
+// a pose in their rig.
+using RigPoses = std::map<uint64_t, std::array<double, 7>>;
+
+// Parses texts of rigs.txt and frames.txt; messages name `path` as their folder. Errors: CameraPose.
+Result<RigPoses> parseRigsText(std::string_view rigs, std::string_view frames, const std::string& path);
+// Parses rigs.bin and frames.bin in the same way.
+Result<RigPoses> parseRigsBinary(std::string_view rigs, std::string_view frames, const std::string& path);
 
 // Images of a model, in file order. Poses in `rigs` override the images' own. Errors: CameraModel, CameraPose.
 Result<std::vector<ListedPicture>> colmapTextPictures(std::string_view cameras_text, std::string_view images_text,

@@ -3,7 +3,6 @@
 //    rig: number, count of sensors, kind and number of the reference; for each other sensor its kind, number, pose flag
 //    and pose; frame: number, rig, pose of the rig, count of data, and for each datum kind and number of the sensor and
 //    number of the image. Kinds are words in the text; 0 is a camera in the binary form.
-#include "capture/colmap_rigs.h"
 
 #include <glm/gtc/quaternion.hpp>
 #include <optional>

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/gltf_animation.h"
-
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 
 #include "base/text.h"
+#include "capture/gltf.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -119,7 +118,7 @@ class PoseReader {
   PoseReader(GltfBytes& bytes, const MeshInstant& instant) : bytes_(bytes), instant_(instant) {}
 
   Result<std::vector<GltfPose>> read() {
-    const Json& nodes = gltfMember(bytes_.root(), "nodes");
+    const Json& nodes = jsonMember(bytes_.root(), "nodes");
     for (size_t i = 0; nodes.is_array() && i < nodes.size(); ++i) {
       FOURDVT_ASSIGN(auto pose, restOf(nodes[i]));
       poses_.push_back(std::move(pose));
@@ -139,35 +138,34 @@ class PoseReader {
  private:
   Result<GltfPose> restOf(const Json& node) const {
     GltfPose pose;
-    const Json& matrix = gltfMember(node, "matrix");
-    if (!matrix.is_null() && !gltfNumbers(matrix, 16, &pose.matrix.emplace()[0][0]))
+    const Json& matrix = jsonMember(node, "matrix");
+    if (!matrix.is_null() && !jsonNumbers(matrix, 16, &pose.matrix.emplace()[0][0]))
       return bytes_.error("a node's matrix cannot be read");
     glm::dvec4 turn(0, 0, 0, 1);  // x, y, z, w
     const auto read = [&](const char* key, size_t count, double* out) {
-      const Json& list = gltfMember(node, key);
-      return list.is_null() || gltfNumbers(list, count, out);
+      const Json& list = jsonMember(node, key);
+      return list.is_null() || jsonNumbers(list, count, out);
     };
     if (!read("translation", 3, &pose.translation[0]) || !read("rotation", 4, &turn[0]) ||
         !read("scale", 3, &pose.scale[0]))
       return bytes_.error("a node's transform cannot be read");
     pose.rotation = {turn.w, turn.x, turn.y, turn.z};
-    const Json& weights = gltfMember(node, "weights");
+    const Json& weights = jsonMember(node, "weights");
     if (weights.is_null()) return pose;
     pose.weights.emplace(weights.size());
-    if (!gltfNumbers(weights, weights.size(), pose.weights->data()))
+    if (!jsonNumbers(weights, weights.size(), pose.weights->data()))
       return bytes_.error("a node's morph weights cannot be read");
     return pose;
   }
 
   // The selected animation; null without one.
   Result<const Json*> chosen() const {
-    const Json& all = gltfMember(bytes_.root(), "animations");
+    const Json& all = jsonMember(bytes_.root(), "animations");
     if (!all.is_array() || all.empty()) return static_cast<const Json*>(nullptr);
     if (all.size() == 1) return &all[0];
     std::string names;
     for (const Json& animation : all) {
-      const Json& name = gltfMember(animation, "name");
-      const std::string text = name.is_string() ? name.get<std::string>() : "";
+      const std::string text = jsonText(jsonMember(animation, "name"));
       if (!text.empty() && text == instant_.take) return &animation;
       if (names.size() < 200) names += (names.empty() ? "\"" : ", \"") + text + "\"";
     }
@@ -177,10 +175,10 @@ class PoseReader {
 
   Result<std::vector<Moved>> channelsOf(const Json& animation) {
     std::vector<Moved> out;
-    for (const Json& channel : gltfMember(animation, "channels")) {
-      const Json& target = gltfMember(channel, "target");
+    for (const Json& channel : jsonMember(animation, "channels")) {
+      const Json& target = jsonMember(channel, "target");
       const auto node = gltfNumber(target, "node");
-      const Json& path = gltfMember(target, "path");
+      const Json& path = jsonMember(target, "path");
       const auto property = std::find_if(std::begin(kProperties), std::end(kProperties),
                                          [&](const MovedProperty* p) { return path == p->name; });
       if (!node || property == std::end(kProperties)) continue;  // belongs to an extension: moves no node
@@ -196,7 +194,7 @@ class PoseReader {
     FOURDVT_ASSIGN(const auto times, bytes_.accessor(gltfNumber(sampler, "input"), "SCALAR", "its animation's times"));
     FOURDVT_ASSIGN(const auto values,
                    bytes_.accessor(gltfNumber(sampler, "output"), property.type, "its animation's values"));
-    const Json& given = gltfMember(sampler, "interpolation");
+    const Json& given = jsonMember(sampler, "interpolation");
     const Interpolation interpolation = given == "STEP"          ? Interpolation::Step
                                         : given == "CUBICSPLINE" ? Interpolation::CubicSpline
                                                                  : Interpolation::Linear;

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/gltf_bytes.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "capture/gltf.h"
 #include "capture/text.h"
 
 namespace fourdvt::capture {
@@ -91,34 +90,18 @@ uint64_t componentsOf(std::string_view type) {
 
 }  // namespace
 
-const Json& gltfMember(const Json& node, const char* key) {
-  static const Json null;
-  if (!node.is_object()) return null;
-  const auto it = node.find(key);
-  return it == node.end() ? null : *it;
-}
-
 const Json& gltfEntry(const Json& root, const char* key, std::optional<uint64_t> index) {
   static const Json null;
-  const Json& list = gltfMember(root, key);
+  const Json& list = jsonMember(root, key);
   return index && list.is_array() && *index < list.size() ? list[*index] : null;
 }
 
 std::optional<uint64_t> gltfNumber(const Json& node, const char* key) {
-  const Json& value = gltfMember(node, key);
+  const Json& value = jsonMember(node, key);
   if (!value.is_number()) return std::nullopt;
   const double number = value.get<double>();
   if (!(number >= 0) || number > 9e15 || number != std::floor(number)) return std::nullopt;
   return static_cast<uint64_t>(number);
-}
-
-bool gltfNumbers(const Json& node, size_t count, double* out) {
-  if (!node.is_array() || node.size() != count) return false;
-  for (size_t i = 0; i < count; ++i) {
-    if (!node[i].is_number() || !std::isfinite(node[i].get<double>())) return false;
-    out[i] = node[i].get<double>();
-  }
-  return true;
 }
 
 double GltfNumbers::Elements::at(uint64_t i, int c, bool normalized) const {
@@ -169,16 +152,15 @@ Result<GltfBytes> GltfBytes::open(std::string_view json, std::string_view glb_bu
   bytes.root_ = Json::parse(json.begin(), json.end(), shallow, false);
   if (deep) return bytes.unsupported("has JSON nested deeper than 64; take such fields out");
   if (!bytes.root_.is_object()) return bytes.error("its JSON cannot be read (truncated or damaged)");
-  const Json& version = gltfMember(gltfMember(bytes.root_, "asset"), "version");
-  if (!version.is_string() || !version.get_ref<const std::string&>().starts_with("2."))
+  if (!jsonText(jsonMember(jsonMember(bytes.root_, "asset"), "version")).starts_with("2."))
     return bytes.unsupported("is no glTF 2.0; export the mesh as glTF 2.0");
-  const Json& buffers = gltfMember(bytes.root_, "buffers");
+  const Json& buffers = jsonMember(bytes.root_, "buffers");
   if (buffers.is_array()) bytes.buffers_.resize(buffers.size());
   return bytes;
 }
 
 Status GltfBytes::checkExtensions(const Json& node) const {
-  const Json& extensions = gltfMember(node, "extensions");
+  const Json& extensions = jsonMember(node, "extensions");
   struct Refused {
     const char *name, *why;
   };
@@ -187,7 +169,7 @@ Status GltfBytes::checkExtensions(const Json& node) const {
         Refused{"EXT_meshopt_compression", "is compressed with meshopt; export without compression"},
         Refused{"KHR_meshopt_compression", "is compressed with meshopt; export without compression"},
         Refused{"EXT_mesh_gpu_instancing", "repeats meshes as instances; export them as one mesh"}}) {
-    if (!gltfMember(extensions, refused.name).is_null()) return unsupported(refused.why);
+    if (!jsonMember(extensions, refused.name).is_null()) return unsupported(refused.why);
   }
   return {};
 }
@@ -198,13 +180,13 @@ Result<GltfNumbers> GltfBytes::accessor(std::optional<uint64_t> index, const cha
   GltfNumbers out;
   const uint64_t components = componentsOf(type), component = gltfNumber(a, "componentType").value_or(0);
   out.count_ = gltfNumber(a, "count").value_or(0);
-  const Json& normalized = gltfMember(a, "normalized");
+  const Json& normalized = jsonMember(a, "normalized");
   out.normalized_ = normalized.is_boolean() && normalized.get<bool>();
   out.elements_.type = component;
-  const Json& overlay = gltfMember(a, "sparse");
-  if (gltfMember(a, "type") != type || out.count_ == 0 || (overlay.is_null() && gltfMember(a, "bufferView").is_null()))
+  const Json& overlay = jsonMember(a, "sparse");
+  if (jsonMember(a, "type") != type || out.count_ == 0 || (overlay.is_null() && jsonMember(a, "bufferView").is_null()))
     return broken;
-  if (!gltfMember(a, "bufferView").is_null()) {
+  if (!jsonMember(a, "bufferView").is_null()) {
     FOURDVT_ASSIGN(const bool fits, elements(a, out.count_, components, component, out.elements_));
     if (!fits) return broken;
   }
@@ -235,7 +217,7 @@ Result<bool> GltfBytes::elements(const Json& source, uint64_t count, uint64_t co
 }
 
 Result<bool> GltfBytes::sparse(const Json& node, uint64_t components, GltfNumbers& out) {
-  const Json &indices = gltfMember(node, "indices"), &values = gltfMember(node, "values");
+  const Json &indices = jsonMember(node, "indices"), &values = jsonMember(node, "values");
   const uint64_t count = gltfNumber(node, "count").value_or(0);
   FOURDVT_ASSIGN(const bool has_indices,
                  elements(indices, count, 1, gltfNumber(indices, "componentType").value_or(0), out.sparse_indices_));
@@ -255,7 +237,7 @@ Result<std::string_view> GltfBytes::buffer(std::optional<uint64_t> index) {
   const Json& node = gltfEntry(root_, "buffers", index);
   if (!node.is_object()) return error("a buffer is missing (damaged or truncated)");
   const uint64_t length = gltfNumber(node, "byteLength").value_or(0);
-  const Json& uri = gltfMember(node, "uri");
+  const Json& uri = jsonMember(node, "uri");
   std::string_view data = glb_buffer_;
   if (uri.is_string()) {
     std::optional<std::string>& loaded = buffers_[*index];

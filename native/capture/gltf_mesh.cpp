@@ -9,9 +9,7 @@
 
 #include "base/bytes.h"
 #include "base/hash.h"
-#include "capture/gltf_animation.h"
-#include "capture/gltf_bytes.h"
-#include "capture/gltf_shape.h"
+#include "capture/gltf.h"
 #include "capture/mesh_readers.h"
 
 namespace fourdvt::capture {
@@ -75,12 +73,12 @@ class GltfParser {
 
   // Pushes the nodes of the default scene; without scenes, the root nodes.
   Status pushRoots() {
-    const Json& scenes = gltfMember(root_, "scenes");
+    const Json& scenes = jsonMember(root_, "scenes");
     if (scenes.is_array() && !scenes.empty())
       return push(gltfEntry(root_, "scenes", gltfNumber(root_, "scene").value_or(0)), "nodes", glm::dmat4(1));
     std::vector<bool> is_child(seen_.size(), false);
     for (size_t i = 0; i < seen_.size(); ++i) {
-      for (const Json& child : gltfMember(root_["nodes"][i], "children")) {
+      for (const Json& child : jsonMember(root_["nodes"][i], "children")) {
         if (child.is_number_unsigned() && child.get<uint64_t>() < is_child.size())
           is_child[child.get<uint64_t>()] = true;
       }
@@ -92,7 +90,7 @@ class GltfParser {
 
   // Pushes in reverse order, so that the first of the list is visited next.
   Status push(const Json& parent, const char* key, const glm::dmat4& world_from_parent) {
-    const Json& list = gltfMember(parent, key);
+    const Json& list = jsonMember(parent, key);
     if (list.is_null()) return {};
     if (!list.is_array()) return bytes_.error("its nodes cannot be read");
     for (size_t i = list.size(); i-- > 0;) {
@@ -122,13 +120,13 @@ class GltfParser {
     std::map<std::string, Group> groups;
     std::deque<GltfShape> shapes;
     Welder welder;
-    for (const Json& primitive : gltfMember(mesh, "primitives")) {
+    for (const Json& primitive : jsonMember(mesh, "primitives")) {
       FOURDVT_TRY(bytes_.checkExtensions(primitive));
-      const Json& mode_given = gltfMember(primitive, "mode");
+      const Json& mode_given = jsonMember(primitive, "mode");
       const uint64_t mode = mode_given.is_null() ? kTriangles : gltfNumber(primitive, "mode").value_or(0);
       if (mode < kTriangles || mode > kFan) continue;  // skips points and lines
       const auto [group, is_new] =
-          groups.try_emplace(gltfMember(primitive, "attributes").dump() + gltfMember(primitive, "targets").dump());
+          groups.try_emplace(jsonMember(primitive, "attributes").dump() + jsonMember(primitive, "targets").dump());
       if (is_new) {
         FOURDVT_ASSIGN(auto shape, GltfShape::open(bytes_, primitive, weights, !joints.empty()));
         shapes.push_back(std::move(shape));
@@ -143,9 +141,9 @@ class GltfParser {
 
   Result<std::vector<double>> weightsOf(const Json& mesh, const GltfPose& pose) const {
     if (pose.weights) return *pose.weights;
-    const Json& given = gltfMember(mesh, "weights");
+    const Json& given = jsonMember(mesh, "weights");
     std::vector<double> weights(given.size());
-    if (!weights.empty() && !gltfNumbers(given, weights.size(), weights.data()))
+    if (!weights.empty() && !jsonNumbers(given, weights.size(), weights.data()))
       return bytes_.error("a mesh's morph weights cannot be read");
     return weights;
   }
@@ -153,11 +151,11 @@ class GltfParser {
   // Transforms of a skin's joints, from the bind pose to the world; empty without a skin.
   Result<std::vector<glm::dmat4>> jointsOf(const Json& node) {
     std::vector<glm::dmat4> out;
-    if (gltfMember(node, "skin").is_null()) return out;
+    if (jsonMember(node, "skin").is_null()) return out;
     const Json& skin = gltfEntry(root_, "skins", gltfNumber(node, "skin"));
-    const Json& joints = gltfMember(skin, "joints");
+    const Json& joints = jsonMember(skin, "joints");
     if (!joints.is_array() || joints.empty()) return bytes_.error("a skin is missing, or has no joints (damaged)");
-    const bool bound = !gltfMember(skin, "inverseBindMatrices").is_null();
+    const bool bound = !jsonMember(skin, "inverseBindMatrices").is_null();
     GltfNumbers binds;
     if (bound) {
       FOURDVT_ASSIGN(binds,
@@ -199,7 +197,7 @@ class GltfParser {
   }
 
   Status addUvs(const Json& primitive, uint64_t vertices) {
-    const auto accessor = gltfNumber(gltfMember(primitive, "attributes"), "TEXCOORD_0");
+    const auto accessor = gltfNumber(jsonMember(primitive, "attributes"), "TEXCOORD_0");
     if (!accessor) return Error{ErrorId::MeshNoUvs, bytes_.path() + ": " + kNoUvs};
     FOURDVT_ASSIGN(const auto uvs, bytes_.accessor(accessor, "VEC2", "its texture coordinates"));
     if (uvs.count() != vertices) return bytes_.error("its texture coordinates are not as many as its vertices");
@@ -212,7 +210,7 @@ class GltfParser {
   }
 
   Status addFaces(const Json& primitive, uint64_t mode, const Group& group, bool mirrored) {
-    const bool indexed = !gltfMember(primitive, "indices").is_null();
+    const bool indexed = !jsonMember(primitive, "indices").is_null();
     GltfNumbers indices;
     if (indexed) {
       FOURDVT_ASSIGN(indices, bytes_.accessor(gltfNumber(primitive, "indices"), "SCALAR", "its indices"));
@@ -260,7 +258,7 @@ Result<GltfSurface> parseGlb(std::string_view bytes, const std::string& path, co
                              bool with_uvs) {
   const Error truncated{ErrorId::FileUnreadable,
                         path + ": the GLB ends before all that it announces (truncated); export the mesh again"};
-  ByteReader reader({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
+  ByteReader reader(bytesOf(bytes));
   reader.u32();  // "glTF"
   const uint32_t version = reader.u32();
   reader.u32();  // length of the file; the chunks have their own

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/gltf_shape.h"
+#include "capture/gltf.h"
 
 namespace fourdvt::capture {
 
 Result<GltfShape> GltfShape::open(GltfBytes& bytes, const Json& primitive, std::span<const double> weights,
                                   bool skinned) {
   GltfShape shape;
-  const Json& attributes = gltfMember(primitive, "attributes");
+  const Json& attributes = jsonMember(primitive, "attributes");
   FOURDVT_ASSIGN(shape.positions_, bytes.accessor(gltfNumber(attributes, "POSITION"), "VEC3", "its positions"));
   size_t target_index = 0;
-  for (const Json& target : gltfMember(primitive, "targets")) {
+  for (const Json& target : jsonMember(primitive, "targets")) {
     const double weight = target_index < weights.size() ? weights[target_index] : 0;
     ++target_index;
-    if (gltfMember(target, "POSITION").is_null()) continue;  // moves normals alone
+    if (jsonMember(target, "POSITION").is_null()) continue;  // moves normals alone
     FOURDVT_ASSIGN(const auto offsets, bytes.accessor(gltfNumber(target, "POSITION"), "VEC3", "its morph targets"));
     if (offsets.count() != shape.count()) return bytes.error("a morph target is not as long as its mesh");
     shape.targets_.push_back({offsets, weight});

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/json_text.h"
-
 #include <algorithm>
+#include <cctype>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "capture/text.h"
@@ -28,13 +28,31 @@ std::string_view wordAround(std::string_view text, size_t at) {
 
 std::string reasonAt(std::string_view text, size_t at) {
   const std::string_view word = wordAround(text, at);
-  std::string small(word.substr(0, 9));
-  std::transform(small.begin(), small.end(), small.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (hasDecimalComma(word) || toNumber<double>(small)) return numberProblem(word);
+  if (hasDecimalComma(word) || toNumber<double>(lowerCase(std::string(word.substr(0, 9))))) return numberProblem(word);
   return "not valid JSON; check commas, quotes and brackets";
 }
 
 }  // namespace
+
+const Json& jsonMember(const Json& node, const char* key) {
+  static const Json null;
+  if (!node.is_object()) return null;
+  const auto it = node.find(key);
+  return it == node.end() ? null : *it;
+}
+
+bool jsonNumbers(const Json& node, size_t count, double* out, double max) {
+  if (!node.is_array() || node.size() != count) return false;
+  for (size_t i = 0; i < count; ++i) {
+    if (!node[i].is_number() || !(std::abs(node[i].get<double>()) <= max)) return false;
+    out[i] = node[i].get<double>();
+  }
+  return true;
+}
+
+std::string jsonText(const Json& node, const std::string& otherwise) {
+  return node.is_string() ? node.get<std::string>() : otherwise;
+}
 
 bool isUtf8(std::string_view text) {
   using Handler = nlohmann::detail::error_handler_t;

@@ -3,7 +3,6 @@
 #include "capture/mesh_file.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 
@@ -42,13 +41,6 @@ constexpr std::pair<std::string_view, const char*> kOtherKinds[] = {
     {".abc", "Alembic"}, {".usd", "USD"},       {".usda", "USD"}, {".usdc", "USD"}, {".usdz", "USD"},   {".fbx", "FBX"},
     {".stl", "STL"},     {".blend", "Blender"}, {".ma", "Maya"},  {".mb", "Maya"},  {".dae", "COLLADA"}};
 
-// Extension in lower case, with its dot.
-std::string extensionOf(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
-
 // Kind by the first bytes; null if they are inconclusive. An OBJ has no fixed beginning.
 const Kind* kindOfBytes(std::string_view bytes) {
   if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return &kPly;
@@ -76,7 +68,7 @@ Status checkMesh(const TriangleMesh& mesh, const std::string& path) {
 // Kind by the path, unless the bytes contradict it.
 Result<const Kind*> kindOf(std::string_view bytes, const std::string& path) {
   if (bytes.empty()) return Error{ErrorId::FileUnreadable, path + ": the file is empty; export the mesh again"};
-  const std::string extension = extensionOf(path);
+  const std::string extension = lowerExtension(path);
   const auto named = std::find_if(std::begin(kKinds), std::end(kKinds),
                                   [&](const Kind* kind) { return kind->extension == extension; });
   if (named == std::end(kKinds)) {
@@ -111,18 +103,18 @@ Result<std::string> readBytes(const std::string& path) {
 }  // namespace
 
 bool isMeshName(const std::string& name) {
-  const std::string extension = extensionOf(name);
+  const std::string extension = lowerExtension(name);
   return std::any_of(std::begin(kKinds), std::end(kKinds),
                      [&](const Kind* kind) { return kind->extension == extension; });
 }
 
 bool isGltfName(const std::string& name) {
-  const std::string extension = extensionOf(name);
+  const std::string extension = lowerExtension(name);
   return extension == kGlb.extension || extension == kGltf.extension;
 }
 
 std::string otherMeshKind(const std::string& name) {
-  const std::string extension = extensionOf(name);
+  const std::string extension = lowerExtension(name);
   for (const auto& [other, kind] : kOtherKinds)
     if (extension == other) return kind;
   return {};

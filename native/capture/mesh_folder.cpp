@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/mesh_folder.h"
-
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -17,15 +15,10 @@ namespace {
 
 constexpr size_t kMaxDigits = 9;  // longer numbers are no frame numbers
 
-bool isDigit(char c) { return c >= '0' && c <= '9'; }
-
 std::set<std::string> fileNames(const std::string& folder) {
   std::set<std::string> names;
-  std::error_code failed;
-  for (std::filesystem::directory_iterator it(folder, failed), end; !failed && it != end; it.increment(failed)) {
-    std::error_code ignored;
-    if (it->is_regular_file(ignored)) names.insert(it->path().filename().string());
-  }
+  for (const std::filesystem::path& path : sortedEntries(folder))
+    if (isFile(path)) names.insert(path.filename().string());
   return names;
 }
 

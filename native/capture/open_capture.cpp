@@ -6,8 +6,8 @@
 
 #include "base/text.h"
 #include "capture/capture_json.h"
-#include "capture/mesh_folder.h"
 #include "capture/mesh_sequence.h"
+#include "capture/pictures.h"
 #include "capture/text.h"
 
 namespace fourdvt::capture {
@@ -65,8 +65,7 @@ Result<CaptureMeshes> resolveMeshes(bool per_frame, MeshNeed need, DeclaredSeque
     findFirstMesh(sequence);
     return meshes;
   }
-  std::error_code ignored;
-  if (!per_frame && !std::filesystem::is_directory(folder, ignored)) return CaptureMeshes::None;
+  if (!per_frame && !isFolder(folder)) return CaptureMeshes::None;
   FOURDVT_TRY(findMeshFiles(folder, sequence));
   return meshes;
 }

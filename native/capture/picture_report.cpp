@@ -9,7 +9,6 @@
 #include "capture/mesh_sequence.h"
 #include "capture/picture_clock.h"
 #include "capture/pictures.h"
-#include "capture/plates.h"
 #include "capture/still_marks.h"
 #include "capture/text.h"
 #include "capture/upright.h"

@@ -14,6 +14,7 @@
 #include "capture/upright.h"
 
 namespace fourdvt::capture {
+
 std::vector<std::filesystem::path> sortedEntries(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> out;
   std::error_code failed;
@@ -26,6 +27,11 @@ std::vector<std::filesystem::path> sortedEntries(const std::filesystem::path& fo
 bool isFile(const std::string& path) {
   std::error_code ignored;
   return std::filesystem::is_regular_file(path, ignored);
+}
+
+bool isFolder(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::is_directory(path, ignored);
 }
 
 std::optional<PicturePlace> findPictures(const std::string& folder, const std::string& stem) {
@@ -73,6 +79,23 @@ cv::Mat decodeMatte(const cv::Mat& encoded) {
     return decoded;
   }
   return cv::imdecode(encoded, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+}
+
+constexpr uint32_t kMaxPlates = 100;  // more plates hardly improve the mean, and each takes memory while it is read
+
+// Paths of one file, or of the numbered ones; the expected path if there are none.
+std::vector<std::string> platePaths(const std::string& stem) {
+  if (isFile(stem + ".png")) return {stem + ".png"};
+  for (const char* extension : {".png", ".jpg"}) {
+    std::vector<std::string> paths;
+    while (paths.size() < kMaxPlates) {
+      const std::string path = framePath(stem + "/%06d" + extension, static_cast<uint32_t>(paths.size()));
+      if (!isFile(path)) break;
+      paths.push_back(path);
+    }
+    if (!paths.empty()) return paths;
+  }
+  return {stem + ".png"};
 }
 
 }  // namespace
@@ -182,6 +205,18 @@ Status checkSize(const Image& image, const CaptureCamera& camera, const std::str
   return Error{ErrorId::FrameSize, path + ": picture of " + size(image.width, image.height) + " pixels, but camera \"" +
                                        p.name + "\" is calibrated for " + size(p.width, p.height) +
                                        "; use the pictures that were calibrated"};
+}
+
+Result<Plates> readPlates(const Capture& capture, const CaptureCamera& camera, const std::string& otherwise) {
+  Plates out;
+  for (const std::string& path : platePaths(capture.background_folder + "/" + camera.pinhole.name)) {
+    if (out.path.empty()) out.path = path;
+    auto plate = readCalibrated(path, 3, camera);
+    if (!plate.ok() && plate.error().id == ErrorId::FrameSize) return plate.error();
+    if (!plate.ok()) return Error{plate.error().id, path + ": " + otherwise};
+    out.pictures.push_back(plate.take());
+  }
+  return out;
 }
 
 }  // namespace fourdvt::capture

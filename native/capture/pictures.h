@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of one camera over one sequence, from a video or from numbered files, as filmed.
+// Pictures of a capture as filmed: of one camera over one sequence, from a video or from numbered files, and its plates
+// of the empty studio.
 #pragma once
 
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "base/image.h"
+#include "base/result.h"
 #include "base/video.h"
 #include "capture/capture.h"
 
@@ -29,8 +31,9 @@ Result<PicturePlace> colourPlace(const CaptureSequence& sequence, const CaptureC
 // Entries of a folder in the order of their names; empty if it cannot be listed.
 std::vector<std::filesystem::path> sortedEntries(const std::filesystem::path& folder);
 
-// Returns true for an existing file that is no folder.
+// Returns true for an existing file that is no folder; for an existing folder.
 bool isFile(const std::string& path);
+bool isFolder(const std::string& path);
 
 // Name of a camera's matte: cam03 → mask03, other → maskother.
 std::string matteStem(const std::string& camera_name);
@@ -56,7 +59,7 @@ struct NeededPictures {
 class PictureStream {
  public:
   // Opens the pictures. `check_files`: checks that all numbered files of the sequence exist; for videos see
-  // clip_checks.h. Errors: VideoTooShort, and those of `open_video`.
+  // checkClips. Errors: VideoTooShort, and those of `open_video`.
   static Result<PictureStream> open(const PicturePlace& place, const CaptureSequence& sequence,
                                     const CaptureCamera& camera, int channels, const OpenVideo& open_video,
                                     bool check_files = true);
@@ -82,5 +85,23 @@ class PictureStream {
 
 // Error FrameSize, naming `path`, unless the image has the camera's calibrated size.
 Status checkSize(const Image& image, const CaptureCamera& camera, const std::string& path);
+
+// Checks a sequence's videos by their containers' listings, without decoding, before long work. Errors: VideoTooShort
+// where a video has fewer pictures than the sequence needs, by its listing rather than its
+// header, or lacks one between others that other cameras have, so that later pictures would show a later instant. And
+// those of `open_video`.
+Status checkClips(const Capture& capture, const CaptureSequence& sequence, const OpenVideo& open_video,
+                  MatteNeed mattes);
+
+// Plates of a camera: pictures of the empty studio in the capture's background folder.
+struct Plates {
+  std::string path;             // path of the first plate
+  std::vector<Image> pictures;  // RGB, as distorted as the videos
+};
+
+// Reads background/CAMERA.png, or else background/CAMERA/000000.png (or .jpg) and its successors up to a gap.
+// `otherwise` ends the message if a plate cannot be read: the need for it, and the remedy. Errors: FileMissing,
+// FileUnreadable, FrameSize.
+Result<Plates> readPlates(const Capture& capture, const CaptureCamera& camera, const std::string& otherwise);
 
 }  // namespace fourdvt::capture

@@ -68,8 +68,7 @@ size_t sizeOf(Type type) {
 // Reads the numbers behind the header in order. After the first failure ok() is false and all are 0.
 class Numbers {
  public:
-  Numbers(std::string_view bytes, Format format)
-      : format_(format), text_(bytes), bytes_({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}) {}
+  Numbers(std::string_view bytes, Format format) : format_(format), text_(bytes), bytes_(bytesOf(bytes)) {}
   bool ok() const { return ok_; }
   bool atEnd() const { return at_end_; }
   // ASCII: the remaining text, from the word that failed first.

@@ -2,6 +2,7 @@
 #include "capture/text.h"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 
@@ -35,6 +36,15 @@ std::optional<std::string> readText(const std::string& path) {
   file.seekg(0);
   if (!file.read(text.data(), size)) return std::nullopt;
   return text;
+}
+
+std::string lowerCase(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+std::string lowerExtension(const std::string& path) {
+  return lowerCase(std::filesystem::path(path).extension().string());
 }
 
 std::string_view trimmed(std::string_view text) {

@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lines, words and numbers of text files, and diagnostics for malformed numbers; common to all text readers.
-// Independent of the locale. Lines end in LF, CRLF or CR; a byte order mark before the text is skipped; words are
-// separated by spaces and tabs. Texts are borrowed.
+// Lines, words and numbers of text files, values of JSON, and diagnostics for malformed ones; common to all text
+// readers. Independent of the locale. Lines end in LF, CRLF or CR; a byte order mark before the text is skipped; words
+// are separated by spaces and tabs. Texts are borrowed.
 #pragma once
 
 #include <charconv>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
+
+#include "base/result.h"
 
 namespace fourdvt::capture {
 
@@ -44,6 +50,15 @@ inline std::string_view takeWord(std::string_view& line) {
 
 // Text without the blanks at both ends.
 std::string_view trimmed(std::string_view text);
+
+inline bool isDigit(char c) { return c >= '0' && c <= '9'; }
+std::string lowerCase(std::string text);  // ASCII only
+// Extension of a path in lower case, with its dot.
+std::string lowerExtension(const std::string& path);
+
+inline std::span<const uint8_t> bytesOf(std::string_view text) {
+  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
+}
 
 // Whole word as a number ("nan" and "inf" count as numbers), else nullopt.
 template <class T>
@@ -119,5 +134,20 @@ class TextLines {
   int number_ = 0, following_ = 1;
   std::string joined_;
 };
+
+// Parses hand-written JSON. Skips a byte order mark. Error `id`, beginning with `path` and the line: invalid JSON (a
+// decimal comma and NaN are named as such), or nesting deeper than 64, since JSON writers recurse as deep.
+Result<nlohmann::json> parseJsonText(std::string_view text, const std::string& path, ErrorId id);
+
+// Value of `key`; null if missing or if `node` is no object.
+const nlohmann::json& jsonMember(const nlohmann::json& node, const char* key);
+// Reads a list of exactly `count` finite numbers of at most `max` in size; false for anything else.
+bool jsonNumbers(const nlohmann::json& node, size_t count, double* out,
+                 double max = std::numeric_limits<double>::max());
+// Value of a string, or else `otherwise`.
+std::string jsonText(const nlohmann::json& node, const std::string& otherwise = {});
+
+// Returns true for well-formed UTF-8, which JSON can hold.
+bool isUtf8(std::string_view text);
 
 }  // namespace fourdvt::capture

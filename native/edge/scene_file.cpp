@@ -8,7 +8,6 @@
 
 #include "base/text.h"
 #include "capture/capture.h"
-#include "capture/json_text.h"
 #include "capture/text.h"
 
 namespace fourdvt::edge {

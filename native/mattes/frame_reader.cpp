@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "capture/clip_checks.h"
 #include "capture/matte_flaw.h"
 #include "capture/matted_pictures.h"
 #include "capture/mesh_sequence.h"
+#include "capture/pictures.h"
 #include "capture/undistort.h"
 #include "mattes/plate_key.h"
 

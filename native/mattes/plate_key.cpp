@@ -7,7 +7,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "capture/pictures.h"
-#include "capture/plates.h"
 #include "capture/undistort.h"
 #include "mattes/background_key.h"
 #include "mattes/reduced.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/import/calibration_files.h"
-#include "capture/import/class_option.h"
 #include "capture/import/import_capture.h"
+#include "capture/import/readers.h"
 #include "tools/args.h"
 #include "tools/commands.h"
 #include "tools/session.h"

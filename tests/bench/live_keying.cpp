@@ -8,7 +8,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "capture/pictures.h"
-#include "capture/plates.h"
 #include "live/camera/keyer.h"
 #include "mattes/background_key.h"
 #include "mattes/frame_reader.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "capture/colmap_rigs.h"
+#include "capture/colmap_model.h"
 #include "capture/import/csv.h"
 #include "capture/import/readers.h"
 

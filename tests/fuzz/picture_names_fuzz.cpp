@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "capture/import/picture_names.h"
+#include "capture/import/views.h"
 #include "capture/text.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

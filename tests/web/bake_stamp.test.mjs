@@ -27,7 +27,7 @@ test('folders below are those that the layering allows, through others too', () 
 });
 
 test('sources and shaders of the bake change its stamp', () => {
-  for (const path of ['native/bake/bake.cpp', 'native/bake/texels/fill.cpp', 'native/capture/plates.cpp', 'native/package/manifest.cpp', 'native/render/flow/gpu_flow.cpp',
+  for (const path of ['native/bake/bake.cpp', 'native/bake/texels/fill.cpp', 'native/capture/pictures.cpp', 'native/package/manifest.cpp', 'native/render/flow/gpu_flow.cpp',
     'native/tools/bake_command.cpp', 'shaders/gles/bake_resample.frag', 'shaders/gles/bake_camera.glsl']) assert.ok(changes(path), path);
 });
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/import/calibration_files.h"
-
 #include <algorithm>
 #include <filesystem>
 #include <set>
@@ -8,7 +6,7 @@
 #include "base/text.h"
 #include "capture/colmap_model.h"
 #include "capture/import/readers.h"
-#include "capture/json_text.h"
+#include "capture/pictures.h"
 #include "capture/text.h"
 #include "platform/files.h"
 
@@ -31,25 +29,10 @@ Result<std::string> readSmall(const fs::path& path) {
   return std::string(skipByteOrderMark({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
 }
 
-std::string lowerCase(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
-bool isPlainFile(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored);
-}
-
 // Folders or files of `folder`, sorted by name.
 std::vector<fs::path> listed(const fs::path& folder, bool folders) {
-  std::vector<fs::path> out;
-  std::error_code failed;
-  for (fs::directory_iterator it(folder, failed), end; !failed && it != end; it.increment(failed)) {
-    std::error_code ignored;
-    if (folders ? it->is_directory(ignored) : it->is_regular_file(ignored)) out.push_back(it->path());
-  }
-  std::sort(out.begin(), out.end());
+  std::vector<fs::path> out = sortedEntries(folder);
+  std::erase_if(out, [&](const fs::path& path) { return folders ? !isFolder(path) : !isFile(path); });
   return out;
 }
 
@@ -71,7 +54,7 @@ Found readOne(const fs::path& file, Result<ImportedCalibration> (*parse)(const s
 // The file itself, or those in the folder, with one of these extensions.
 std::vector<fs::path> filesWith(const fs::path& source, std::initializer_list<const char*> endings) {
   std::vector<fs::path> out;
-  if (isPlainFile(source)) {
+  if (isFile(source)) {
     if (endsWith(source, endings)) out.push_back(source);
     return out;
   }
@@ -81,19 +64,18 @@ std::vector<fs::path> filesWith(const fs::path& source, std::initializer_list<co
 }
 
 Found findColmap(const fs::path& source, std::string&) {
-  const bool file = isPlainFile(source);
+  const bool file = isFile(source);
   if (file && !endsWith(source, {"cameras.txt", "images.txt", "cameras.bin", "images.bin"})) return kNone;
   const fs::path base = file ? source.parent_path() : source;
   for (const char* inner : {"", "cameras", "sparse/0", "sparse", "colmap/sparse/0", "dense/sparse"}) {
     const fs::path folder = *inner ? base / inner : base;
     for (const char* ending : {".txt", ".bin"}) {
-      if (!isPlainFile(folder / (std::string("cameras") + ending))) continue;
+      if (!isFile(folder / (std::string("cameras") + ending))) continue;
       for (const char* part : {"cameras", "images", "rigs", "frames"})
         FOURDVT_TRY(checkBytes(folder / (std::string(part) + ending)));
-      FOURDVT_ASSIGN(auto cameras, readColmapListed(folder.string()));
+      FOURDVT_ASSIGN(const auto cameras, readColmapListed(folder.string()));
       ImportedCalibration out{"COLMAP", folder.string(), {}, {}, {}, {}, {}};
-      for (ListedCamera& camera : cameras)
-        out.cameras.push_back({std::move(camera.camera), {}, camera.pictures, {}, {}, {}});
+      addListed(cameras, out);
       return std::optional(std::move(out));
     }
   }
@@ -105,12 +87,12 @@ Found findNerfstudio(const fs::path& source, std::string&) {
   for (const fs::path& file : filesWith(source, {"transforms_train.json"})) {
     FOURDVT_ASSIGN(auto found, readOne(file, parseNerfstudio));
     for (const char* other : {"transforms_test.json", "transforms_val.json"})
-      if (found && isPlainFile(file.parent_path() / other))
+      if (found && isFile(file.parent_path() / other))
         found->warnings.push_back((file.parent_path() / other).string() +
                                   ": its cameras are left out; import the file itself to have them");
     return found;
   }
-  if (!isPlainFile(source) || !endsWith(source, {".json"})) return kNone;
+  if (!isFile(source) || !endsWith(source, {".json"})) return kNone;
   FOURDVT_ASSIGN(const std::string text, readSmall(source));
   if (text.find("\"transform_matrix\"") == std::string::npos) return kNone;
   return readOne(source, parseNerfstudio);
@@ -149,7 +131,7 @@ Found findRealityCapture(const fs::path& source, std::string&) {
   }
   ImportedCalibration out{"RealityCapture", source.string(), {}, {}, WorldAxis::Z, {}, {}};
   for (const char* inner : {"", "images"}) {
-    if (isPlainFile(source) && *inner) continue;
+    if (isFile(source) && *inner) continue;
     for (const fs::path& file : filesWith(*inner ? source / inner : source, {".xmp"})) {
       FOURDVT_ASSIGN(const std::string text, readSmall(file));
       if (!looksLikeRealityCaptureXmp(text)) continue;
@@ -178,7 +160,7 @@ Found findQualisys(const fs::path& source, std::string&) {
 // Finds a .toml calibration among a project's other .toml files, perhaps in a folder of its own.
 Found findToml(const fs::path& source, std::string& note) {
   for (const char* inner : {"", "calibration", "calib"}) {
-    if (isPlainFile(source) && *inner) continue;
+    if (isFile(source) && *inner) continue;
     for (const fs::path& file : filesWith(*inner ? source / inner : source, {".toml"})) {
       auto found = readOne(file, parseToml);
       if (found.ok() || found.error().id != ErrorId::FileUnreadable) return found;
@@ -198,7 +180,7 @@ std::vector<NamedFiles> filesByCamera(const fs::path& source, std::initializer_l
     for (const fs::path& file : filesWith(folder, endings)) out.emplace_back(file.stem().string(), file);
     return out;
   };
-  if (isPlainFile(source)) return {namedIn(source)};
+  if (isFile(source)) return {namedIn(source)};
   const std::vector<fs::path> folders = listed(source, true);
   std::vector<NamedFiles> out(1);
   for (const fs::path& folder : folders)
@@ -223,7 +205,7 @@ Found openCvCameras(const fs::path& source, const NamedFiles& files, std::string
       failed = camera.error();
   }
   if (failed && !out.cameras.empty()) return *failed;
-  if (failed && failed->id != ErrorId::FileUnreadable && isPlainFile(source)) return *failed;
+  if (failed && failed->id != ErrorId::FileUnreadable && isFile(source)) return *failed;
   if (failed && note.empty()) note = failed->message;
   if (out.cameras.empty()) return kNone;
   return std::optional(std::move(out));

@@ -12,11 +12,11 @@ namespace {
 constexpr double kMaxRotationError = 0.01;  // error of the elements of R Rᵀ; files round to three digits and more
 constexpr int kMaxImportedSide = 32768;     // pixels
 
-Error badNumbers(const std::string& where, const std::string& what) {
+}  // namespace
+
+Error badCalibration(const std::string& where, const std::string& what) {
   return {ErrorId::CameraPose, where + ": " + what + "; export the calibration again"};
 }
-
-}  // namespace
 
 glm::dmat3 rotationOf(const glm::dvec3& vector) {
   const double angle = glm::length(vector);
@@ -29,6 +29,10 @@ glm::dmat3 rowByRow(std::span<const double> nine) {
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column) out[column][row] = nine[3 * row + column];
   return out;
+}
+
+glm::dmat3 rotationOfNumbers(std::span<const double> n) {
+  return n.size() == 9 ? rowByRow(n) : rotationOf({n[0], n[1], n[2]});
 }
 
 Result<Distortion> distortionOf(std::span<const double> values, bool fisheye, const std::string& where) {
@@ -46,9 +50,9 @@ Result<Distortion> distortionOf(std::span<const double> values, bool fisheye, co
 }
 
 Status setCameraMatrix(std::span<const double> k, double first_pixel, CaptureCamera& camera, const std::string& where) {
-  if (k.size() != 9) return badNumbers(where, "the camera matrix must have nine numbers");
+  if (k.size() != 9) return badCalibration(where, "the camera matrix must have nine numbers");
   if (k[3] != 0 || k[6] != 0 || k[7] != 0 || !(k[8] > 0))
-    return badNumbers(where, "the camera matrix must be fx s cx, 0 fy cy, 0 0 1");
+    return badCalibration(where, "the camera matrix must be fx s cx, 0 fy cy, 0 0 1");
   PinholeCamera& p = camera.pinhole;
   p.fx = k[0] / k[8];
   p.fy = k[4] / k[8];
@@ -66,7 +70,7 @@ Status setPose(const glm::dmat3& rotation, const glm::dvec3& translation, Captur
     for (int j = 0; j < 3; ++j) error = std::max(error, std::abs(product[i][j] - (i == j ? 1 : 0)));
   const double determinant = glm::determinant(rotation);
   if (!(error <= kMaxRotationError) || !std::isfinite(determinant) || !(determinant > 0))
-    return badNumbers(where, "the rotation is none (not orthogonal, mirrored or not finite)");
+    return badCalibration(where, "the rotation is none (not orthogonal, mirrored or not finite)");
   glm::dmat4& pose = camera.pinhole.cam_from_world;
   pose = glm::dmat4(glm::mat3_cast(glm::normalize(glm::quat_cast(rotation))));
   pose[3] = glm::dvec4(translation, 1);
@@ -79,10 +83,10 @@ Status checkCameraNumbers(const CaptureCamera& camera, const std::string& where)
   const glm::dvec4 t = p.cam_from_world[3];
   for (double v : {p.fx, p.fy, p.cx, p.cy, d.k1, d.k2, d.p1, d.p2, d.k3, d.k4, d.k5, d.k6, d.skew, d.sx1, d.sy1, d.fov,
                    t.x, t.y, t.z})
-    if (!std::isfinite(v)) return badNumbers(where, "all numbers must be finite");
-  if (!(p.fx > 0) || !(p.fy > 0)) return badNumbers(where, "focal lengths must be positive");
+    if (!std::isfinite(v)) return badCalibration(where, "all numbers must be finite");
+  if (!(p.fx > 0) || !(p.fy > 0)) return badCalibration(where, "focal lengths must be positive");
   if (p.width < 0 || p.height < 0 || p.width > kMaxImportedSide || p.height > kMaxImportedSide)
-    return badNumbers(where, "width and height must be 1 to 32768 pixels");
+    return badCalibration(where, "width and height must be 1 to 32768 pixels");
   return {};
 }
 

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/import/class_option.h"
-
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "capture/class_json.h"
+#include "capture/capture_json.h"
+#include "capture/import/import_capture.h"
 #include "capture/text.h"
 
 namespace fourdvt::capture {

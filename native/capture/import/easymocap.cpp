@@ -7,10 +7,6 @@
 namespace fourdvt::capture {
 namespace {
 
-Error lacksNode(const std::string& path, const std::string& node) {
-  return {ErrorId::CameraPose, path + ": " + node + "; export the calibration again"};
-}
-
 Result<ImportedCamera> easyMocapCamera(const Storage& intri, const Storage& extri, const std::string& name,
                                        const std::string& path) {
   ImportedCamera out;
@@ -19,11 +15,12 @@ Result<ImportedCamera> easyMocapCamera(const Storage& intri, const Storage& extr
   const std::string where = path + ": camera " + name;
   const auto coefficients = intri.numbers({"dist_" + name, "D_" + name});
   if (coefficients.empty() && intri.has({"dist_" + name, "D_" + name}))
-    return lacksNode(path,
-                     "dist_" + name + " must be a list of numbers" + intri.problem({"dist_" + name, "D_" + name}, 14));
+    return badCalibration(
+        path, "dist_" + name + " must be a list of numbers" + intri.problem({"dist_" + name, "D_" + name}, 14));
   FOURDVT_ASSIGN(out.camera.distortion, distortionOf(coefficients, false, where));
   const auto lens = intri.numbers({"K_" + name});
-  if (lens.size() != 9) return lacksNode(where, "no K_" + name + " of nine numbers" + intri.problem({"K_" + name}, 9));
+  if (lens.size() != 9)
+    return badCalibration(where, "no K_" + name + " of nine numbers" + intri.problem({"K_" + name}, 9));
   FOURDVT_TRY(setCameraMatrix(lens, kFirstPixelAtZero, out.camera, where));
   const auto width = intri.numbers({"W_" + name}), height = intri.numbers({"H_" + name});
   if (width.size() == 1 && height.size() == 1 && width[0] > 0 && height[0] > 0 && width[0] < 1e6 && height[0] < 1e6)
@@ -31,12 +28,12 @@ Result<ImportedCamera> easyMocapCamera(const Storage& intri, const Storage& extr
   const auto matrix = extri.numbers({"Rot_" + name}), vector = extri.numbers({"R_" + name});
   const auto translation = extri.numbers({"T_" + name});
   if (matrix.size() != 9 && vector.size() != 3)
-    return lacksNode(path, "no Rot_" + name + " of nine numbers and no R_" + name + " of three" +
-                               extri.problem({"Rot_" + name, "R_" + name}, 9));
+    return badCalibration(path, "no Rot_" + name + " of nine numbers and no R_" + name + " of three" +
+                                    extri.problem({"Rot_" + name, "R_" + name}, 9));
   if (translation.size() != 3)
-    return lacksNode(path, "no T_" + name + " of three numbers" + extri.problem({"T_" + name}, 3));
-  const glm::dmat3 rotation = matrix.size() == 9 ? rowByRow(matrix) : rotationOf({vector[0], vector[1], vector[2]});
-  FOURDVT_TRY(setPose(rotation, {translation[0], translation[1], translation[2]}, out.camera, where));
+    return badCalibration(path, "no T_" + name + " of three numbers" + extri.problem({"T_" + name}, 3));
+  FOURDVT_TRY(setPose(rotationOfNumbers(matrix.size() == 9 ? matrix : vector),
+                      {translation[0], translation[1], translation[2]}, out.camera, where));
   FOURDVT_TRY(checkCameraNumbers(out.camera, where));
   return out;
 }

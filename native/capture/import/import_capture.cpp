@@ -7,13 +7,11 @@
 #include <set>
 
 #include "base/text.h"
-#include "capture/import/calibration_files.h"
-#include "capture/import/class_option.h"
-#include "capture/import/layout.h"
-#include "capture/import/meshes.h"
+#include "capture/import/readers.h"
 #include "capture/import/takes.h"
-#include "capture/json_text.h"
 #include "platform/files.h"
+#include "capture/pictures.h"
+#include "capture/text.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -82,10 +80,14 @@ Status checkFolder(const ImportOptions& options) {
   return {};
 }
 
-std::vector<Take> takesOf(const ImportOptions& options) {
-  std::error_code ignored;
+// Folder of the source; empty: the current one.
+fs::path baseOf(const ImportOptions& options) {
   const fs::path source = options.source;
-  const fs::path base = fs::is_directory(source, ignored) ? source : source.parent_path();
+  return isFolder(source) ? source : source.parent_path();
+}
+
+std::vector<Take> takesOf(const ImportOptions& options) {
+  const fs::path base = baseOf(options);
   std::vector<Take> takes;
   for (const auto& [name, folder] : options.sequences) takes.push_back({name, (base / folder).string()});
   if (takes.empty()) takes.push_back({kOnlyTake, base.empty() ? "." : base.string()});
@@ -157,8 +159,7 @@ Status writeAll(const ImportOptions& options, const ImportedCalibration& calibra
   }
   describeTakes(options, takes, meshes, summary);
   std::error_code failed;
-  const fs::path source = options.source;
-  const std::string base = (fs::is_directory(source, failed) ? source : source.parent_path()).string();
+  const std::string base = baseOf(options).string();
   FOURDVT_TRY(importPlates(calibration, takes, base.empty() ? "." : base, open_video, part, summary));
   FOURDVT_TRY(writeDescription(calibration, takes, meshes, options.classes, fps, part));
   fs::remove(options.folder, failed);  // removes an empty folder

@@ -7,11 +7,13 @@
 
 #include <glm/glm.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/result.h"
+#include "capture/camera_names.h"
 #include "capture/capture.h"
 
 namespace fourdvt::capture {
@@ -58,6 +60,23 @@ struct ImportedCalibration {
   std::optional<WorldAxis> up;            // none: the format defines no axis
   std::vector<std::string> warnings;      // one line each
   std::vector<std::string> details;       // skipped contents without effect, one line each
+};
+
+// Adds cameras by which a calibration lists pictures.
+void addListed(const std::vector<ListedCamera>& cameras, ImportedCalibration& out);
+
+// Unread keys of a calibration file: known ones become one warning, others a detail.
+class KeyNotes {
+ public:
+  // `read`: keys used by the reader; `known`: unread keys of the format that affect cameras or pictures.
+  KeyNotes(std::set<std::string> read, std::set<std::string> known)
+      : read_(std::move(read)), known_(std::move(known)) {}
+  void see(const std::string& key);
+  // Adds at most one warning and one detail to the calibration.
+  void finish(ImportedCalibration& out) const;
+
+ private:
+  std::set<std::string> read_, known_, not_read_, unknown_;
 };
 
 }  // namespace fourdvt::capture

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/import/layout.h"
-
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "capture/class_json.h"
+#include "capture/capture_json.h"
+#include "capture/import/takes.h"
 #include "capture/mesh_sequence.h"
 #include "capture/pictures.h"
+#include "capture/text.h"
 #include "capture/upright.h"
 #include "platform/files.h"
 
@@ -29,17 +29,11 @@ Status linkFile(const fs::path& from, const fs::path& to) {
                                          "; choose a folder on a disk that has links"};
 }
 
-std::string lowerEnding(const std::string& path) {
-  std::string ending = fs::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return ending;
-}
-
 // Links pictures. Readers open .png and .jpg by content, and require number 0, so that the first picture also replaces
 // earlier ones, which are not read.
 Status linkPictures(const View& view, const std::string& folder) {
   FOURDVT_TRY(platform::makeFolder(folder));
-  const std::string first = lowerEnding(view.pictures.front());
+  const std::string first = lowerExtension(view.pictures.front());
   const std::string ending = first == ".jpg" || first == ".jpeg" ? ".jpg" : ".png";
   const size_t end = view.first_number + view.pictures.size();
   for (size_t i = 0; i < end; ++i)
@@ -50,7 +44,7 @@ Status linkPictures(const View& view, const std::string& folder) {
 
 Status linkView(const View& view, const std::string& stem) {
   if (view.video.empty()) return linkPictures(view, stem);
-  return linkFile(view.video, stem + lowerEnding(view.video));
+  return linkFile(view.video, stem + lowerExtension(view.video));
 }
 
 // Step between the pictures used as plates.
@@ -70,10 +64,10 @@ Status linkTake(const ImportedCalibration& calibration, const Take& take, const 
       FOURDVT_TRY(linkView(mattes->second, own + "/" + matteStem(name)));
   }
   if (!take.meshes.empty()) FOURDVT_TRY(platform::makeFolder(own + "/mesh"));
-  if (take.hasOneMesh()) return linkFile(take.meshes[0], own + "/mesh/take" + lowerEnding(take.meshes[0]));
+  if (take.hasOneMesh()) return linkFile(take.meshes[0], own + "/mesh/take" + lowerExtension(take.meshes[0]));
   for (size_t f = 0; f < take.meshes.size(); ++f) {
     const std::string name = framePath(own + "/mesh/%06d", take.first_frame + static_cast<uint32_t>(f));
-    FOURDVT_TRY(linkFile(take.meshes[f], name + lowerEnding(take.meshes[f])));
+    FOURDVT_TRY(linkFile(take.meshes[f], name + lowerExtension(take.meshes[f])));
   }
   return {};
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Linear least squares on 1 + a1 s + a2 s² + a3 s³ = F(s) (1 + b1 s + b2 s² + b3 s³), s = r².
-#include "capture/import/lens_fit.h"
-
 #include <array>
 #include <cmath>
 #include <utility>
+
+#include "capture/import/camera_numbers.h"
 
 namespace fourdvt::capture {
 namespace {

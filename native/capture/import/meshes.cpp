@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/import/meshes.h"
-
 #include <algorithm>
-#include <filesystem>
 #include <optional>
 
-#include "capture/mesh_folder.h"
+#include "capture/import/takes.h"
 #include "capture/mesh_sequence.h"
 #include "capture/pictures.h"
 
@@ -21,8 +18,7 @@ bool holdsPackedPositions(const std::string& folder) {
 // Finds the meshes of one take. Errors: those of findMeshFiles and checkMeshFiles.
 Status findMeshesOf(Take& take, std::vector<std::string>& done, std::vector<std::string>& warnings) {
   const std::string folder = take.folder + "/mesh";
-  std::error_code ignored;
-  if (!std::filesystem::is_directory(folder, ignored)) return {};
+  if (!isFolder(folder)) return {};
   if (!holdsMeshes(folder) && holdsPackedPositions(folder)) {
     done.push_back(folder + ": packed positions, which only their own capture.json describes; they are left out");
     return {};

@@ -8,8 +8,7 @@
 
 #include "capture/camera_names.h"
 #include "capture/import/camera_numbers.h"
-#include "capture/import/key_notes.h"
-#include "capture/import/lens_fit.h"
+#include "capture/import/imported.h"
 #include "capture/import/readers.h"
 #include "capture/import/xml.h"
 #include "capture/text.h"
@@ -38,10 +37,7 @@ class MetashapeReader {
     if (pictures_.empty())
       return badMetashape(path_ + ": ", "no camera with a pose in it: align the photos first", ErrorId::FileUnreadable);
     FOURDVT_ASSIGN(const auto cameras, camerasOfPictures(pictures_));
-    for (const ListedCamera& camera : cameras) {
-      out_.cameras.emplace_back().camera = camera.camera;
-      out_.cameras.back().listed = camera.pictures;
-    }
+    addListed(cameras, out_);
     if (!left_out_.empty())
       out_.warnings.push_back(path_ + ": cameras without a pose, or not enabled, are left out: " + left_out_);
     notes_.finish(out_);

@@ -25,9 +25,8 @@ Result<ImportedCalibration> parseMiddlebury(const std::string& text, const std::
     std::array<double, 21> n{};
     for (double& value : n) value = fields.number<double>();
     if (!fields.problem().empty() || !fields.rest().empty()) {
-      return Error{ErrorId::CameraPose, where + "must be a picture's name and 21 numbers (K, R and t)" +
-                                            (fields.problem().empty() ? "" : ", but " + fields.problem()) +
-                                            "; export the calibration again"};
+      return badCalibration(camera, "must be a picture's name and 21 numbers (K, R and t)" +
+                                        (fields.problem().empty() ? "" : ", but " + fields.problem()));
     }
     FOURDVT_TRY(setCameraMatrix(std::span(n).first(9), kFirstPixelAtZero, picture.camera, camera));
     FOURDVT_TRY(setPose(rowByRow(std::span(n).subspan(9, 9)), {n[18], n[19], n[20]}, picture.camera, camera));
@@ -35,16 +34,12 @@ Result<ImportedCalibration> parseMiddlebury(const std::string& text, const std::
     pictures.push_back(std::move(picture));
   }
   if (pictures.size() != count || pictures.empty()) {
-    return Error{ErrorId::CameraPose, path + ": its first line counts " + std::to_string(count) +
-                                          " cameras, but it has " + std::to_string(pictures.size()) +
-                                          "; export the calibration again"};
+    return badCalibration(path, "its first line counts " + std::to_string(count) + " cameras, but it has " +
+                                    std::to_string(pictures.size()));
   }
-  FOURDVT_ASSIGN(auto cameras, camerasOfPictures(pictures));
+  FOURDVT_ASSIGN(const auto cameras, camerasOfPictures(pictures));
   ImportedCalibration out{"Middlebury", path, {}, {}, {}, {}, {}};
-  for (ListedCamera& camera : cameras) {
-    out.cameras.emplace_back().camera = std::move(camera.camera);
-    out.cameras.back().listed = camera.pictures;
-  }
+  addListed(cameras, out);
   return out;
 }
 

@@ -8,9 +8,8 @@
 
 #include "capture/camera_names.h"
 #include "capture/import/camera_numbers.h"
-#include "capture/import/key_notes.h"
+#include "capture/import/imported.h"
 #include "capture/import/readers.h"
-#include "capture/json_text.h"
 #include "capture/text.h"
 
 namespace fourdvt::capture {
@@ -58,10 +57,6 @@ std::string withSlashes(std::string path) {
   return path;
 }
 
-Error badFrame(const std::string& where, const std::string& what) {
-  return {ErrorId::CameraPose, where + ": " + what + "; export the calibration again"};
-}
-
 Result<Distortion> nerfstudioLens(const FrameValues& values, const std::string& where) {
   const std::string given = values.text("camera_model");
   const std::string model = given.empty() && values.flag("is_fisheye") ? "OPENCV_FISHEYE" : given;  // instant-ngp
@@ -83,13 +78,13 @@ Result<double> focalOfAngle(const FrameValues& values, const char* key, const st
   if (!angle) return 0.0;
   const double focal = 0.5 / std::tan(*angle / 2);
   if (*angle > 0 && *angle < kHalfTurn && std::isfinite(focal)) return focal;
-  return badFrame(where, std::string(key) + " must be an angle in radians, above 0 and below pi");
+  return badCalibration(where, std::string(key) + " must be an angle in radians, above 0 and below pi");
 }
 
 // Sets focal lengths and principal point, absolute or relative to a missing size.
 Status nerfstudioFocals(const FrameValues& values, ImportedCamera& imported, const std::string& where) {
   if (!values.holdsNumbers({"w", "h", "fl_x", "fl_y", "cx", "cy", "k1", "k2", "k3", "k4", "p1", "p2"}))
-    return badFrame(where, "w, h, fl_x, fl_y, cx, cy and coefficients must be numbers");
+    return badCalibration(where, "w, h, fl_x, fl_y, cx, cy and coefficients must be numbers");
   PinholeCamera& camera = imported.camera.pinhole;
   const auto side = [&](const char* key) { return std::clamp(values.orZero(key), -1.0, 1e6); };
   camera.width = static_cast<int>(side("w"));
@@ -99,7 +94,7 @@ Status nerfstudioFocals(const FrameValues& values, ImportedCamera& imported, con
   if (!fx) {
     FOURDVT_ASSIGN(lens.focal, focalOfAngle(values, "camera_angle_x", where));
     FOURDVT_ASSIGN(lens.focal_y, focalOfAngle(values, "camera_angle_y", where));
-    if (lens.focal == 0) return badFrame(where, "no fl_x and no camera_angle_x");
+    if (lens.focal == 0) return badCalibration(where, "no fl_x and no camera_angle_x");
   }
   camera.fx = fx.value_or(1);
   camera.fy = values.number("fl_y").value_or(camera.fx);
@@ -117,20 +112,17 @@ Status nerfstudioFocals(const FrameValues& values, ImportedCamera& imported, con
 // Sets the pose. Columns of camera to world are the camera's axes and its position.
 Status nerfstudioPose(const Json& frame, CaptureCamera& camera, const std::string& where) {
   const auto matrix = frame.find("transform_matrix");
-  glm::dmat4 world_from_cam(1);
+  glm::dmat4 rows(1);
   bool valid = matrix != frame.end() && matrix->is_array() && matrix->size() >= 3;
   size_t in_a_row = 0;
   for (int row = 0; valid && row < 3; ++row) {
     const Json& numbers = (*matrix)[row];
-    valid = numbers.is_array() && numbers.size() == 4;
     if (numbers.is_array()) in_a_row = std::max(in_a_row, numbers.size());
-    for (int column = 0; valid && column < 4; ++column) {
-      valid = numbers[column].is_number();
-      if (valid) world_from_cam[column][row] = numbers[column].get<double>();
-    }
+    valid = jsonNumbers(numbers, 4, &rows[row][0]);
   }
   if (!valid)
-    return badFrame(where, "transform_matrix must be four rows of four numbers" + tooManyNumbers(in_a_row, 4));
+    return badCalibration(where, "transform_matrix must be four rows of four numbers" + tooManyNumbers(in_a_row, 4));
+  const glm::dmat4 world_from_cam = glm::transpose(rows);
   glm::dmat3 axes(world_from_cam);
   axes[1] = -axes[1];
   axes[2] = -axes[2];
@@ -139,12 +131,12 @@ Status nerfstudioPose(const Json& frame, CaptureCamera& camera, const std::strin
 }
 
 Result<ImportedCamera> nerfstudioCamera(const Json& frame, const Json& root, const std::string& where) {
-  if (!frame.is_object()) return badFrame(where, "is no object");
+  if (!frame.is_object()) return badCalibration(where, "is no object");
   const FrameValues values(frame, root);
   ImportedCamera out;
   out.pictures = withSlashes(values.text("file_path"));
   out.mattes = withSlashes(values.text("mask_path"));
-  if (out.pictures.empty()) return badFrame(where, "no file_path, which names the camera");
+  if (out.pictures.empty()) return badCalibration(where, "no file_path, which names the camera");
   FOURDVT_TRY(nerfstudioFocals(values, out, where));
   FOURDVT_ASSIGN(out.camera.distortion, nerfstudioLens(values, where));
   FOURDVT_TRY(nerfstudioPose(frame, out.camera, where));

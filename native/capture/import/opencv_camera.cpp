@@ -69,9 +69,7 @@ Result<ImportedCamera> parseOpenCvCamera(const std::string& text, const std::str
   setStoredSize(storage, out.camera.pinhole);
   FOURDVT_ASSIGN(out.camera.distortion, distortionOf(coefficients, saysFisheye(storage), path));
   FOURDVT_TRY(setCameraMatrix(matrix, kFirstPixelAtZero, out.camera, path));
-  const glm::dmat3 turned =
-      rotation.size() == 9 ? rowByRow(rotation) : rotationOf({rotation[0], rotation[1], rotation[2]});
-  FOURDVT_TRY(setPose(turned, {translation[0], translation[1], translation[2]}, out.camera, path));
+  FOURDVT_TRY(setPose(rotationOfNumbers(rotation), {translation[0], translation[1], translation[2]}, out.camera, path));
   FOURDVT_TRY(checkCameraNumbers(out.camera, path));
   return out;
 }

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/import/pairing.h"
-
 #include <algorithm>
 #include <filesystem>
 #include <set>
 
 #include "base/text.h"
+#include "capture/import/takes.h"
 #include "capture/picture_clock.h"
 
 namespace fourdvt::capture {

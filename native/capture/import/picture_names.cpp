@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/import/picture_names.h"
-
 #include <algorithm>
+
+#include "capture/import/views.h"
+#include "capture/text.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -15,8 +16,6 @@ struct NameParts {
   std::vector<std::string> digits;
   std::vector<std::string> between;  // one more than digits
 };
-
-bool isDigit(char c) { return c >= '0' && c <= '9'; }
 
 NameParts partsOf(const std::string& name) {
   NameParts out{{}, {""}};

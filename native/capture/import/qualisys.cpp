@@ -69,7 +69,7 @@ Result<ImportedCamera> qualisysCamera(const pugi::xml_node& node, const std::str
   const Status posed = setQualisysPose(pose, out.camera, where);
   for (const Attributes* attributes : {&field, &lens, &pose}) {
     if (attributes->problem().empty()) continue;
-    return Error{ErrorId::CameraPose, where + ": " + attributes->problem() + "; export the calibration again"};
+    return badCalibration(where, attributes->problem());
   }
   FOURDVT_TRY(posed);
   FOURDVT_TRY(checkCameraNumbers(out.camera, where));

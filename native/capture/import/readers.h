@@ -1,11 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// One reader per format. `path` is for messages and names; conventions are in CAPTURE.md, section "Calibration". Common
-// errors: FileUnreadable (another format), CameraModel, CameraPose.
+// Calibrations of other programs: readCalibration (calibration_files.cpp) finds and reads the one of a file or folder
+// by one reader per format. `path` of readers is for messages and names; conventions are in CAPTURE.md, section
+// "Calibration". Common errors: FileUnreadable (another format), CameraModel, CameraPose.
 #pragma once
 
 #include "capture/import/imported.h"
 
 namespace fourdvt::capture {
+
+// Supported formats, one per line, for messages and help: "Qualisys (NAME.qca.txt)".
+std::string knownCalibrations();
+
+// Finds and reads the calibration of a supported format in a file or folder; at most 64 MB of any file. Errors:
+// FileMissing, FileUnreadable (no supported format: the message lists them; truncated or too large), CameraModel,
+// CameraPose (also two cameras of one name).
+Result<ImportedCalibration> readCalibration(const std::string& source);
 
 // XML of Qualisys Track Manager. Z up, millimetres, 1/64 pixel.
 Result<ImportedCalibration> parseQualisys(const std::string& text, const std::string& path);

@@ -7,8 +7,7 @@
 
 #include "capture/import/camera_numbers.h"
 #include "capture/import/csv.h"
-#include "capture/import/key_notes.h"
-#include "capture/import/lens_fit.h"
+#include "capture/import/imported.h"
 #include "capture/import/readers.h"
 #include "capture/import/xml.h"
 #include "capture/text.h"

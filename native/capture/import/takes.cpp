@@ -5,7 +5,6 @@
 #include <cmath>
 #include <filesystem>
 
-#include "capture/import/pairing.h"
 #include "capture/matted_pictures.h"
 #include "capture/picture_clock.h"
 #include "capture/picture_report.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "capture/import/camera_numbers.h"
-#include "capture/import/key_notes.h"
+#include "capture/import/imported.h"
 #include "capture/import/readers.h"
 #include "capture/text.h"
 
@@ -60,19 +60,17 @@ Result<ImportedCamera> tomlCamera(const std::string& key, const toml::table& tab
     pinhole.width = static_cast<int>(size[0]), pinhole.height = static_cast<int>(size[1]);
   const bool complete = (rotation.size() == 3 || rotation.size() == 9) && translation.size() == 3;
   if (!complete || (coefficients.empty() && table.contains("distortions"))) {
-    return Error{ErrorId::CameraPose, where + ": needs rotation (three or nine numbers), translation (three) and " +
-                                          "distortions (a list); export the calibration again"};
+    return badCalibration(where,
+                          "needs rotation (three or nine numbers), translation (three) and distortions (a list)");
   }
   const bool fisheye = table["fisheye"].value_or(false);
   FOURDVT_ASSIGN(out.camera.distortion, distortionOf(coefficients, fisheye, where));
   const auto matrix = tomlNumbers(table, "matrix");
   if (matrix.size() != 9)
-    return Error{ErrorId::CameraPose, where + ": matrix must have nine numbers" + tooManyNumbers(matrix.size(), 9) +
-                                          "; export the calibration again"};
+    return badCalibration(where, "matrix must have nine numbers" + tooManyNumbers(matrix.size(), 9));
   FOURDVT_TRY(setCameraMatrix(matrix, kFirstPixelAtZero, out.camera, where));
-  const glm::dmat3 turned =
-      rotation.size() == 9 ? rowByRow(rotation) : rotationOf({rotation[0], rotation[1], rotation[2]});
-  FOURDVT_TRY(setPose(turned, {translation[0], translation[1], translation[2]}, out.camera, where));
+  FOURDVT_TRY(
+      setPose(rotationOfNumbers(rotation), {translation[0], translation[1], translation[2]}, out.camera, where));
   FOURDVT_TRY(checkCameraNumbers(out.camera, where));
   return out;
 }

@@ -6,8 +6,8 @@
 #include <numeric>
 #include <set>
 
-#include "capture/import/picture_names.h"
 #include "capture/pictures.h"
+#include "capture/text.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -20,19 +20,10 @@ const std::set<std::string> kPlateNames{"background", "backgrounds", "bg", "plat
 const std::set<std::string> kMatteNames{"masks", "mask", "mattes", "matte"};
 constexpr const char* kViewFolders[] = {"", "videos", "images", "video", "rgbs", "frames"};
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-std::string stemOf(const fs::path& path) { return lower(path.stem().string()); }
-bool isVideo(const fs::path& path) { return kVideoEndings.count(lower(path.extension().string())) > 0; }
-bool isPicture(const fs::path& path) { return kPictureEndings.count(lower(path.extension().string())) > 0; }
+std::string stemOf(const fs::path& path) { return lowerCase(path.stem().string()); }
+bool isVideo(const fs::path& path) { return kVideoEndings.count(lowerExtension(path)) > 0; }
+bool isPicture(const fs::path& path) { return kPictureEndings.count(lowerExtension(path)) > 0; }
 bool isAside(const std::string& stem) { return kPlateNames.count(stem) > 0 || kMatteNames.count(stem) > 0; }
-
-bool isFolder(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_directory(path, ignored);
-}
 
 // Name without extension, and without the second one of COLMAP's mattes (000000.jpg.png).
 std::string pictureStem(const fs::path& path) {
@@ -81,7 +72,7 @@ std::optional<View> viewNamed(const fs::path& folder, const std::string& name, b
   std::optional<View> picture, video;
   for (const fs::path& path : sortedEntries(folder)) {
     if (isFolder(path) || !(path.stem().string() == name || isMatteOf(path, name))) continue;
-    if (isVideo(path) && (!video || lower(path.extension().string()) == ".mp4")) video = View{path.string(), {}, {}};
+    if (isVideo(path) && (!video || lowerExtension(path) == ".mp4")) video = View{path.string(), {}, {}};
     if (isPicture(path) && !picture) picture = View{{}, {path.string()}, {}};
   }
   if (video) return video;
@@ -111,7 +102,7 @@ std::vector<fs::path> videosWith(const fs::path& folder, const std::string& name
 std::vector<fs::path> entriesNamed(const fs::path& folder, const std::set<std::string>& names) {
   std::vector<fs::path> out;
   for (const fs::path& path : sortedEntries(folder))
-    if (names.count(isFolder(path) ? lower(path.filename().string()) : stemOf(path))) out.push_back(path);
+    if (names.count(isFolder(path) ? lowerCase(path.filename().string()) : stemOf(path))) out.push_back(path);
   return out;
 }
 
@@ -129,9 +120,8 @@ std::optional<View> findAside(const std::string& folder, const std::string& name
 }  // namespace
 
 std::optional<View> viewAt(const std::string& path) {
-  std::error_code ignored;
   if (isFolder(path)) return viewInFolder(path, true);
-  if (!fs::is_regular_file(path, ignored)) return std::nullopt;
+  if (!isFile(path)) return std::nullopt;
   if (isVideo(path)) return View{path, {}, {}};
   if (isPicture(path)) return View{{}, {path}, {}};
   return std::nullopt;
@@ -194,7 +184,7 @@ std::vector<std::string> viewsWithoutCamera(const std::string& folder, const std
       const bool view = is_folder ? viewInFolder(path, false).has_value() : isVideo(path);
       const bool searched = is_folder && std::any_of(std::begin(kViewFolders), std::end(kViewFolders),
                                                      [&](const char* searched_too) { return stem == searched_too; });
-      if (view && !known && !searched && !isAside(lower(stem))) out.push_back(path.string());
+      if (view && !known && !searched && !isAside(lowerCase(stem))) out.push_back(path.string());
     }
   }
   return out;

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "capture/plates.h"
+#include "capture/pictures.h"
 #include "capture/undistort.h"
 #include "lab/stage/counter.h"
 #include "lab/stage/fit.h"

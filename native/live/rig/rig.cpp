@@ -11,7 +11,6 @@
 
 #include "base/text.h"
 #include "capture/pictures.h"
-#include "capture/plates.h"
 #include "capture/text.h"
 
 namespace fourdvt::live {

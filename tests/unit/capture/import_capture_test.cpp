@@ -2,7 +2,7 @@
 // From a folder with a calibration and pictures to a capture that opens; what is missing or does not fit is said.
 #include "capture/import/import_capture.h"
 
-#include "capture/import/calibration_files.h"
+#include "capture/import/readers.h"
 #include "import_fixture.h"
 #include "mattes/frame_reader.h"
 #include "png_marks.h"

@@ -2,7 +2,6 @@
 // Classes, loops and meshes that `fourdvt import` writes beside cameras and pictures.
 #include <algorithm>
 
-#include "capture/import/class_option.h"
 #include "capture/import/import_capture.h"
 #include "import_fixture.h"
 #include "mattes/frame_reader.h"

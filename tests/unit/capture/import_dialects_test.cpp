@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Dialects of calibrations as people bring them: a point of the world comes to the pixel of the format's own formula.
-#include "capture/import/calibration_files.h"
+#include "capture/import/camera_numbers.h"
 #include "capture/import/import_capture.h"
-#include "capture/import/lens_fit.h"
+#include "capture/import/readers.h"
 #include "capture/pictures.h"
 #include "import_fixture.h"
 #include "mattes/frame_reader.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/import/picture_names.h"
-
 #include <gtest/gtest.h>
+
+#include "capture/import/views.h"
 
 namespace fourdvt::capture {
 namespace {

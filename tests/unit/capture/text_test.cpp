@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/import/readers.h"
-#include "capture/json_text.h"
 #include "capture/mesh_file.h"
 #include "capture_fixture.h"
 

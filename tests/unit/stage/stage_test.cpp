@@ -8,7 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "capture/plates.h"
+#include "capture/pictures.h"
 #include "capture_fixture.h"
 #include "lab/stage/counter.h"
 #include "lab/stage/fit.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Meshes of constant topology whose faces or whose vertices differ from those of the first frame.
-#include "capture/mesh_order.h"
+#include "capture/mesh_sequence.h"
 
 #include <algorithm>
 #include <numeric>
