@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Records of a job's pieces: one file per start, which remains if the attempt dies, and one per finished piece with its
-// cost. Modification times are ignored, since clocks of machines differ.
+// cost; and the report over all of them (report.cpp). Modification times are ignored, since clocks of machines differ.
 #pragma once
 
 #include <map>
@@ -45,5 +45,14 @@ bool isDone(const std::string& job_folder, const Piece& piece);
 Progress readProgress(const std::string& job_folder, const Plan& plan);
 // Errors: InvalidArgument, with the unfinished pieces that `piece` needs.
 Status checkNeeds(const std::string& job_folder, const Plan& plan, const Piece& piece);
+
+inline constexpr const char* kReportHtml = "job.html";
+inline constexpr const char* kReportJson = "job.json";
+
+// Writes the report, with cost, slowest pieces and pieces with several starts, as HTML and JSON into the job folder.
+// Errors: WriteFailed.
+Status writeReport(const std::string& job_folder, const Plan& plan, const Progress& progress);
+// "123 of 456 pieces, 3 started again, about 12 min of work left", extrapolated from the seconds of finished pieces.
+std::string progressLine(const Plan& plan, const Progress& progress);
 
 }  // namespace fourdvt::jobs

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "jobs/report.h"
-
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "base/text.h"
-#include "report/text.h"
+#include "jobs/records.h"
+#include "report/document.h"
 #include "report/values.h"
 
 namespace fourdvt::jobs {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "jobs/tool.h"
-
 #include <elf.h>
 #include <link.h>
 
@@ -11,6 +9,7 @@
 
 #include "base/hash.h"
 #include "base/text.h"
+#include "jobs/plan.h"
 #include "platform/files.h"
 
 namespace fourdvt::jobs {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mattes/agreement.h"
-
 #include <algorithm>
 #include <cmath>
+
+#include "mattes/support.h"
 
 namespace fourdvt::mattes {
 namespace {

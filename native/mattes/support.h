@@ -6,7 +6,9 @@
 
 #include <glm/glm.hpp>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "capture/capture.h"
@@ -71,5 +73,11 @@ class SupportFinder {
   std::vector<Rays> rays_;
   double ground_y_m_, footprint_m_ = 0;
 };
+
+// Names the camera whose silhouette, calibration or time does not fit a common visual hull and by how much, in one line
+// without a full stop. nullopt if a common volume explains the silhouettes, or with fewer than three cameras that see
+// something. `masks`: as filmed.
+std::optional<std::string> disagreement(const std::vector<capture::CaptureCamera>& cameras,
+                                        const std::vector<cv::Mat>& masks);
 
 }  // namespace fourdvt::mattes

@@ -86,4 +86,11 @@ std::string barsSvg(const BarChart& chart);
 // not.
 std::string documentHtml(const Document& document);
 
+// Numbers in suitable units, few digits, "–" for NaN.
+std::string fixedText(double value, int decimals);  // prints a minus sign (U+2212) and "∞"
+std::string percentText(double percent);            // 0..100
+std::string bytesText(double bytes);
+std::string secondsText(double seconds);
+std::string bitrateText(double bits_per_s);
+
 }  // namespace fourdvt::report

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/text.h"
+#include "base/text.h"
 
 #include <cmath>
 
-#include "base/text.h"
+#include "report/document.h"
 
 namespace fourdvt::report {
 

@@ -2,7 +2,7 @@
 #include "report/values.h"
 
 #include "platform/files.h"
-#include "report/text.h"
+#include "report/document.h"
 
 namespace fourdvt::report {
 namespace {

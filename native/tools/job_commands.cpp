@@ -4,7 +4,6 @@
 
 #include "base/watch.h"
 #include "jobs/records.h"
-#include "jobs/report.h"
 #include "platform/process.h"
 #include "reconstruct/run/pieces.h"
 #include "tools/planned_commands.h"

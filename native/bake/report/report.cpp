@@ -5,7 +5,7 @@
 
 #include "bake/run/stage_table.h"
 #include "base/text.h"
-#include "report/text.h"
+#include "report/document.h"
 #include "report/values.h"
 
 namespace fourdvt::bake {

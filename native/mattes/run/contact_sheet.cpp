@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mattes/run/contact_sheet.h"
-
 #include <algorithm>
 #include <array>
 
+#include "mattes/run/report.h"
 #include "report/picture_sheets.h"
 
 namespace fourdvt::mattes {

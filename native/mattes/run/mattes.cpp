@@ -8,12 +8,11 @@
 #include "base/text.h"
 #include "capture/folder/linked_capture.h"
 #include "capture/folder/result_folder.h"
-#include "mattes/agreement.h"
 #include "mattes/frame_reader.h"
 #include "mattes/reduced.h"
-#include "mattes/run/contact_sheet.h"
 #include "mattes/run/report.h"
 #include "mattes/run/sequence_mattes.h"
+#include "mattes/support.h"
 #include "platform/files.h"
 #include "store/folder.h"
 

@@ -7,8 +7,8 @@
 #include "base/text.h"
 #include "capture/pictures.h"
 #include "platform/files.h"
+#include "report/document.h"
 #include "report/picture_sheets.h"
-#include "report/text.h"
 #include "report/values.h"
 
 namespace fourdvt::mattes {

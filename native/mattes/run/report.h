@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "base/image.h"
+#include "mattes/joint_mattes.h"
 #include "mattes/run/mattes.h"
 
 namespace fourdvt::mattes {
@@ -15,5 +17,12 @@ std::vector<std::string> warningsOf(const capture::Capture& capture, const Matte
 // Reads the contact sheets' cells from `cells_folder`/SEQUENCE/CAMERA/000000.png. Errors: WriteFailed, FileUnreadable.
 Status writeReport(const std::string& folder, const std::string& cells_folder, const capture::Capture& capture,
                    const MattesOptions& options, const MattesSummary& summary);
+
+inline constexpr int kCellHeight = 400;  // pixels
+
+// Makes one cell of a camera's contact sheet: the picture with its matte's outline and removed parts, and the performer
+// alone. RGB, two pictures one above the other, each kCellHeight high. Outline green; removed parts by reason:
+// contradicted by other cameras red, on the floor blue, other yellow.
+Image contactCell(const Image& picture, const CameraMatte& matte);
 
 }  // namespace fourdvt::mattes

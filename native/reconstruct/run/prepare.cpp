@@ -8,7 +8,6 @@
 
 #include "capture/folder/linked_capture.h"
 #include "jobs/plan.h"
-#include "jobs/tool.h"
 #include "mattes/frame_reader.h"
 #include "mattes/run/matte_sources.h"
 #include "mattes/run/mattes.h"

@@ -10,8 +10,8 @@
 #include "base/text.h"
 #include "platform/files.h"
 #include "reconstruct/run/silhouette_match.h"
+#include "report/document.h"
 #include "report/picture_sheets.h"
-#include "report/text.h"
 #include "report/values.h"
 
 namespace fourdvt::reconstruct {

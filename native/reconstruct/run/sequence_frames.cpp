@@ -11,8 +11,8 @@
 #include "base/watch.h"
 #include "capture/folder/linked_capture.h"
 #include "capture/mesh_file.h"
-#include "mattes/agreement.h"
 #include "mattes/frame_reader.h"
+#include "mattes/support.h"
 #include "platform/files.h"
 #include "store/folder.h"
 

@@ -8,7 +8,7 @@
 #include "capture/folder/result_folder.h"
 #include "mattes/frame_reader.h"
 #include "platform/files.h"
-#include "report/text.h"
+#include "report/document.h"
 #include "report/values.h"
 
 namespace fourdvt::refine {

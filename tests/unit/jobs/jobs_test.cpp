@@ -9,7 +9,6 @@
 #include <sstream>
 
 #include "jobs/records.h"
-#include "jobs/report.h"
 #include "platform/files.h"
 #include "platform/process.h"
 

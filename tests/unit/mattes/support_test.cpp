@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "mattes/agreement.h"
 #include "mattes_fixture.h"
 
 namespace fourdvt::mattes {

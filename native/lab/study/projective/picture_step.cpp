@@ -9,8 +9,8 @@
 #include "lab/study/projective/projective_study.h"
 #include "lab/study/projective/setup.h"
 #include "lab/study/run/run_steps.h"
+#include "report/document.h"
 #include "report/picture_sheets.h"
-#include "report/text.h"
 
 namespace fourdvt::study {
 namespace {

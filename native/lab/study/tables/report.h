@@ -8,7 +8,6 @@
 
 #include "lab/study/run/context.h"
 #include "report/document.h"
-#include "report/text.h"
 
 namespace fourdvt::study {
 
