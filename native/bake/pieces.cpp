@@ -6,7 +6,7 @@
 #include <optional>
 #include <set>
 
-#include "bake/run/job_keys.h"
+#include "bake/run/job.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/stages.h"
 #include "bake/stages/survey.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "refine/kept_refinement.h"
-
 #include "base/hash.h"
+#include "refine/refine.h"
 #include "store/folder.h"
 
 namespace fourdvt::store {

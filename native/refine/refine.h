@@ -18,6 +18,10 @@
 #include "capture/capture.h"
 #include "refine/camera_fit.h"
 
+namespace fourdvt::store {
+class Archive;
+}
+
 namespace fourdvt::refine {
 
 struct RefineOptions {
@@ -83,4 +87,17 @@ Result<Refinement> refineCapture(const capture::Capture& capture, const OpenVide
 // Adds the offsets to the meshes that the capture reads from now on, and replaces its cameras by the refined ones.
 void applyRefinement(const Refinement& refinement, capture::Capture& capture);
 
+// Reads a refinement that is kept between bakes (store/folder.h). Errors: FileMissing, FileUnreadable; Internal for a
+// damaged file or one of another capture.
+Result<Refinement> loadRefinement(const std::string& path, const capture::Capture& capture);
+// Hash of the changes to a capture, without the measurements.
+uint64_t changeHash(const Refinement& refinement);
+
 }  // namespace fourdvt::refine
+
+namespace fourdvt::store {
+
+void fields(Archive& a, refine::RefineOptions& o);
+void fields(Archive& a, refine::Refinement& r);
+
+}  // namespace fourdvt::store

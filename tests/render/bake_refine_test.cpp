@@ -12,7 +12,6 @@
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
 #include "refine/camera_fit.h"
-#include "refine/kept_refinement.h"
 #include "refine/refine.h"
 #include "render/cameras/fvvr.h"
 #include "store/folder.h"

@@ -97,4 +97,27 @@ struct Job {
 // Permutes `source` into the order of the decoded mesh.
 Positions reordered(const package::EncodedBaseMesh& mesh, const Positions& source);
 
+// Stores a planned job in a file, so that another process continues without reading the capture again. Leaves out the
+// cameras' regions, from which the streams are planned, the pictures of a refinement, and the lab's
+// rules for labels and texels. Errors: WriteFailed.
+Status saveJob(const std::string& path, const Job& job);
+// Errors: those of store::load.
+Result<Job> loadJob(const std::string& path);
+
+// Keys of files that are kept between bakes (job_keys.cpp): hashes of the files and settings that they depend on.
+
+// The files of a sequence, its meshes, the cameras, the plates (path, size, time), wherever capture.json places them;
+// the meshes' topology, and capture.json.
+std::string filesKey(const capture::Capture& capture, const capture::CaptureSequence& sequence);
+// Hash of the inputs of visibility: those files, the mesh's order, the refinement. Reads no file after settleKeys.
+std::string captureKey(const Job& job, const capture::CaptureSequence& sequence);
+// Additional inputs of labels.
+std::string labelKey(const BakeOptions& options);
+
+// Hash of all inputs of finished GOPs: options, capture files (path, size, time), the bake's version.
+std::string settingsKey(const Job& job);
+
+// Sets the job's keys and digests; once, after its streams are planned.
+void settleKeys(Job& job);
+
 }  // namespace fourdvt::bake

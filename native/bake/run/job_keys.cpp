@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/run/job_keys.h"
-
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
+#include "bake/run/job.h"
 #include "bake/run/renditions.h"
 #include "base/hash.h"
 #include "base/text.h"
 #include "capture/input_files.h"
 #include "capture/mesh_sequence.h"
 #include "platform/files.h"
-#include "refine/kept_refinement.h"
+#include "refine/refine.h"
 
 namespace fourdvt::bake {
 namespace {

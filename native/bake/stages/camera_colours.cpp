@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "bake/run/job_keys.h"
+#include "bake/run/job.h"
 #include "bake/stages/stages.h"
 #include "bake/stages/survey.h"
 #include "bake/texels/frame_baker.h"

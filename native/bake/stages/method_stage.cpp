@@ -3,7 +3,7 @@
 
 #include "bake/method/method_choice.h"
 #include "bake/method/method_trial.h"
-#include "bake/run/job_keys.h"
+#include "bake/run/job.h"
 #include "bake/stages/stages.h"
 #include "base/bytes.h"
 #include "mattes/frame_reader.h"

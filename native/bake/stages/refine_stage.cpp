@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/run/job_keys.h"
+#include "bake/run/job.h"
 #include "bake/stages/stages.h"
 #include "base/hash.h"
 #include "base/text.h"
 #include "platform/files.h"
-#include "refine/kept_refinement.h"
+#include "refine/refine.h"
 #include "store/folder.h"
 
 namespace fourdvt::bake {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <future>
 
-#include "bake/run/job_keys.h"
+#include "bake/run/job.h"
 #include "bake/stages/stages.h"
 #include "base/text.h"
 #include "mattes/frame_reader.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Synchronises and calibrates a capture's cameras from silhouettes alone: time offsets of each sequence's cameras
-// (rig_times.h) and camera poses (rig_fit.h), alternating until both converge. Assumes correct mattes and a majority of
+// (fitTimes) and camera poses (fitRig), alternating until both converge. Assumes correct mattes and a majority of
 // correct cameras. A camera changes only by a statistically significant amount; the rig's pose in the world and the
 // time of the rig as a whole are not observable and stay. Reads no meshes. See algorithms/calibration.md.
 #pragma once
@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "refine/silhouettes/rig_fit.h"
-#include "refine/silhouettes/rig_times.h"
 
 namespace fourdvt::refine {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Calibrates a rig from silhouettes alone: refits pose and focal length of a camera where the hull of the others
-// supports it significantly. Times are fixed (rig_times.h fits them).
+// supports it significantly, with fixed times; and fits times with fixed calibrations (rig_times.cpp).
 #pragma once
 
 #include <functional>
@@ -30,5 +30,20 @@ std::vector<PinholeCamera> minTurned(const std::vector<PinholeCamera>& given, co
 // Outline errors [camera] over all clips.
 std::vector<StickOut> stickOut(const std::vector<TimedClip>& clips, const std::vector<PinholeCamera>& cameras,
                                const std::vector<char>& ignored);
+
+// Time offset of a camera with which simultaneous silhouettes have a common volume.
+struct CameraTime {
+  double offset_frames = 0;     // picture f + offset_frames shows the instant f
+  double deviation_frames = 0;  // standard deviation
+  bool known = false;           // enough motion to determine the offset
+};
+
+struct TimeOptions {
+  int max_frames = 8;  // maximum difference of an offset from the median; 0: fractions only
+};
+
+// Fits one offset per camera; their median is 0, since absolute time is not observable. `rig`: calibration and initial
+// offsets.
+std::vector<CameraTime> fitTimes(const SilhouetteClip& clip, const RigState& rig, const TimeOptions& options);
 
 }  // namespace fourdvt::refine

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "refine/silhouettes/rig_times.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "base/parallel.h"
 #include "base/robust.h"
+#include "refine/silhouettes/rig_fit.h"
 
 namespace fourdvt::refine {
 namespace {

@@ -2,7 +2,7 @@
 // The key of a bake that is resumed changes with every file that the bake reads, wherever capture.json places it.
 #include <gtest/gtest.h>
 
-#include "bake/run/job_keys.h"
+#include "bake/run/job.h"
 #include "bake/stages/stages.h"
 #include "capture_fixture.h"
 

@@ -8,7 +8,6 @@
 #include "capture_fixture.h"
 #include "mattes/frame_reader.h"
 #include "platform/files.h"
-#include "refine/kept_refinement.h"
 #include "sphere_fixture.h"
 #include "store/folder.h"
 

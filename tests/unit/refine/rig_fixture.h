@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "refine/silhouettes/rig_fit.h"
-#include "refine/silhouettes/rig_times.h"
 
 namespace fourdvt::refine {
 
