@@ -5,8 +5,7 @@
 #include <set>
 
 #include "live/cameras.h"
-#include "live/page_messages.h"
-#include "live/web_files.h"
+#include "live/pages.h"
 
 namespace fourdvt::live {
 namespace {

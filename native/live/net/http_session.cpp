@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "live/net/http_session.h"
-
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <optional>
 
 #include "live/net/http.h"
 #include "live/net/pump.h"
+#include "live/net/server_core.h"
 
 namespace fourdvt::live {
 namespace {

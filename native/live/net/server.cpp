@@ -3,7 +3,7 @@
 #include <thread>
 #include <vector>
 
-#include "live/net/http_session.h"
+#include "live/net/server_core.h"
 
 namespace fourdvt::live {
 namespace {

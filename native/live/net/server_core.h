@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// State shared by the server's connections: handler, options and the register of connections.
+// State shared by the server's connections: handler, options and the register of connections; and one connection until
+// it becomes a WebSocket (http_session.cpp).
 #pragma once
 
 #include <map>
@@ -7,6 +8,7 @@
 #include <mutex>
 
 #include "live/net/asio.h"
+#include "live/net/pump.h"
 #include "live/net/websocket.h"
 
 namespace fourdvt::live {
@@ -48,5 +50,9 @@ class Slot {
   const std::shared_ptr<ServerCore> core_;
   uint64_t id_ = 0;
 };
+
+// Starts a connection: TLS, sequential requests, answers with files in pieces. Access is decided by the handler.
+// is_full: every request is answered with 503.
+void startHttpSession(std::shared_ptr<ServerCore> core, std::shared_ptr<Wire> wire, bool is_full);
 
 }  // namespace fourdvt::live

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "live/web_files.h"
+#include "live/pages.h"
 #include "service_fixture.h"
 
 namespace fourdvt::live {

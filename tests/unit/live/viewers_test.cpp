@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "live/viewers.h"
 
-#include "live/page_messages.h"
+#include "live/pages.h"
 #include "service_fixture.h"
 
 namespace fourdvt::live {
