@@ -7,7 +7,7 @@
 #include "base/hash.h"
 #include "instance.h"
 #include "render/cameras/camera_method.h"
-#include "render/flow/read_back.h"
+#include "render/flow/flow.h"
 #include "render/montage/layered_montage.h"
 #include "render/styles/styles.h"
 

@@ -3,7 +3,7 @@
 
 #include <opencv2/video/tracking.hpp>
 
-#include "render/flow/read_back.h"
+#include "render/flow/flow.h"
 
 namespace fourdvt::edge {
 namespace {

@@ -20,7 +20,10 @@
 #include <string>
 #include <vector>
 
+#include "base/image.h"
 #include "edge/motion.h"
+#include "gpu/device.h"
+#include "package/character.h"
 #include "render/scene.h"
 
 namespace fourdvt::edge {
@@ -49,5 +52,12 @@ struct SceneFile {
 Result<SceneFile> readSceneFile(const std::string& path);
 // Reads the triangles of an OBJ file: "v x y z [r g b]" and "f"; skips all other lines. Errors: FileMissing, MeshIndex.
 Result<std::vector<render::SceneCorner>> readSceneMesh(const std::string& path);
+
+// Picture of a character folder's room, RGBA. `folder`: that of a character with a room. Errors: FileMissing,
+// FileUnreadable, FilesDiffer.
+Result<Image> readRoomPicture(const std::string& folder, const package::Room& room);
+// Scene of the character's room. `manifest`: its character.gltf. Errors: those of readRoomPicture, GpuFailure,
+// InvalidArgument if the character has no room.
+Result<render::Scene> openRoom(gpu::Device& device, const std::string& manifest, const package::Character& character);
 
 }  // namespace fourdvt::edge

@@ -6,7 +6,7 @@
 
 #include "base/bytes.h"
 #include "base/hash.h"
-#include "edge/room_file.h"
+#include "edge/scene_file.h"
 #include "motion/blend.h"
 #include "motion/motion_graph.h"
 #include "package/barcode.h"

@@ -5,7 +5,7 @@
 
 #include "bake/texels/picture_crop.h"
 #include "capture/capture.h"
-#include "edge/room_file.h"
+#include "edge/scene_file.h"
 #include "mattes/frame_reader.h"
 #include "platform/files.h"
 #include "platform/video_writer.h"

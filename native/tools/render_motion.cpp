@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <functional>
 
-#include "edge/room_file.h"
 #include "edge/scene_file.h"
 #include "motion/blend.h"
 #include "platform/files.h"

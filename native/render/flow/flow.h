@@ -4,6 +4,7 @@
 // native/platform; browser: the separate wasm module).
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "gpu/device.h"
@@ -42,5 +43,12 @@ struct FlowOptions {
 // Makes Farnebäck 2003 as fragment passes, or the fast DIS (Kroeger 2016). Requires float render targets (Caps);
 // programs and targets are made on first use. Errors: Unsupported.
 Result<std::unique_ptr<FlowSource>> createGpuFlow(gpu::Device& device, const FlowOptions& options = {});
+
+// Computes flow on the CPU. a, b: luma, width × height bytes; flow: output, 2 floats per pixel, x then y, in row order.
+using FlowSolver = std::function<Status(const uint8_t* a, const uint8_t* b, int width, int height, float* flow)>;
+
+// Makes a source that reads both pictures' filled luma back, computes flow on the CPU by the given solver, and uploads
+// it faded by the confidence. Blocks on the GPU, but requires no float targets.
+std::unique_ptr<FlowSource> createReadBackFlow(gpu::Device& device, FlowSolver solver);
 
 }  // namespace fourdvt::render

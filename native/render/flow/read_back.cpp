@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/flow/read_back.h"
-
+#include "render/flow/flow.h"
 #include "render/flow/gpu_flow.h"
 
 namespace fourdvt::render {
