@@ -8,7 +8,6 @@
 #include "render/cameras/camera_method.h"
 #include "tools/args.h"
 #include "tools/commands.h"
-#include "tools/common_options.h"
 #include "tools/planned_commands.h"
 #include "tools/session.h"
 #include "tools/terminal.h"

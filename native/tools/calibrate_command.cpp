@@ -4,7 +4,6 @@
 #include "refine/run/calibrate_capture.h"
 #include "tools/args.h"
 #include "tools/commands.h"
-#include "tools/common_options.h"
 #include "tools/session.h"
 #include "tools/terminal.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/common_options.h"
-
 #include "package/character.h"
+#include "refine/refine.h"
+#include "tools/commands.h"
 
 namespace fourdvt::tools {
 

@@ -20,7 +20,6 @@
 #include "platform/files.h"
 #include "tools/args.h"
 #include "tools/commands.h"
-#include "tools/inspect_capture.h"
 #include "tools/session.h"
 
 namespace fourdvt::tools {

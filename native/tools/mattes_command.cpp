@@ -2,7 +2,6 @@
 #include "mattes/run/mattes.h"
 #include "tools/args.h"
 #include "tools/commands.h"
-#include "tools/common_options.h"
 #include "tools/session.h"
 #include "tools/terminal.h"
 

@@ -3,7 +3,6 @@
 
 #include "tools/args.h"
 #include "tools/commands.h"
-#include "tools/common_options.h"
 #include "tools/planned_commands.h"
 #include "tools/terminal.h"
 

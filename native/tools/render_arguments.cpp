@@ -9,7 +9,7 @@
 #include "capture/capture.h"
 #include "platform/files.h"
 #include "render/cameras/camera_method.h"
-#include "tools/common_options.h"
+#include "tools/commands.h"
 
 namespace fourdvt::tools {
 namespace {

@@ -10,7 +10,7 @@
 #include "package/character.h"
 #include "render/cameras/camera_method.h"
 #include "tools/args.h"
-#include "tools/common_options.h"
+#include "tools/commands.h"
 #include "tools/session.h"
 
 namespace fourdvt::lab {

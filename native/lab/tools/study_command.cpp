@@ -3,7 +3,7 @@
 #include "lab/tools/commands.h"
 #include "lab/tools/run_study.h"
 #include "tools/args.h"
-#include "tools/common_options.h"
+#include "tools/commands.h"
 
 namespace fourdvt::lab {
 Result<int> studyCommand(int argc, char** argv) {

@@ -8,7 +8,7 @@
 #include "mattes/frame_reader.h"
 #include "package/character.h"
 #include "tools/args.h"
-#include "tools/common_options.h"
+#include "tools/commands.h"
 #include "tools/session.h"
 
 namespace fourdvt::lab {
