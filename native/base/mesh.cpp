@@ -71,6 +71,17 @@ SurfaceFrames computeSurfaceFrames(const MeshTopology& topology, std::span<const
   return frames;
 }
 
+void BoundingBox::grow(std::span<const glm::vec3> points) {
+  for (const glm::vec3& p : points) min = glm::min(min, p), max = glm::max(max, p);
+}
+
+BoundingBox boundsOf(std::span<const glm::vec3> points) {
+  BoundingBox box;
+  if (!points.empty()) box = {points[0], points[0]};
+  box.grow(points);
+  return box;
+}
+
 void dropUnusedVertices(TriangleMesh& mesh) {
   std::vector<uint32_t> renumbered(mesh.positions.size(), UINT32_MAX);
   Positions used;
@@ -87,8 +98,7 @@ void dropUnusedVertices(TriangleMesh& mesh) {
 }
 
 double longestSide(const Positions& positions) {
-  glm::vec3 low = positions[0], high = low;
-  for (const glm::vec3& p : positions) low = glm::min(low, p), high = glm::max(high, p);
+  const auto [low, high] = boundsOf(positions);
   return std::max({high.x - low.x, high.y - low.y, high.z - low.z});
 }
 

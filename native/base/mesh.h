@@ -29,7 +29,11 @@ struct TriangleMesh {
 
 struct BoundingBox {
   glm::vec3 min{0}, max{0};
+  void grow(std::span<const glm::vec3> points);
+  glm::dvec3 middle() const { return 0.5 * (glm::dvec3(min) + glm::dvec3(max)); }
 };
+// Bounding box of the points; zero without any.
+BoundingBox boundsOf(std::span<const glm::vec3> points);
 
 // Area-weighted unit vertex normals, vertex_count of them; (0,1,0) for a vertex without area.
 void computeVertexNormals(const std::vector<glm::uvec3>& face_vertices, const glm::vec3* positions, size_t vertex_count,

@@ -118,10 +118,8 @@ constexpr float kGrowth = 5, kSpan = 0.05f, kShortest = 1e-6f;  // ratio; shares
 
 // Diagonal of the bounding box.
 float sizeOf(const Positions& positions) {
-  if (positions.empty()) return 0;
-  glm::vec3 min = positions[0], max = positions[0];
-  for (const glm::vec3& p : positions) min = glm::min(min, p), max = glm::max(max, p);
-  return glm::distance(min, max);
+  const BoundingBox box = boundsOf(positions);
+  return glm::distance(box.min, box.max);
 }
 
 }  // namespace

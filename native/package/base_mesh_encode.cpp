@@ -133,10 +133,7 @@ int sourceCorner(const EncodedBaseMesh& mesh, const MeshTopology& source, uint32
 
 // Largest UV error in texels of a 1024² texture; negative if positions or faces differ from the source's.
 double verify(const EncodedBaseMesh& mesh, const MeshTopology& source, const Positions& positions, int position_bits) {
-  glm::vec3 low(1e30f), high(-1e30f);
-  for (const glm::vec3& p : positions) low = glm::min(low, p), high = glm::max(high, p);
-  const glm::vec3 extent = high - low;
-  const float step = std::max({extent.x, extent.y, extent.z}) / static_cast<float>((1 << position_bits) - 1);
+  const float step = static_cast<float>(longestSide(positions)) / static_cast<float>((1 << position_bits) - 1);
   for (uint32_t v = 0; v < mesh.source_vertex.size(); ++v) {
     const glm::vec3 error = glm::abs(mesh.decoded.positions[v] - positions[mesh.source_vertex[v]]);
     if (std::max({error.x, error.y, error.z}) > 0.51f * step + 1e-6f) return -1;
@@ -193,11 +190,7 @@ Result<EncodedBaseMesh> encodeBaseMesh(const MeshTopology& topology, const Posit
     if (uv_error < 0) return meshFailed("decoded mesh differs from the source");
   } while (uv_error >= kMaxUvErrorTexels && ++uv_bits <= kMaxUvBits);
   if (uv_error >= kMaxUvErrorTexels) return meshFailed("texture coordinates cannot be quantised finely enough");
-  out.point_bounds = {out.decoded.positions[0], out.decoded.positions[0]};
-  for (const glm::vec3& p : out.decoded.positions) {
-    out.point_bounds.min = glm::min(out.point_bounds.min, p);
-    out.point_bounds.max = glm::max(out.point_bounds.max, p);
-  }
+  out.point_bounds = boundsOf(out.decoded.positions);
   return out;
 }
 

@@ -135,11 +135,7 @@ Result<EncodedBaseMesh> encodePlainMesh(const TriangleMesh& surface, std::span<c
   out.uv_attribute = -1;
   if (const auto* colours = decoded->GetNamedAttribute(GeometryAttribute::COLOR))
     out.colour_attribute = static_cast<int>(colours->unique_id());
-  out.point_bounds = {out.decoded.positions[0], out.decoded.positions[0]};
-  for (const glm::vec3& p : out.decoded.positions) {
-    out.point_bounds.min = glm::min(out.point_bounds.min, p);
-    out.point_bounds.max = glm::max(out.point_bounds.max, p);
-  }
+  out.point_bounds = boundsOf(out.decoded.positions);
   return out;
 }
 

@@ -39,12 +39,6 @@ Solid solidOf(const TriangleMesh& mesh) {
   return out;
 }
 
-BoundingBox boxRound(const Positions& positions) {
-  BoundingBox box{positions[0], positions[0]};
-  for (const glm::vec3& p : positions) box = {glm::min(box.min, p), glm::max(box.max, p)};
-  return box;
-}
-
 double medianFootprint(std::span<const CarvingView> views, const glm::dvec3& centre) {
   std::vector<double> footprints;
   for (const CarvingView& view : views) {
@@ -80,7 +74,7 @@ Result<SceneScale> scaleOf(std::span<const CarvingView> views) {
   FOURDVT_ASSIGN(const TriangleMesh mesh, coarseSurface(views));
   const Solid solid = solidOf(mesh);
   SceneScale out;
-  out.bounds = boxRound(mesh.positions);
+  out.bounds = boundsOf(mesh.positions);
   const glm::dvec3 sides = glm::dvec3(out.bounds.max) - glm::dvec3(out.bounds.min);
   out.extent_m = std::max({sides.x, sides.y, sides.z});
   out.centre_in_world = solid.centre;

@@ -103,10 +103,9 @@ class Faces {
   Faces(std::span<const glm::uvec3> face_vertices, std::span<const glm::vec3> positions)
       : face_vertices_(face_vertices), positions_(positions) {
     if (positions.empty()) return;
-    low_ = positions[0];
-    glm::vec3 high = low_;
-    for (const glm::vec3& p : positions) low_ = glm::min(low_, p), high = glm::max(high, p);
-    const glm::vec3 size = high - low_;
+    const BoundingBox box = boundsOf(positions);
+    low_ = box.min;
+    const glm::vec3 size = box.max - low_;
     cell_m_ = std::max(kCell_m, std::max(size.x, std::max(size.y, size.z)) / kMaxCells);
     for (uint32_t f = 0; f < face_vertices.size(); ++f) {
       const glm::vec3 a = corner(f, 0), b = corner(f, 1), c = corner(f, 2);

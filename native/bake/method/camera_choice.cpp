@@ -22,14 +22,8 @@ struct Shown {
   double nearest_angle = 1e9;   // to a chosen camera, radians
 };
 
-glm::dvec3 middleOf(const Positions& surface) {
-  glm::dvec3 low(surface[0]), high(surface[0]);
-  for (const glm::vec3& p : surface) low = glm::min(low, glm::dvec3(p)), high = glm::max(high, glm::dvec3(p));
-  return 0.5 * (low + high);
-}
-
 std::vector<Shown> shownBy(const std::vector<PinholeCamera>& cameras, const Positions& surface) {
-  const glm::dvec3 middle = middleOf(surface);
+  const glm::dvec3 middle = boundsOf(surface).middle();
   const size_t step = std::max<size_t>(1, surface.size() / kPoints);
   std::vector<Shown> out;
   for (size_t c = 0; c < cameras.size(); ++c) {

@@ -138,12 +138,8 @@ class Lane {
 
 // Angle to the nearest other camera, seen from the centre of the surface's box.
 double gapOf(const TrialFrame& frame, size_t camera) {
-  glm::dvec3 least(1e12), most(-1e12);
-  for (const glm::vec3& p : frame.surface.positions)
-    least = glm::min(least, glm::dvec3(p)), most = glm::max(most, glm::dvec3(p));
-  const auto direction = [&](size_t c) {
-    return glm::normalize(frame.cameras[c].centreInWorld() - 0.5 * (least + most));
-  };
+  const glm::dvec3 middle = boundsOf(frame.surface.positions).middle();
+  const auto direction = [&](size_t c) { return glm::normalize(frame.cameras[c].centreInWorld() - middle); };
   double largest_cosine = -1;
   for (size_t c = 0; c < frame.cameras.size(); ++c)
     if (c != camera) largest_cosine = std::max(largest_cosine, glm::dot(direction(c), direction(camera)));

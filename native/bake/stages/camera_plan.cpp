@@ -26,10 +26,7 @@ void add(Surfaces& all, const TriangleMesh& surface) {
   all.sides_m.push_back(longestSide(surface.positions));
   all.vertices = std::max(all.vertices, surface.positions.size());
   all.faces = std::max(all.faces, surface.faces.size());
-  for (const glm::vec3& p : surface.positions) {
-    all.bounds.min = glm::min(all.bounds.min, p);
-    all.bounds.max = glm::max(all.bounds.max, p);
-  }
+  all.bounds.grow(surface.positions);
 }
 
 // Maximum number of faces of a streamed surface; 0: unlimited.

@@ -53,10 +53,7 @@ Status growBounds(Job& job, const ClassPlan& plan, const ReadPositions& read) {
   for (const ClassMember& member : plan.members) {
     for (uint32_t f = 0; f < plan.frame_count; ++f) {
       FOURDVT_ASSIGN(auto positions, memberPositions(member, f, read));
-      for (const glm::vec3& p : positions) {
-        job.bounds.min = glm::min(job.bounds.min, p);
-        job.bounds.max = glm::max(job.bounds.max, p);
-      }
+      job.bounds.grow(positions);
     }
   }
   return {};

@@ -41,8 +41,7 @@ Status checkVisible(const Job& job, const capture::CaptureSequence& sequence, co
                     const std::vector<float>& fractions) {
   for (float f : fractions)
     if (f >= FaceCostOptions().fallback_fraction) return {};
-  glm::vec3 low = positions[0], high = low;
-  for (const glm::vec3& p : positions) low = glm::min(low, p), high = glm::max(high, p);
+  const auto [low, high] = boundsOf(positions);
   const glm::dvec3 centre(0.5f * (low + high));
   double distance = 0;
   for (const PinholeCamera& camera : job.cameras) distance += glm::length(camera.centreInWorld() - centre);

@@ -210,10 +210,7 @@ Status findBounds(Job& job, const BakeEnvironment& environment) {
       if (first) job.bounds = {positions[0], positions[0]};
       first = false;
       sides_m.push_back(longestSide(positions));
-      for (const glm::vec3& p : positions) {
-        job.bounds.min = glm::min(job.bounds.min, p);
-        job.bounds.max = glm::max(job.bounds.max, p);
-      }
+      job.bounds.grow(positions);
     }
   }
   return settleLengths(job, std::move(sides_m));

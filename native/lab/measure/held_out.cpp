@@ -95,9 +95,7 @@ class Evaluation {
   // Rotates the mesh before the camera, equivalent to moving the camera round the mesh.
   Status flickerOnOrbit(const capture::CaptureSequence& sequence, const Positions& mesh) {
     const PinholeCamera& start = bakedCamera(0);
-    glm::dvec3 least(1e9), most(-1e9);
-    for (const glm::vec3& p : mesh) least = glm::min(least, glm::dvec3(p)), most = glm::max(most, glm::dvec3(p));
-    const glm::dvec3 middle = 0.5 * (least + most);
+    const glm::dvec3 middle = boundsOf(mesh).middle();
     TrueAndDrawn before;
     Positions turned_before;
     for (uint32_t i = 0; i < kOrbitPictures; ++i) {

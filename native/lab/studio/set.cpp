@@ -114,7 +114,7 @@ void StudioSet::measure() {
     share = 1;
     for (int i = 0; i < kBoundsPhases; ++i) {
       actor_->pose(shares, double(i) / kBoundsPhases, pose);
-      for (const glm::vec3& p : pose) bounds_ = {glm::min(bounds_.min, p), glm::max(bounds_.max, p)};
+      bounds_.grow(pose);
     }
     share = 0;
   }

@@ -33,12 +33,6 @@ std::optional<reconstruct::ReconstructOptions> optionsOf(const std::string& prox
   return std::nullopt;
 }
 
-BoundingBox boxOf(const Positions& positions) {
-  BoundingBox box{positions[0], positions[0]};
-  for (const glm::vec3& p : positions) box = {glm::min(box.min, p), glm::max(box.max, p)};
-  return box;
-}
-
 }  // namespace
 
 Result<TriangleMesh> Proxies::reconstructed(const std::string& proxy, FrameWindow& frames, uint32_t frame) {
@@ -73,7 +67,7 @@ Result<TriangleMesh> Proxies::surface(const std::string& proxy, FrameWindow& fra
 }
 
 TriangleMesh facingPlane(const Positions& surface, const PinholeCamera& view) {
-  const BoundingBox box = boxOf(surface);
+  const BoundingBox box = boundsOf(surface);
   const glm::dvec3 middle = 0.5 * (glm::dvec3(box.min) + glm::dvec3(box.max));
   const glm::dvec3 towards = glm::normalize(view.centreInWorld() - middle);
   const glm::dvec3 upright = std::abs(towards.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);

@@ -43,10 +43,7 @@ Result<std::vector<RingView>> studyRing(const StudyContext& context, const captu
   for (uint32_t f = 0; f < sequence.frame_count; ++f) {
     FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(*context.capture, sequence, f));
     if (f == 0) bounds = {positions[0], positions[0]};
-    for (const glm::vec3& p : positions) {
-      bounds.min = glm::min(bounds.min, p);
-      bounds.max = glm::max(bounds.max, p);
-    }
+    bounds.grow(positions);
   }
   return ringViews(captureCameras(context), bounds, sequence.frame_count,
                    context.options.quick ? 8 : context.options.ring_views);
