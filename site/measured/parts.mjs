@@ -23,7 +23,7 @@ const kSample = ['site/sample/actor_a'];
 // From capture to drawn character. A folder has every place that it was in: one that a tree lacks adds nothing, so that
 // the rule holds for older commits, too.
 const kPlayed = native('base', 'gpu', 'package', 'motion', 'render', 'stream', 'player', 'platform', 'edge');
-const kBaked = [...kPlayed, ...native('capture', 'mattes', 'refine', 'jobs', 'bake', 'report')];
+const kBaked = [...kPlayed, ...native('store', 'encode', 'capture', 'silhouette', 'mattes', 'refine', 'jobs', 'bake', 'report')];
 const kJudged = [...kBaked, ...native('measure', 'lab/measure')];
 const kSurfaces = native('reconstruct');
 const kStudy = native('study', 'lab/study', 'lab/labels');
