@@ -46,6 +46,7 @@ export const groups = [
     { source: 'native/algorithms/calibration.md', name: 'algorithms-calibration', title: 'Calibration' },
     { source: 'native/algorithms/hulls.md', name: 'algorithms-hulls', title: 'Hulls' },
     { source: 'native/algorithms/stereo.md', name: 'algorithms-stereo', title: 'Stereo' },
+    { source: 'native/algorithms/tracking.md', name: 'algorithms-tracking', title: 'Tracking' },
     { source: 'native/algorithms/cameras.md', name: 'algorithms-cameras', title: 'Cameras' },
     { source: 'native/algorithms/floating.md', name: 'algorithms-floating', title: 'Floating Textures' },
     { source: 'native/algorithms/montage.md', name: 'algorithms-montage', title: 'Montage4D' },

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "track/fit.h"
+
+#include <cmath>
+
+#include "base/parallel.h"
+#include "base/robust.h"
+
+namespace fourdvt::track {
+namespace {
+
+constexpr float kMinSeen = 0.2f;    // visibilityOf below which a place does not count: hidden surfaces are guesses
+constexpr float kMinCosine = 0.5f;  // between the normals of matching points of two surfaces
+
+std::vector<glm::vec3> normalsOf(const std::vector<glm::uvec3>& faces, const Positions& positions) {
+  std::vector<glm::vec3> normals;
+  computeVertexNormals(faces, positions.data(), positions.size(), normals);
+  return normals;
+}
+
+// Interpolated unit normal at a point of a mesh.
+glm::vec3 normalAt(const std::vector<glm::uvec3>& faces, std::span<const glm::vec3> normals,
+                   const NearestSurface::Hit& hit) {
+  const glm::uvec3& f = faces[hit.face];
+  return glm::normalize(hit.barycentric.x * normals[f.x] + hit.barycentric.y * normals[f.y] +
+                        hit.barycentric.z * normals[f.z] + glm::vec3(0, 1e-12f, 0));
+}
+
+class Fit {
+ public:
+  Fit(const Template& model, const TargetFrame& target, const FitOptions& options, FittedFrame start)
+      : model_(model),
+        target_(target),
+        options_(options),
+        out_(std::move(start)),
+        faces_(model.topology.face_vertices),
+        surface_normals_(normalsOf(target.surface->faces, target.surface->positions)),
+        surface_seen_(visibilityOf(*target.views, target.surface->faces, target.surface->positions, surface_normals_)) {
+    place();
+    seen_ = visibilityOf(*target_.views, faces_, out_.positions, normalsOf(faces_, out_.positions));
+  }
+
+  // Replaces the matches by those with a frame that is fitted already, in pictures reduced by a factor.
+  void match(const PosedViews& source, int reduction) {
+    FlowMatchOptions flow;
+    flow.reduction = reduction;
+    const std::vector<glm::vec3> normals = normalsOf(faces_, out_.positions);
+    matches_ = matchByFlow(faces_, source, *target_.views, out_.positions, normals, flow);
+    seen_ = visibilityOf(*target_.views, faces_, out_.positions, normals);
+  }
+  // Gauss-Newton steps of the graph; surface points farther than `reach_m` do not count.
+  void poseGraph(int steps, double reach_m, double reach_px, double rigidity_sigma_m) {
+    for (int i = 0; i < steps; ++i) {
+      const GraphWeights weights{1 / (rigidity_sigma_m * rigidity_sigma_m), 1e-4};
+      const std::vector<Pull> pulls = pullsHere(reach_m, reach_px);
+      fitGraph(model_.graph, model_.node_positions, rest_, pulls, weights, out_.pose);
+      place();
+    }
+  }
+
+  // Moves single vertices.
+  void moveVertices(double reach_m, double reach_px) {
+    std::vector<Pull> pulls = pullsHere(reach_m, reach_px);
+    const std::vector<glm::dmat3> rotations = vertexRotations(model_.graph, out_.pose);
+    const double keep = 1 / (options_.offset_sigma_m * options_.offset_sigma_m);
+    const double stiffness = 1 / (options_.smoothness_sigma_m * options_.smoothness_sigma_m);
+    // Displacements add to offsets that are there: stiffness and keep act on the sum, in the frame's orientation.
+    std::vector<glm::dvec3> turned(pulls.size());
+    for (size_t v = 0; v < pulls.size(); ++v) {
+      turned[v] = rotations[v] * out_.offsets[v];
+      pulls[v].vector += pulls[v].matrix * turned[v];  // unknown: the whole offset
+    }
+    const std::vector<glm::dvec3> whole = fitVertices(model_.edges, pulls, {stiffness, keep});
+    for (size_t v = 0; v < pulls.size(); ++v) out_.offsets[v] = glm::transpose(rotations[v]) * whole[v];
+    place();
+  }
+
+  const FittedFrame& frame() const { return out_; }
+
+ private:
+  void place() {
+    rest_.resize(model_.positions.size());
+    for (size_t v = 0; v < rest_.size(); ++v) rest_[v] = model_.positions[v] + glm::vec3(out_.offsets[v]);
+    out_.positions = deformed(model_.graph, model_.node_positions, rest_, out_.pose);
+  }
+
+  std::vector<Pull> pullsHere(double reach_m, double reach_px) const {
+    std::vector<Pull> pulls(model_.positions.size());
+    if (reach_m > 0) addSurfacePulls(reach_m, pulls);
+    addPulls(matches_, *target_.views, out_.positions, reach_px, pulls);
+    return pulls;
+  }
+
+  // Point to plane, from the template to the surface and back.
+  void addSurfacePulls(double reach_m, std::vector<Pull>& pulls) const {
+    const std::vector<glm::vec3> normals = normalsOf(faces_, out_.positions);
+    const double weight = 1 / (options_.surface_sigma_m * options_.surface_sigma_m);
+    inParallel(pulls.size(), [&](size_t v) {
+      const glm::vec3& position = out_.positions[v];
+      if (seen_[v] < kMinSeen) return;
+      const auto hit = target_.nearest->nearestFacing(position, normals[v], kMinCosine, float(reach_m));
+      if (!hit) return;
+      const glm::dvec3 normal = normalAt(target_.surface->faces, surface_normals_, *hit);
+      const double residual = glm::dot(normal, glm::dvec3(hit->point - position));
+      pulls[v].add(normal, residual, weight * tukeyWeight(4.685 * hit->distance_m / reach_m));
+    });
+    const NearestSurface own({out_.positions, faces_});
+    // Samples the surface at about as many points as the template has vertices.
+    const size_t count = target_.surface->positions.size(), stride = std::max<size_t>(1, count / pulls.size());
+    std::vector<std::optional<NearestSurface::Hit>> hits(count / stride);
+    inParallel(hits.size(), [&](size_t i) {
+      if (surface_seen_[i * stride] < kMinSeen) return;
+      hits[i] = own.nearestFacing(target_.surface->positions[i * stride], surface_normals_[i * stride], kMinCosine,
+                                  float(reach_m));
+    });
+    for (size_t i = 0; i < hits.size(); ++i) {
+      if (!hits[i]) continue;
+      const glm::dvec3 normal = surface_normals_[i * stride];
+      const double residual = glm::dot(normal, glm::dvec3(target_.surface->positions[i * stride] - hits[i]->point));
+      const double robust = tukeyWeight(4.685 * hits[i]->distance_m / reach_m);
+      for (int k = 0; k < 3; ++k)
+        pulls[faces_[hits[i]->face][k]].add(normal, residual, 0.5 * weight * robust * double(hits[i]->barycentric[k]));
+    }
+  }
+
+  const Template& model_;
+  const TargetFrame& target_;
+  const FitOptions& options_;
+  FittedFrame out_;
+  const std::vector<glm::uvec3>& faces_;
+  const std::vector<glm::vec3> surface_normals_;
+  std::vector<glm::vec3> rest_;
+  const std::vector<float> surface_seen_;  // visibilityOf the surface
+  std::vector<float> seen_;                // the template's, at the last match
+  std::vector<PixelMatch> matches_;
+};
+
+}  // namespace
+
+Template makeTemplate(MeshTopology topology, Positions positions, uint32_t node_count) {
+  Template out{std::move(topology), std::move(positions), {}, {}, {}};
+  out.graph = makeGraph(out.topology.face_vertices, out.positions, node_count);
+  for (const uint32_t v : out.graph.nodes) out.node_positions.push_back(out.positions[v]);
+  out.edges = edgesOf(out.topology.face_vertices);
+  return out;
+}
+
+FittedFrame restFrame(const Template& model) {
+  return {GraphPose::identity(model.graph.nodes.size()), std::vector<glm::dvec3>(model.positions.size(), glm::dvec3(0)),
+          model.positions};
+}
+
+FittedFrame fitFrame(const Template& model, const FittedFrame& start, const PosedViews& parent,
+                     const PosedViews& anchor, const TargetFrame& target, const FitOptions& options) {
+  Fit fit(model, target, options, start);
+  const double rigid = options.rigidity_sigma_m;
+  if (options.flow_from_parent) {
+    // Flow alone leads first: where parts move farther than they are thick, the nearest surface is another part's.
+    for (int i = 0; i < 2; ++i) {
+      fit.match(parent, 2);
+      fit.poseGraph(3, 0, 60, 2 * rigid);
+    }
+    fit.match(parent, 1);
+    fit.poseGraph(3, 0, 30, rigid);
+  }
+  fit.poseGraph(4, 0.04, 20, rigid);
+  if (options.flow_from_anchor) {
+    fit.match(anchor, 2);
+    fit.poseGraph(3, 0.03, 10, rigid);
+    fit.match(anchor, 1);
+  }
+  fit.poseGraph(3, 0.02, 8, rigid);
+  fit.moveVertices(0.015, 6);
+  return fit.frame();
+}
+
+}  // namespace fourdvt::track
