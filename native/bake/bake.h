@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Capture folder → character folder. bake/run/stage_table.h lists the stages in order of execution, bake/stages/
-// implements them. The pictures are read three times: the refinement aligns mesh and cameras with the pictures, in up
-// to 40 frames; the survey measures visibility and colours, from which the labels of whole sequences follow; then
-// every GOP is resampled, filled, tiled and encoded. A character from cameras has no survey and no labels: its GOPs
-// are crops of the pictures, and surfaces.
+// Bakes a capture folder into a character folder. bake/run/stage_table.h lists the stages in order of execution,
+// bake/stages/ implements them. The pictures are read three times: the refinement aligns mesh and cameras with the
+// pictures, in up to 40 frames; the survey measures visibility and colours, from which the labels of whole sequences
+// follow; then every GOP is resampled, filled, tiled and encoded. A character from cameras has no survey and no labels:
+// its GOPs contain crops of the pictures, and surfaces.
 //
 // Memory: one frame of pictures and one GOP of packets and meshes, whatever the length; while refining, the mattes
 // and meshes of its frames (refine/frames.h); for classes also 12 bytes per vertex, phase and further member, for the

@@ -18,14 +18,14 @@ enum class PieceKind { Survey, Colours, Labels, Label, Gop, Align, Chunks, Graph
 struct BakePiece {
   jobs::Piece piece;
   PieceKind kind = PieceKind::Finish;
-  size_t number = 0;                               // number in the sequence or stream
+  size_t number = 0;                               // index of the sequence or stream
   uint32_t index = 0;                              // first frame of the window, GOP or trial
   std::vector<size_t> windows;                     // label windows
-  std::vector<std::pair<size_t, uint32_t>> reads;  // sequence number and window of input files (kInputWindow)
+  std::vector<std::pair<size_t, uint32_t>> reads;  // sequence index and window of input files (kInputWindow)
   std::vector<size_t> reads_meshes;                // sequences all of whose meshes are read
 };
 
-// Pieces in topological order, Finish last. The job's keys are settled.
+// Pieces in topological order, Finish last. Requires the job's keys (settleKeys).
 std::vector<BakePiece> bakePieces(const Job& job);
 
 // [piece] True if a result of the piece is missing or damaged. Errors: WriteFailed.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pinhole cameras and orbit views. Camera frame as in COLMAP: x right, y down, z forward. World frame as in the capture
-// (the sample: metres, Y up, performer facing +Z). Pixel centres are at (i + 0.5, j + 0.5), origin top left. Without
-// lens distortion: the capture reader undistorts pictures first.
+// Pinhole cameras and orbit views. Camera frame as in COLMAP: x right, y down, z forward. World frame: the capture's
+// (in the sample capture: metres, Y up, performer facing +Z). Pixel centres lie at (i + 0.5, j + 0.5), origin top left.
+// No lens distortion: the capture reader undistorts pictures first.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -36,11 +36,11 @@ struct PictureRegion {
   float near_m = 0, far_m = 0;
   bool empty() const { return width == 0; }
 };
-// Bounding region of the points in front of the camera, with a margin of 8 pixels on each side and of a tenth of the
-// depth; empty if no point projects into the picture.
+// Bounding region of the points in front of the camera, enlarged by 8 pixels on each side and by a tenth of the depth;
+// empty if no point projects into the picture.
 PictureRegion regionOf(const PinholeCamera& camera, const Positions& positions_in_world);
 
-// A view on a sphere round `target_in_world`, Y up. Azimuth 0 looks at the performer's front (camera on +Z), positive
+// View on a sphere round `target_in_world`, Y up. Azimuth 0 looks at the performer's front (camera on +Z), positive
 // azimuth moves the camera towards +X; positive elevation moves it up.
 struct OrbitView {
   double azimuth_deg = 0, elevation_deg = 0, distance_m = 3;

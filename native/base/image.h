@@ -26,7 +26,7 @@ struct Image {
 struct PictureMarks {
   bool mirrored = false;    // left to right
   int quarter_turns = 0;    // clockwise, 0 to 3
-  double pixel_aspect = 1;  // width of a stored pixel to its height
+  double pixel_aspect = 1;  // stored pixel's width / height
   bool turns() const { return mirrored || quarter_turns != 0; }
   bool swapsSides() const { return quarter_turns % 2 != 0; }
   bool stretches() const { return pixel_aspect != 1; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls of functions that a page loads after its first picture (wasm/split.mjs): through a pointer opaque to the
-// compiler, so that their code is never inlined into a caller. Natively they are plain calls through a pointer.
+// Calls functions that a page loads after its first picture (wasm/split.mjs), through a pointer that is opaque to the
+// compiler, so that their code is never inlined into a caller. In native builds, plain calls through a pointer.
 #pragma once
 
 #include <functional>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangle meshes: topology with UVs per corner, the same in all frames of a character, and positions apart, per frame;
-// normals, tangents and sizes.
+// Triangle meshes: topology with UVs per corner, shared by all frames of a character; positions, stored apart, per
+// frame; normals, tangents and sizes.
 #pragma once
 
 #include <cstdint>
@@ -59,8 +59,8 @@ void dropUnusedVertices(TriangleMesh& mesh);
 // Longest side of the points' bounding box, metres. Requires at least one point.
 double longestSide(const Positions& positions);
 
-// World metres per metre of a scene scaled to the size of a person: a power of two, so that scaling lengths is exact
-// and changes rarely; 1 if the median of the frames' longest sides is 1.42 to 2.82 m, or if no side is above 0.
+// Factor from lengths of a life-size scene to lengths of this one, a power of two, so that scaling is exact and changes
+// rarely. 1 if the median of the frames' longest sides is 1.42 to 2.82 m, or if no side is above 0.
 double lengthScale(std::vector<double> longest_sides_m);
 
 }  // namespace fourdvt

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Result<T>: a value or an Error. The only report of failure; portable code has no exceptions, and an error has no
-// stack trace or nested cause: its message is complete in one line.
+// Result<T>: a value or an Error, the only report of failure: portable code throws no exceptions. An error has no stack
+// trace or nested cause; its message is complete in one line.
 #pragma once
 
 #include <cassert>

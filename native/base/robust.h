@@ -29,7 +29,7 @@ inline double quantile(std::vector<double> values, double share) {
   return *lower + (at - std::floor(at)) * (*next - *lower);
 }
 
-constexpr double kDegrees = 180 / 3.14159265358979323846;  // per radian
+constexpr double kDegrees = 180 / 3.14159265358979323846;  // degrees per radian
 
 // Standard deviation of the normal distribution with the same median absolute value.
 inline double robustScale(const std::vector<double>& values) {

@@ -11,7 +11,7 @@ namespace fourdvt {
 // Formats as std::printf does.
 [[gnu::format(printf, 1, 2)]] std::string printed(const char* format, ...);
 
-std::string hexDigits(uint64_t value);  // 16 digits: names and texts of hashes
+std::string hexDigits(uint64_t value);  // 16 digits; for names and texts
 std::string frameName(uint32_t frame);  // six digits or more: "000012"
 
 // Escapes text for HTML and SVG, also inside quoted attributes.

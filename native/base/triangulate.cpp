@@ -42,7 +42,7 @@ bool opensTo(const FlatLoop& loop, size_t i, const glm::dvec2& p) {
   return area(before, at, after) > 0 ? left_of_in && left_of_out : left_of_in || left_of_out;
 }
 
-// Polygon vertex at the end of the bridge from p, the rightmost vertex of a hole.
+// Index of the outer vertex that a bridge from p reaches; p is the rightmost vertex of a hole.
 size_t bridgeEnd(const FlatLoop& outer, const glm::dvec2& p) {
   const size_t n = outer.size();
   double nearest_x = std::numeric_limits<double>::infinity();

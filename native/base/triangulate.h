@@ -8,17 +8,18 @@
 #include <vector>
 
 namespace fourdvt {
-// Polygon vertex in its plane. `id` is unique except in a single loop that touches itself: both visits share one id.
+// Polygon vertex in its plane. Ids are unique, except that a loop that touches itself repeats the id of the contact
+// point.
 struct FlatVertex {
   glm::dvec2 place{0};
   uint32_t id = 0;
 };
 using FlatLoop = std::vector<FlatVertex>;
 
-// Appends triangles of ids. `loops` turn left round the polygon's inside: outer ones counter-clockwise, holes
-// clockwise; several outer loops are several polygons. Each loop edge is used once in its direction, each other edge
-// once in each direction, even if rounding makes the polygon self-intersect; faces that share loop edges therefore stay
-// closed.
+// Appends triangles of ids. `loops` keep the polygon's inside on their left: outer ones counter-clockwise, holes
+// clockwise; several outer loops are several polygons. The triangles use each loop edge once in its direction and each
+// other edge once in each direction, even if rounding makes the polygon self-intersect; faces that share loop edges
+// therefore stay closed.
 void triangulate(std::vector<FlatLoop> loops, std::vector<glm::uvec3>& triangles);
 
 // Twice the signed area of the triangle (0, a, b).

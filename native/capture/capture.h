@@ -46,9 +46,9 @@ enum class MatteNeed { Required, None };
 
 // Orientation of the pictures that a camera is calibrated for, where files mark theirs as rotated or mirrored.
 enum class Orientation {
-  BySize,  // the one of the calibrated size; an error where both match
-  Marked,  // the one that players show
-  Stored,  // the one stored in the file
+  BySize,  // the orientation with the calibrated size; an error if both have it
+  Marked,  // the orientation that players show
+  Stored,  // the orientation stored in the file
 };
 
 struct CaptureCamera {
@@ -84,7 +84,7 @@ struct CaptureSequence {
   glm::dvec3 root_velocity_mps{0};
   std::string folder;  // absolute
   // Meshes are one file per frame, one animated glTF file, or one packed int16 file with a declared scale; or none.
-  std::string mesh_pattern;      // absolute, one %d or %0Nd for the number; none for a single file; empty if packed
+  std::string mesh_pattern;      // absolute, with one %d or %0Nd (none for a single file); empty if packed
   uint32_t first_mesh = 0;       // added to first_frame + f: number in the file name of frame f
   std::string packed_positions;  // absolute path or empty
   double packed_units_per_metre = 0;
@@ -119,7 +119,7 @@ inline constexpr const char* kHintsFolder = "hints";  // folder of a capture wit
 
 // Background behind the object for keying against plates of the empty studio.
 enum class BackgroundKind {
-  FromPlate,  // detected from each camera's plate: a saturated backdrop of one hue is a chroma key's
+  FromPlate,  // detected from each camera's plate: a saturated backdrop of one hue means a chroma key
   Chroma,     // a backdrop of one colour that is absent from the object
   Natural,    // any static background
 };

@@ -15,7 +15,7 @@ namespace fourdvt::capture {
 
 // Sequence as declared. All paths are absolute.
 struct DeclaredSequence {
-  CaptureSequence sequence;     // mesh_pattern is empty unless "mesh" gives one
+  CaptureSequence sequence;     // mesh_pattern is empty unless given by "mesh"
   bool without_meshes = false;  // "mesh": null
   std::string packed_topology;  // OBJ with faces and UVs for packed positions; else empty
 };

@@ -40,7 +40,7 @@ Error lacksPicture(const Clip& clip, size_t frame, const std::string& other, dou
               "), or import the clips again, which cuts the take there"};
 }
 
-// Error unless all clips step alike from frame to frame.
+// Returns an error unless all clips advance by equal steps from frame to frame.
 Status checkInStep(const std::vector<Clip>& clips, uint32_t frames, double fps) {
   for (uint32_t frame = 1; frame < frames; ++frame) {
     const auto less = [&](const Clip& a, const Clip& b) { return stepsTo(a, frame) < stepsTo(b, frame); };
@@ -62,7 +62,7 @@ Status checkClips(const Capture& capture, const CaptureSequence& sequence, const
       FOURDVT_ASSIGN(const VideoListing listing, listed(place, sequence, name, open_video));
       auto clock = clockOf(listing.times_s);
       const uint32_t first = sequence.pictureOf(name, 0), last = sequence.pictureOf(name, sequence.frame_count - 1);
-      if (clock && last == first + sequence.frame_count - 1)  // no loop that begins elsewhere
+      if (clock && last == first + sequence.frame_count - 1)  // excludes loops that begin elsewhere
         clips.push_back({place.path, first, std::move(*clock)});
     }
     if (mattes == MatteNeed::None) continue;

@@ -82,7 +82,7 @@ class GltfBytes {
 struct GltfPose {
   glm::dvec3 translation{0}, scale{1};
   glm::dquat rotation{1, 0, 0, 0};
-  std::optional<glm::dmat4> matrix;            // replaces the three
+  std::optional<glm::dmat4> matrix;            // replaces translation, rotation, scale
   std::optional<std::vector<double>> weights;  // morph target weights; nullopt: the mesh's own
   glm::dmat4 parentFromNode() const;
 };

@@ -242,7 +242,7 @@ class GltfParser {
   std::vector<bool> seen_;
   std::vector<uint64_t> todo_;
   std::vector<glm::dmat4> world_from_node_;  // nodes of the scene
-  std::vector<uint32_t> vertex_of_;          // vertex of the file's vertex
+  std::vector<uint32_t> vertex_of_;          // vertex of the mesh, by vertex of the file
   GltfSurface out_;
 };
 

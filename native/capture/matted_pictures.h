@@ -20,7 +20,7 @@ Result<MatteOrigin> matteOrigin(const CaptureSequence& sequence, const CaptureCa
 
 class MattedPictures {
  public:
-  // `check_files`: see PictureStream::open. Errors: those of matteOrigin, of PictureStream::open.
+  // `check_files`: see PictureStream::open. Errors: those of matteOrigin and PictureStream::open.
   static Result<MattedPictures> open(const CaptureSequence& sequence, const CaptureCamera& camera,
                                      const OpenVideo& open_video, MatteNeed need, bool check_files = true);
   // False: no mattes, or not required.

@@ -20,7 +20,7 @@ struct MeshInstant {
   std::string take = {};  // name of the animation to read where a file has several
   double time_s = 0;
   double frame_s = 0;       // frame interval; 0: unknown, and lengths are not checked
-  bool whole_take = false;  // the file is the mesh of all frames; else of one, and a longer animation is an error
+  bool whole_take = false;  // the file has the meshes of all frames; false: of one, and a longer animation is an error
 };
 
 // Reads the file at `path`, in the file's units. Memory stays within a small multiple of the file's size. Errors:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One reader per kind of mesh file, behind parseMesh, which checks their results: indices may be out of range and
+// One reader per kind of mesh file. parseMesh calls them and checks their results: indices may be out of range, and
 // positions not finite. `path` is for messages.
 #pragma once
 
@@ -28,7 +28,7 @@ Result<TriangleMesh> parsePly(std::string_view bytes, const std::string& path);
 struct GltfSurface {
   TriangleMesh mesh;
   std::vector<glm::vec2> uvs;        // empty without UVs, as is face_uvs
-  std::vector<glm::uvec3> face_uvs;  // one per face; indices into uvs where the face's own are in range
+  std::vector<glm::uvec3> face_uvs;  // one per face; indices into uvs if the face's vertex indices are in range
 };
 Result<GltfSurface> parseGlb(std::string_view bytes, const std::string& path, const MeshInstant& instant,
                              bool with_uvs);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mesh files of a sequence: the search for them by the numbers in their names (mesh_folder.cpp), and the check that all
-// have one topology. Frames are not kept in memory.
+// Mesh files of a sequence: searches for them by the numbers in their names (mesh_folder.cpp), and checks that all have
+// one topology. Frames are not kept in memory.
 #pragma once
 
 #include <optional>

@@ -64,7 +64,7 @@ std::vector<ClockGap> gapsOf(const PictureClock& clock, size_t begin, size_t end
 std::string constantRateCommand(const std::string& path, double fps) {
   const std::string rate = printed("%.6g", fps);
   const std::filesystem::path file(path);
-  const bool webm = file.extension() == ".webm";  // may have alpha
+  const bool webm = file.extension() == ".webm";  // WebM may have alpha
   const std::string name = file.filename().string(),
                     made = file.stem().string() + "_" + rate + (webm ? ".webm" : ".mp4");
   return std::string("ffmpeg -noautorotate ") + (webm ? "-c:v libvpx-vp9 " : "") + "-i " + name + " -vf fps=" + rate +

@@ -39,8 +39,8 @@ bool isFolder(const std::string& path);
 std::string matteStem(const std::string& camera_name);
 
 // Reads a PNG or JPEG as stored, as 3 channels (RGB, converted to sRGB by the file's colour profile), 4 (RGBA; opaque
-// where the file has no alpha), or 1: grey, or the alpha of a picture that is not opaque throughout. `marks`, unless
-// null: how the picture is to be shown. Errors: FileMissing, FileUnreadable.
+// where the file has no alpha), or 1: grey, or the alpha of a picture that is not opaque throughout. `marks` receives
+// the file's display marks, unless null. Errors: FileMissing, FileUnreadable.
 Result<Image> readPicture(const std::string& path, int channels, PictureMarks* marks = nullptr);
 
 // Reads a picture as the camera is calibrated for it. Errors: those of readPicture; FrameSize.
@@ -87,9 +87,8 @@ class PictureStream {
 Status checkSize(const Image& image, const CaptureCamera& camera, const std::string& path);
 
 // Checks a sequence's videos by their containers' listings, without decoding, before long work. Errors: VideoTooShort
-// where a video has fewer pictures than the sequence needs, by its listing rather than its
-// header, or lacks one between others that other cameras have, so that later pictures would show a later instant. And
-// those of `open_video`.
+// if a video has fewer pictures than the sequence needs (by its listing, not its header), or lacks one that other
+// cameras have, so that later pictures would show a later instant; those of `open_video`.
 Status checkClips(const Capture& capture, const CaptureSequence& sequence, const OpenVideo& open_video,
                   MatteNeed mattes);
 

@@ -190,7 +190,7 @@ class PlyParser {
     return has_format ? Status() : error("the PLY's header does not say its format");
   }
 
-  // Takes a complete line: in a file truncated inside its header, the rest is no line.
+  // Takes a complete line; returns false for the rest of a file truncated inside its header.
   bool takeHeaderLine(std::string_view& line) {
     return rest_.find_first_of("\r\n") != rest_.npos && takeLine(rest_, line);
   }
@@ -308,7 +308,7 @@ class PlyParser {
     return {};
   }
 
-  // Adds a fan until the positions are known.
+  // Adds a fan, which is replaced once the positions are known.
   void addPolygon() {
     polygons_.add(mesh_.faces.size(), corners_);
     for (size_t i = 2; i < corners_.size(); ++i) mesh_.faces.emplace_back(corners_[0], corners_[i - 1], corners_[i]);

@@ -20,10 +20,11 @@ inline constexpr size_t kMaxConcaveCorners = 4096;
 // kMaxConcaveCorners that needs clipping.
 bool splitPolygon(std::span<const glm::vec3> corners, std::vector<glm::uvec3>& triangles);
 
-// Message for such a polygon.
+// Message for a polygon that splitPolygon refuses.
 std::string tooManyCorners(size_t corners);
 
-// Triangulation of faces whose corners are known only after the whole mesh was read: they are fans until then.
+// Triangulation of faces whose corners' positions are known only after the whole mesh was read; until then they are
+// fans.
 class LatePolygons {
  public:
   // Adds a face with `corners`, whose fan starts at triangle first_face.

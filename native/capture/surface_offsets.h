@@ -20,12 +20,12 @@ struct SlowOffsets {
 };
 
 struct SurfaceOffsets {
-  std::vector<uint32_t> same_as;            // [vertex] first vertex at the same position: both move as one
+  std::vector<uint32_t> same_as;            // [vertex] first vertex at the same position; these move as one
   std::vector<float> constant_m;            // [vertex] outwards, metres
   std::map<std::string, SlowOffsets> slow;  // by sequence; sequences without deviations are missing
 };
 
-// [vertex] first vertex at exactly the same position. Meshes cut along their texture's seams have several.
+// [vertex] first vertex at exactly the same position. Meshes cut along their texture's seams repeat positions.
 std::vector<uint32_t> weldedVertices(const Positions& positions);
 // Faces between welded vertices.
 std::vector<glm::uvec3> weldedFaces(const MeshTopology& topology, const std::vector<uint32_t>& same_as);

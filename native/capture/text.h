@@ -123,7 +123,7 @@ class TextLines {
   explicit TextLines(std::string_view text) : TextLines(text, Rules()) {}
   // Takes the next line; false at the end of the text. Valid until the next call.
   bool next(std::string_view& line);
-  // Number of the line that next() returned, from 1; for a continued line, that of its beginning.
+  // Number of the line that next() returned, from 1; for a continued line, that of its first part.
   int number() const { return number_; }
 
  private:

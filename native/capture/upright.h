@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts pictures as stored → pictures as a camera is calibrated for. The calibrated size, or else the user,
+// Converts pictures as stored to pictures as a camera is calibrated for. The calibrated size, or else the user,
 // determines which of the marks that turn or stretch a picture apply.
 #pragma once
 

@@ -41,9 +41,9 @@ struct ActorOptions {
 struct SceneFile {
   std::string path;
   std::string background;              // empty: none
-  std::vector<PinholeCamera> cameras;  // one: for all frames; empty: an orbit
+  std::vector<PinholeCamera> cameras;  // one camera: for all frames; empty: an orbit
   std::vector<std::string> occluders, meshes;
-  double ground_y_m = 0, fps = 25, seconds = 0;  // 0: the camera track's length, one frame or more
+  double ground_y_m = 0, fps = 25, seconds = 0;  // seconds 0: the camera track's length, one frame or more
   std::optional<std::pair<int, int>> size;
   std::vector<ActorOptions> characters;
 };
@@ -53,7 +53,7 @@ Result<SceneFile> readSceneFile(const std::string& path);
 // Reads the triangles of an OBJ file: "v x y z [r g b]" and "f"; skips all other lines. Errors: FileMissing, MeshIndex.
 Result<std::vector<render::SceneCorner>> readSceneMesh(const std::string& path);
 
-// Picture of a character folder's room, RGBA. `folder`: that of a character with a room. Errors: FileMissing,
+// Reads the room picture of a character that has a room, RGBA. `folder`: the character's. Errors: FileMissing,
 // FileUnreadable, FilesDiffer.
 Result<Image> readRoomPicture(const std::string& folder, const package::Room& room);
 // Scene of the character's room. `manifest`: its character.gltf. Errors: those of readRoomPicture, GpuFailure,

@@ -209,7 +209,7 @@ Packing packInto(std::span<const glm::ivec2> sizes, int width) {
 
 namespace {
 
-constexpr int kLevels = 5;  // texels of the last one are 32 texels wide
+constexpr int kLevels = 5;  // texels of the last level are 32 texels wide
 const glm::vec4 kFar(128, 128, 128, 1);
 
 // xyz = colour × weight, w = weight: 0 unknown … 1 known.

@@ -50,7 +50,8 @@ struct CameraPicture {
 CameraPicture scaledPicture(const CameraLayout& layout, int eighths);
 package::Rect scaledCells(const package::Rect& cells, int eighths);
 
-// Reason why such a picture is impossible, with the remedy; empty if it is possible. max_texels: the user's limit.
+// Reason why readers, or the user's limit `max_texels`, rule out a picture of this layout, with the remedy; empty if
+// none.
 std::string checkCameraLayout(const CameraLayout& layout, double tile_scale, double max_texels);
 
 struct Packing {

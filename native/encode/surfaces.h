@@ -24,7 +24,7 @@ struct PositionGrid {
 // first. 0: unchanged.
 TriangleMesh simplified(TriangleMesh surface, size_t max_faces);
 
-// Merges vertices at exactly the same place, unless the topology must be preserved.
+// Quantises positions to the grid. welds: merges vertices at exactly the same place; false preserves the topology.
 package::QuantisedSurface quantisedSurface(const PositionGrid& grid, const Positions& positions,
                                            const std::vector<glm::uvec3>& faces, bool welds);
 

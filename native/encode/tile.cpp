@@ -214,7 +214,7 @@ Image shrunk(const Image& source, int width, int height) {
   Image out(width, height, 3);
   std::vector<uint32_t> row(size_t(3) * size_t(width));
   std::vector<uint64_t> sums(row.size());
-  int summed = -1;  // row of the source in `row`; neighbours in the result may share one
+  int summed = -1;  // source row in `row`; neighbouring rows of the result may share one
   for (int y = 0; y < height; ++y) {
     std::fill(sums.begin(), sums.end(), whole / 2);
     for (const Share& share : rows[static_cast<size_t>(y)]) {

@@ -20,9 +20,9 @@ struct TileLayout {
 };
 
 // Default: layer 1 (texture²) at the left, further layers (half the side) in columns of two to its right, the barcode
-// below. equal_layers: all of texture², in the grid with the fewest texels that keeps both sides within
+// below. equal_layers: every layer is texture², in the grid with the fewest texels that keeps both sides within
 // kMaxPictureSide if there is one; the barcode in a free cell, else below.
-// Several members: the layers of each as above, stacked in as few columns as fit; equal layers all in one grid.
+// Several members: their layouts stacked in as few columns as fit; with equal_layers, all layers in one grid.
 TileLayout makeTileLayout(int layer_count, int texture, bool equal_layers = false, int member_count = 1);
 
 // Reason why readers would reject a picture of this layout, with the remedy; empty if they accept it.
@@ -44,7 +44,7 @@ void drawLayer(const Image& layer, const package::Rect& rect, I420Picture& pictu
 void tileFrame(const TileLayout& layout, const std::vector<const Image*>& layers, uint32_t frame, I420Picture& picture);
 void tileFrame(const TileLayout& layout, const std::vector<Image>& layers, uint32_t frame, I420Picture& picture);
 
-// Draws every image, scaled down to its rectangle on its own, and the barcode; rectangles as in drawLayer.
+// Draws every image, each scaled down to its rectangle alone, and the barcode; rectangles as in drawLayer.
 void tileShrunk(const std::vector<package::Rect>& rects, const std::vector<const Image*>& images,
                 const package::BarcodeStrip& barcode, uint32_t frame, I420Picture& picture);
 

@@ -82,7 +82,7 @@ struct Draw {
   std::vector<TextureBinding> textures;
   std::vector<Uniform> uniforms;  // names missing in the program are ignored
   int vertex_count = 0;           // triangles: 3 per triangle, gl_VertexID counts from 0 …
-  IndexBufferId indices = 0;      // … or is the value of the first vertex_count indices; equal ones are shaded once
+  IndexBufferId indices = 0;      // … or is taken from the first vertex_count indices; equal indices are shaded once
   bool depth_test = false, depth_write = false;
   Blend blend = Blend::None;
   Cull cull = Cull::None;

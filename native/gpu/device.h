@@ -23,7 +23,7 @@ namespace fourdvt::gpu {
 
 // Texture data for a device's hooks.
 struct TextureRecord {
-  TextureDesc desc;  // desc.label points to the text of `label` only inside hooks of creation; use `label`
+  TextureDesc desc;  // desc.label is valid in creation hooks only; use `label`
   std::string label;
   int levels = 1;
   uint64_t bytes = 0;
@@ -52,7 +52,7 @@ class DeviceObserver {
 // Checks and counts calls, and is itself the null device; drawing devices derive from it (gles_device.cpp).
 class Device {
  public:
-  // Returns the capabilities of the null device. float_targets: sets both kinds in Caps.
+  // Returns the capabilities of the null device; float_targets sets Caps::float_targets and half_float_targets.
   static Caps capsOfNone(bool float_targets = true);
   explicit Device(Caps caps) : caps_(std::move(caps)) {}
   virtual ~Device() = default;
@@ -76,8 +76,8 @@ class Device {
   void beginPass(const Pass& pass);
   void draw(const Draw& draw);
   void endPass();
-  // Copies the colour of `from` at (0,0) into `region` of `to`; requires equal formats. A multisampled `from` is
-  // resolved, to (0,0) only (a canvas: alpha, no antialias), and its contents become undefined: clear it before
+  // Copies the colour of `from` at (0,0) into `region` of `to`; requires equal formats. Resolves a multisampled `from`,
+  // then to (0,0) only (on a canvas with alpha, without antialias); its contents become undefined: clear it before
   // drawing.
   void blit(TargetId from, TargetId to, const Region& region);
   // Reads colour attachment 0 as stored (RGBA8: 4 bytes; RGBA32F: 16; R32UI: 4 with `format`), top row first. 16F
@@ -100,7 +100,7 @@ class Device {
   std::string takeErrors();
 
  protected:
-  // Hooks, called with valid arguments only. The null device's draw nothing and read zeros.
+  // Hooks, called with valid arguments only. Those of the null device draw nothing and read zeros.
   virtual Status onCreateTexture(TextureRecord& texture);
   virtual void onUpdateTexture(const TextureRecord&, const Region&, const void*, int, int) {}
   virtual void onGenerateMipmaps(const TextureRecord&) {}

@@ -30,9 +30,9 @@ struct Tool {
 
 const Tool& thisTool();
 
-// Key of a job folder's settings. Machines with another build may compute pieces, so a plan's key contains the build; a
-// plan resumes the work of a single process and vice versa. `holds`: true if the folder has work with a key.
-// `in_pieces`: false in a command that does all in one process.
+// Key of a job folder's settings. Contains the build if the folder has work with such a key, or if a plan begins
+// (`in_pieces`), since machines with another build may compute pieces. Otherwise the settings alone: a plan resumes the
+// work of a single process and vice versa. `holds` returns true if the folder has work with a key.
 std::string folderKey(const std::string& settings, bool in_pieces,
                       const std::function<bool(const std::string& key)>& holds);
 
@@ -43,7 +43,7 @@ struct Piece {
   double seconds = 0;        // estimate, on two cores of a present desktop
   double memory_mb = 0;      // upper bound of resident memory
   uint64_t inputs = 0;       // hash of its inputs, without results of pieces in `needs`
-  uint64_t hash = 0;         // hash of everything that its output depends on, set by settleHashes
+  uint64_t hash = 0;         // hash of everything that the piece's output depends on, set by settleHashes
   std::string done() const;  // path of its record in the job folder
   void addInput(uint64_t digest);
   void setCost(double estimated_s, double max_mb);  // stores both rounded

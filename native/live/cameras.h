@@ -21,7 +21,7 @@ class Cameras {
   // Called on the server's thread, as are receive() and tick().
   void add(const std::shared_ptr<Connection>& connection);
   void remove(const std::shared_ptr<Connection>& connection);
-  // Errors: the reason for closing the connection.
+  // Handles one message. Errors: the reason for closing the connection.
   Status receive(const std::shared_ptr<Connection>& connection, std::span<const uint8_t> bytes, bool text);
   // Called five times per second.
   void tick();

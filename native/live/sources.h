@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rig's own sources, read by this process with one worker per camera. A source that ends is reopened until that
-// succeeds.
+// The rig's own sources, read by this process with one worker per camera. A source that ends is reopened, with retries
+// until that succeeds.
 #pragma once
 
 #include <condition_variable>
@@ -31,7 +31,7 @@ class Sources {
   Status open();
   bool has(size_t camera) const { return static_cast<bool>(rig_.cameras[camera].source); }
   void set(size_t camera, const CameraSettings& settings);  // callable on any thread
-  void tellClock();  // reports an offset of zero, since both use the server's clock; once per second
+  void tellClock();  // reports an offset of zero, since both use one clock; once per second
 
  private:
   struct Source {

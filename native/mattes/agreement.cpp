@@ -8,8 +8,7 @@ namespace fourdvt::mattes {
 namespace {
 
 constexpr double kEnough = 0.85;  // minimum explained share of the silhouettes; the rest may be shadows and bystanders
-constexpr double kGain = 0.1;     // minimum gain of the others' silhouettes without a camera that names it as not
-                                  // fitting
+constexpr double kGain = 0.1;     // minimum gain of the others' agreement without a camera, for naming it
 constexpr double kHopeless = 0.5;
 constexpr double kSlackShare =
     0.006;  // share of the picture's longer side; tolerates small errors of calibration, time and mattes

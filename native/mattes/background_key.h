@@ -51,8 +51,8 @@ struct CutCosts {
   cv::Mat right, down, down_right, down_left;
 };
 
-// CV_8U: 255 object, 0 background. Pixels with `open` (CV_8U) 0 keep their label of `given` (CV_8U); border costs
-// between them and open pixels count.
+// Returns CV_8U: 255 object, 0 background. Pixels with `open` (CV_8U) 0 keep their label of `given` (CV_8U); border
+// costs between them and open pixels count.
 cv::Mat cheapestCut(const CutCosts& costs, const cv::Mat& given, const cv::Mat& open);
 
 }  // namespace fourdvt::mattes

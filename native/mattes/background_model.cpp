@@ -35,7 +35,7 @@ cv::Mat flicker(const std::vector<cv::Mat>& plates, const cv::Mat& mean) {
   sum /= double(plates.size() - 1);
   cv::blur(sum, sum, {5, 5});
   const float noise = median(std::vector<float>(sum.begin<float>(), sum.end<float>()));
-  // With two plates the mean of 75 squares strays by a sixth; half as much again exceeds noise.
+  // With two plates the mean of 75 squares deviates by a sixth; 1.5 times the noise is well above that.
   return cv::max(sum - 1.5 * noise, 0.0);
 }
 

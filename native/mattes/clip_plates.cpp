@@ -102,7 +102,7 @@ Likeness likenessOf(std::span<const Image> pictures) {
       mask.at<uint8_t>(i) = a == k || alike[a][k].at<uint8_t>(i) ? 0 : 255;
     }
     cv::morphologyEx(mask, mask, cv::MORPH_OPEN, cv::Mat::ones(3, 3, CV_8U));
-    cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, disc);  // pixels that stay within the body look alike, too
+    cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, disc);  // fills the body's inside, whose pixels look alike, too
     out.moving.push_back(mask);
   }
   return out;

@@ -23,8 +23,8 @@ Result<capture::Capture> openCapture(const std::string& folder, const OpenVideo&
                                      capture::MeshNeed need = capture::MeshNeed::ConstantTopology,
                                      capture::MatteNeed mattes = capture::MatteNeed::Required);
 
-// Opens sequences of the folder that a capture was linked into. Errors: those of openCapture, under the name of the
-// capture that its links lead to; all paths in capture.json must resolve from the new folder.
+// Opens sequences of a folder made by linkCapture. Errors: those of openCapture; messages name the capture that the
+// links lead to. All paths in capture.json must resolve from the new folder.
 Result<capture::Capture> openLinked(const std::string& folder, const std::string& linked_capture,
                                     const std::vector<std::string>& sequences, const OpenVideo& open_video);
 

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr int kWhite = 250, kBlack = 5, kOpaque = 128;
 constexpr int kSpacing = 4;              // pixels between tracked points of a stroke
-constexpr int kRadius = 3;               // pixels around a tracked point that it labels
+constexpr int kRadius = 3;               // pixels around a tracked point that take its label
 constexpr float kTravelled = 14;         // nats: less than strong evidence in the picture
 constexpr float kMaxReturnError = 0.7f;  // pixels, after tracking there and back
 constexpr float kMaxChange = 12;         // maximum change of a patch between two frames, levels, mean absolute

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hand-painted strokes that correct mattes, hints/SEQUENCE/CAMERA/000012.png: opaque white is the performer, opaque
-// black the background, everything else is undecided. They hold in their frame and are tracked forwards (Lucas-Kanade,
-// with a forward-backward check) while the patch looks the same.
+// black the background, everything else is undecided. Strokes apply to their frame, and are tracked forwards
+// (Lucas-Kanade, with a forward-backward check) while the patch looks the same.
 #pragma once
 
 #include <map>
@@ -31,8 +31,8 @@ class HintTrack {
  public:
   // Advances to the next frame; `picture`: RGB; `strokes`: this frame's, or null.
   void advance(const Image& picture, const cv::Mat* strokes);
-  // CV_32F: additional nats of pixels as object, from the strokes of this frame and from tracked ones; empty without
-  // any.
+  // CV_32F: additional nats of pixels as object, from the strokes of this frame and from tracked ones; empty if there
+  // are none.
   cv::Mat cost() const;
   bool idle() const { return points_.empty() && strokes_.empty(); }
 

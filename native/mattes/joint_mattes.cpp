@@ -20,11 +20,11 @@ namespace {
 constexpr double kCutPixels = 450'000;   // size of the first, reduced cut
 constexpr double kComponentShare = 0.9;  // share of a component on the floor or contradicted, from which on it is
                                          // removed
-constexpr double kMinComponent = 0.01;   // minimum share of the camera's largest one
-constexpr float kLooseHull = 5;          // other cameras, up to which their hull is too loose to demand the object
+constexpr double kMinComponent = 0.01;   // minimum size, as a share of the camera's largest component
+constexpr float kLooseHull = 5;          // number of other cameras up to which their hull is too loose a demand
 constexpr int kDepths = 5;               // classes of a pixel's depth in the hull of the others
 constexpr double kSteep = 1.5;           // height per length across the line of sight
-constexpr size_t kManyCameras = 7;       // other cameras, from which on one of them may be wrong without a doubt
+constexpr size_t kManyCameras = 7;       // number of other cameras from which on one may be wrong without a doubt
 
 // Height of the performer: nearly the highest place that the masks support.
 double performerHeight(const std::vector<Support>& supports) {
@@ -56,7 +56,7 @@ struct Floor {
   double flat_m, shadow_m;
 };
 
-// Nats against the object per pixel of one camera from the other cameras' masks, and the reason.
+// Cost against the object per pixel of one camera, nats, from the other cameras' masks; and its reason.
 struct Prior {
   cv::Mat cost;   // CV_32F
   cv::Mat doubt;  // CV_8U, Doubt

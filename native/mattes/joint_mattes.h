@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Joint mattes of all cameras at one instant. Each camera is keyed against its plates; then, twice, each pixel is
-// judged by the other cameras' masks: contradicted pixels cost more as object, demanded ones less, and dark patches
-// that lie on the floor as a whole become floor. Large pictures are cut at a reduced size first, and again at full size
-// along the outline. One instant, no files. Method: algorithms/mattes.md.
+// judged by the other cameras' masks: pixels outside them cost more as object, pixels inside all of them less, and dark
+// patches that lie wholly on the floor become floor. Large pictures are cut at a reduced size first, and again at full
+// size along the outline. One instant, no files. Method: algorithms/mattes.md.
 #pragma once
 
 #include <memory>
@@ -29,7 +29,7 @@ struct JointOptions {
   bool floor = true;               // patches on the floor are shadows
   double floor_share = 0.015;      // share of the performer's height: points lower than this and the slack are on the
                                    // floor
-  double shadow_share = 0.25;      // the same for points that all cameras see darker than the plates by one ratio
+  double shadow_share = 0.25;      // floor_share for points that all cameras see darker than the plates by one ratio
   bool background_unseen = false;  // unjudged pixels are background, e.g. without plates
 };
 
@@ -40,7 +40,7 @@ struct MatteView {
   bool fit_plates = true;                   // fits the plates to the picture, see fitPlate
   const ColourCounts* colours = nullptr;    // colours from other frames, may be null
   Image given;                              // one channel
-  bool given_is_final = false;              // mattes of the capture; else other cameras may remove parts of it
+  bool given_is_final = false;              // `given` is the capture's matte; false: others may remove parts
   cv::Mat hints;                            // CV_32F, see HintTrack::cost; may be empty
   cv::Mat more_cost;                        // CV_32F, nats against the object; may be empty
 };

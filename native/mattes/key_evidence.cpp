@@ -49,9 +49,9 @@ cv::Mat sumOfChannels(const cv::Mat& m) {
   return out;
 }
 
-// 1 where one of the neighbourhoods that contain a pixel agrees with a hypothesis, by its mean squared deviations;
-// falls with their minimum, from 3 standard deviations too much on, to e^-max_doubt at 15. At an outline, some
-// neighbourhood lies on one side of it.
+// Factor of a hypothesis per pixel, from the minimum mean squared deviation of the neighbourhoods that contain the
+// pixel (at an outline, some neighbourhood lies on one side): 1 up to 3 standard deviations above its expected value,
+// falling to e^-max_doubt at 15.
 cv::Mat agreement(const cv::Mat& deviations, int window, double max_doubt) {
   cv::Mat out;
   cv::erode(deviations, out, cv::Mat::ones(window, window, CV_8U), {-1, -1}, 1, cv::BORDER_REPLICATE);

@@ -78,7 +78,7 @@ class KeyEvidence {
   cv::Vec3f noise_;          // levels
   cv::Mat picture_, plate_, variance_, extra_;
   cv::Mat object_, lit_, shaded_;
-  cv::Mat lit_share_, shaded_share_;  // CV_32F: share of the two hypotheses that the neighbourhoods leave
+  cv::Mat lit_share_, shaded_share_;  // CV_32F: factors of both hypotheses, by their fit to the neighbourhoods
   std::vector<float> ratios_;         // [width][ratio] density
   cv::Mat known_;
   std::vector<float> colours_;  // [bin] density of the object, in units of noise

@@ -39,7 +39,7 @@ class PlateKey {
   BackgroundModel model_;  // natural background
 };
 
-inline constexpr float kMaxResidual = 15;  // levels, median absolute; plates that fit stay below
+inline constexpr float kMaxResidual = 15;  // maximum median absolute residual of plates that fit, levels
 // Error FileUnreadable: a plate that does not fit the pictures.
 Error plateDoesNotFit(const std::string& plate, const std::string& pictures, const std::string& camera);
 

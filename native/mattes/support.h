@@ -20,7 +20,7 @@ namespace fourdvt::mattes {
 struct Support {
   cv::Mat missed;    // CV_16S: number of the others that see the best place along the ray outside their masks; -1 where
                      // too few of them see the ray, -2 where not searched: far from every mask
-  cv::Mat height_m;  // CV_32F: highest place above the floor that none of them misses; -infinity without one
+  cv::Mat height_m;  // CV_32F: highest place above the floor inside the masks of all others; -infinity without one
 };
 
 class SupportFinder {

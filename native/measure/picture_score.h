@@ -13,7 +13,7 @@
 namespace fourdvt::measure {
 
 // Foreground: union of both silhouettes; common: their intersection. Box: the foreground's bounding box. Full: the
-// whole picture. All over black; PSNR on RGB, SSIM on luma.
+// whole picture. All are composited on black; PSNR on RGB, SSIM on luma.
 // A further measure requires its formula in metrics.cpp, a field here, its place in kMeasures and scorePicture
 // (picture_score.cpp), a row in writeScores (lab/study/run/row_writer.cpp) and rows.h, a column in the tables that show
 // it (lab/study/tables/), and a figure or an exception in site/measured/catalogue.mjs. lab/measure/held_out.h has
@@ -30,7 +30,7 @@ class MeanScores {
   void add(const PictureScore& score);
   size_t count() const { return count_; }
   PictureScore mean() const;           // NaN without scores
-  PictureScore standardError() const;  // of the mean; NaN below two scores
+  PictureScore standardError() const;  // standard error of the mean; NaN below two scores
 
  private:
   PictureScore sum_, squares_;

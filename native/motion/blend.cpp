@@ -108,7 +108,7 @@ double durationAt(const Sequence& sequence, std::span<const float> members) {
 
 namespace {
 
-// Runs over plain numbers, three per vertex: where compilers optimise for size, they do not inline vectors.
+// Loops over plain numbers, three per vertex: compilers that optimise for size do not inline vector operations.
 void add(const glm::ivec3* steps, float metres_per_step, Positions& out) {
   if (metres_per_step == 0) return;
   const int32_t* from = &steps->x;

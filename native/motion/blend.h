@@ -42,7 +42,7 @@ void alignmentOf(const package::ChunkFrames& frames, uint32_t row, const package
                  std::vector<glm::vec2>& out);
 // Members' root motion since frame 0 of the sequence (ChunkFrames::root), mixed by weight.
 glm::vec3 rootOf(const package::ChunkFrames& frames, uint32_t row, std::span<const float> members);
-// out = a + share * (place(b) - a): cross-fade of two meshes of one topology; `a_from_b` moves b first.
+// a += share * (place(b) - a): cross-fades two meshes of one topology; place applies `a_from_b`.
 void crossFade(Positions& a, std::span<const glm::vec3> b, const glm::mat4& a_from_b, float share);
 
 }  // namespace fourdvt::motion

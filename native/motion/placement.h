@@ -15,7 +15,7 @@ struct Placement {
 glm::mat4 worldFromCharacter(const Placement& placement);
 // Applies `step`: metres along x and z and radians about y, in the character's frame before the step.
 Placement moved(const Placement& placement, const glm::vec3& step);
-// Step between two root values (rootOf in blend.h, in the frame of frame 0), in the character's own frame at `from`.
+// Step from one root value to another (rootOf in blend.h, relative to frame 0), in the character's own frame at `from`.
 glm::vec3 stepBetween(const glm::vec3& from, const glm::vec3& to);
 float wrapAngle(float radians);  // wraps to -π…π
 

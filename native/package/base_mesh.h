@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Base mesh: topology, UVs and one pose, Draco edgebreaker. Its decoded order of vertices and faces is the order of
-// every stream of the character: the writer re-indexes to it, the reader decodes into it.
+// Base mesh: topology, UVs and one pose, Draco edgebreaker. Every stream of the character uses its decoded order of
+// vertices and faces: the writer re-indexes to it, the reader decodes into it.
 #pragma once
 
 #include <span>

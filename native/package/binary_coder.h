@@ -3,8 +3,8 @@
 // coder".
 // A model is a template over BinaryEncoder / BinaryDecoder, so that both sides run the same code; code() takes the bit
 // to write (ignored by the decoder) and returns the bit.
-// Model functions that run per vertex or face are [[gnu::flatten]]: a size-optimised wasm build would leave their
-// arithmetic as calls. Internal to package/.
+// Model functions that run per vertex or face are [[gnu::flatten]]: a size-optimised wasm build would not inline their
+// arithmetic otherwise. Internal to package/.
 #pragma once
 
 #include <array>
@@ -70,7 +70,7 @@ class AdaptiveBit {
  public:
   uint32_t p16() const { return state_ >> 16; }
   uint32_t p12() const { return state_ >> 20; }
-  // Moves the probability by 1 / (n + 1.5), n at most `limit`.
+  // Moves the probability towards `bit` by the share 1 / (n + 1.5); n: number of updates, at most `limit`.
   void update(bool bit, uint32_t limit) {
     const uint32_t n = state_ & 1023, rate = 131072 / (2 * n + 3);
     const int64_t p = state_ >> 10, moved = p + ((((bit ? 4194303 : 0) - p) * rate) >> 16);

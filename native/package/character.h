@@ -49,9 +49,9 @@ struct Rendition {
   uint64_t video_bytes = 0;   // file length
   std::string codec;          // RFC 6381, e.g. "avc1.640028"
   int width = 0, height = 0;  // tiled picture, even
-  std::vector<Rect> layers;   // [member][layer], squares; a plain sequence has one member; from cameras: empty
+  std::vector<Rect> layers;   // [member][layer], squares; a plain sequence has one member; empty for one from cameras
   BarcodeStrip barcode;
-  Rect tiles;  // from cameras: the sequence's layout, scaled
+  Rect tiles;  // character from cameras: the sequence's layout, scaled
 };
 
 // One motion of a class, time-warped to the class's common phase. The member of a plain sequence is the sequence
@@ -87,7 +87,7 @@ struct Sequence {
   std::string stream_uri;  // .bin
   uint64_t stream_bytes = 0;
   uint32_t stream_header_bytes = 0;   // header + index: first range to fetch
-  uint64_t stream_header_hash = 0;    // hash of these bytes, which contain all other hashes (base/hash.h)
+  uint64_t stream_header_hash = 0;    // hash of the stream's header, which contains all other hashes (base/hash.h)
   std::vector<Rendition> renditions;  // ascending bitrate
   // Number of low renditions that pair with the stream's coarse chunks, and the byte length of those chunks.
   uint32_t coarse_renditions = 0;
@@ -97,7 +97,7 @@ struct Sequence {
   uint32_t reference_count = 0;  // mesh-blend corrections per frame
   // Correlation of the aligned members' detail, 0..1: contrast that survives their blend; 1: all.
   float detail_correlation = 1;
-  int layout_width = 0, layout_height = 0;  // from cameras: texels of the tile layout
+  int layout_width = 0, layout_height = 0;  // character from cameras: texels of the tile layout
   bool isClass() const { return members.size() > 1; }
   double duration_s() const { return frame_count / fps; }
   bool hasCoarseGeometry(uint32_t rendition) const { return rendition < coarse_renditions; }
@@ -133,12 +133,12 @@ struct Character {
   std::string name;
   int version = kFormatVersion;
   AppearanceKind appearance = AppearanceKind::Layers;
-  int layer_count = 0;                        // 0: from cameras
+  int layer_count = 0;                        // 0: character from cameras
   uint32_t vertex_count = 0, face_count = 0;  // decoded base mesh; from cameras: maximum over all frames
   std::vector<PinholeCamera> cameras;         // label k is cameras[k], and so is tile k
   BoundingBox bounds;                         // all frames of all sequences
   double ground_y_m = 0;
-  // Size relative to a scene with a life-size performer: factor of all lengths in drawing.
+  // Factor of all lengths in drawing: the scene's size relative to one with a life-size performer.
   double length_scale = 1;
   std::string mesh_uri;  // file of the Draco base mesh; from cameras: first surface, unused by players
   uint64_t mesh_offset = 0, mesh_bytes = 0;
@@ -147,7 +147,7 @@ struct Character {
   std::string graph_uri;  // motion graph (motion/motion_graph.h); empty: none
   uint64_t graph_bytes = 0, graph_hash = 0;
   Room room;
-  DrawingMethod method;  // from cameras only
+  DrawingMethod method;  // character from cameras only
   std::vector<Sequence> sequences;
   Start start;
 

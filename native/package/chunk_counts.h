@@ -30,15 +30,15 @@ inline bool isCameraStream(const StreamIndex& index) {
   return index.layer_count == 0 && index.member_count == 1 && index.reference_count == 0 && index.alignment_count == 0;
 }
 
-// Number of coded parts of a chunk, each with its length at the chunk's beginning (FORMAT.md): per member positions and
-// labels, then offsets, alignment.
+// Number of coded parts of a chunk; the chunk begins with their lengths (FORMAT.md). Order: positions and labels of
+// each member, then offsets, alignment.
 template <class Counts>
 uint32_t partCount(const Counts& counts) {
   return 2 * counts.member_count + counts.reference_count + counts.alignment_count;
 }
 
-// Decoded bytes per frame, equal to ChunkFrames::bytes() of a chunk by its counts; of a camera stream, positions and
-// faces, counted for every frame.
+// Decoded bytes per frame, equal to ChunkFrames::bytes() of a one-frame chunk with these counts. Camera streams:
+// positions and faces, as if every frame had its own topology.
 template <class Counts>
 uint64_t decodedFrameBytes(const Counts& counts) {
   const uint64_t vertices = counts.vertex_count, faces = counts.face_count;

@@ -27,19 +27,19 @@ class ChunkDecoder {
   virtual const ChunkFrames& frames() const = 0;
   // Moves out the frames decoded since the last call; `frames` then lacks them.
   virtual ChunkFrames take() = 0;
-  // Appends the next frame, decoded elsewhere (writeDecodedFrame). False: wrong size for this chunk, or a decoder that
-  // decodes itself.
+  // Appends the next frame, decoded elsewhere (writeDecodedFrame). Returns false if its size does not fit the chunk,
+  // and in all decoders but receivedChunk's.
   virtual bool append(std::span<const uint8_t>) { return false; }
 };
 
-// Writes decoded geometry of one frame as bytes, to decode a GOP's chunk in another address space (a worker): frames
-// are written there and appended here to a chunk without a decoder of its own. Same-machine format: values in memory
-// order, little-endian, no header. frame: one frame, as ChunkDecoder::take returns it. out: replaced by positions,
-// offsets, alignment, root and labels, in this order.
+// Writes decoded geometry of one frame as bytes, so that a worker in another address space can decode a GOP's chunk: it
+// writes each frame, and receivedChunk's decoder appends it here. Same-machine format: values in memory order,
+// little-endian, no header. frame: one frame, as ChunkDecoder::take returns it. out: replaced by positions, offsets,
+// alignment, root and labels, in this order.
 void writeDecodedFrame(const ChunkFrames& frame, std::vector<uint8_t>& out);
 
 // Makes a decoder fed by `append`; its decodeTo and step have no effect. begun: GOP whose first `frames` frames are
-// already decoded; parts of a further one are dropped.
+// already decoded; a partly decoded frame after them is dropped.
 std::unique_ptr<ChunkDecoder> receivedChunk(const StreamIndex& index, uint32_t chunk);
 std::unique_ptr<ChunkDecoder> receivedChunk(ChunkFrames begun, uint32_t frames);
 

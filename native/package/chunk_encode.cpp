@@ -15,11 +15,11 @@
 namespace fourdvt::package {
 namespace {
 
-// Dead zone, in steps: smaller residuals become 0, larger ones shrink towards 0 by this. Halves the bytes of rounding,
-// at errors at most 0.3 steps larger.
+// Dead zone, in steps: residuals below it become 0, larger ones lose up to this. Halves the bytes against rounding, at
+// errors at most 0.3 steps larger.
 constexpr double kDeadZone = 0.8;
 
-// value: in steps of its own; predicted and result: in steps `scale` times as large.
+// value: in the stream's fine steps; predicted and result: in steps `scale` times as large.
 template <int N>
 glm::ivec3 coarseResidual(const glm::vec<N, int>& value, double scale, const glm::ivec3& predicted) {
   glm::ivec3 out(0);

@@ -9,7 +9,7 @@
 namespace fourdvt::package {
 
 std::vector<uint8_t> encodeLabels(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t member);
-// coarse_scale: coded steps over given steps, with the dead zone of encodeCoarseChunk; 0: lossless.
+// coarse_scale: ratio of coded to given step, with the dead zone of encodeCoarseChunk; 0: lossless.
 std::vector<uint8_t> encodePositions(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t member,
                                      double coarse_scale = 0);
 

@@ -16,14 +16,15 @@ constexpr uint32_t kNoFace = UINT32_MAX;
 
 struct ChunkMesh {
   std::vector<std::array<uint32_t, 3>> face_neighbours;  // [face][edge k, k+1]; kNoFace at a border
-  std::vector<glm::ivec3> base;         // [vertex] base pose on the lattice 0…16383 of the longest side
+  std::vector<glm::ivec3> base;         // [vertex] base pose on a lattice; its longest side spans 0…16383
   std::vector<uint32_t> earlier;        // see earlierOf
   std::vector<uint32_t> earlier_first;  // [vertex], and the end
-  std::vector<uint8_t> ring_count;      // [vertex]
+  std::vector<uint8_t> ring_count;      // [vertex], see earlierOf
 
   uint32_t faceCount() const { return static_cast<uint32_t>(face_neighbours.size()); }
   uint32_t vertexCount() const { return static_cast<uint32_t>(base.size()); }
-  // At most 24 vertices of smaller index: first ring_count[v] that share an edge with v, then neighbours of those.
+  // At most 24 vertices of smaller index: first ring_count[v] neighbours of v, which share an edge with it, then their
+  // neighbours.
   std::span<const uint32_t> earlierOf(uint32_t vertex) const {
     return std::span(earlier).subspan(earlier_first[vertex], earlier_first[vertex + 1] - earlier_first[vertex]);
   }

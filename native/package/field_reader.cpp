@@ -11,8 +11,8 @@ bool isPlain(char c) {
   return (lower >= 'a' && lower <= 'z') || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-';
 }
 
-// True for non-empty segments of plain characters other than "." and "..": no URL parser resolves it outside of the
-// character folder.
+// Returns true for a URI of non-empty segments of plain characters, none of them "." or "..": no URL parser resolves it
+// outside of the character folder.
 bool isSafeUri(const std::string& uri) {
   size_t segment = 0;
   for (size_t i = 0; i <= uri.size(); ++i) {

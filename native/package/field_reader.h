@@ -54,11 +54,12 @@ class FieldReader {
 
 // Fields shared by the manifests of characters and live streams, file names excepted.
 
-// Reads name, counts, box, ground, scale, cameras, and from cameras the method; requires `appearance`.
+// Reads name, counts, box, ground, scale and cameras; for a character from cameras also the method. Requires
+// `appearance` to be set.
 void readBody(FieldReader& in, const std::string& at, Character& character);
-void readLayout(FieldReader& in, const std::string& at, Sequence& sequence);  // from cameras only
-// Reads codec, size, barcode and layers of the tiled picture. layer_count: sum over the members; 0: from cameras,
-// tiles.
+void readLayout(FieldReader& in, const std::string& at, Sequence& sequence);  // character from cameras only
+// Reads codec, size, barcode and layers of the tiled picture. layer_count: sum over the members; 0: a character from
+// cameras, with tiles in place of layers.
 void readPicture(FieldReader& in, const std::string& at, int layer_count, Rendition& rendition);
 
 }  // namespace fourdvt::package

@@ -16,9 +16,9 @@ namespace fourdvt::package {
 
 // One frame: surface, tile placement of the camera pictures, and one video sample, all still coded.
 struct LiveFrame {
-  uint32_t number = 0;              // previous number + 1, or a gap, then a key
+  uint32_t number = 0;              // previous number + 1; after a gap, the frame is a key
   bool key = false;                 // sample decodes without predecessors
-  int64_t captured_us = 0;          // server clock, since 1970
+  int64_t captured_us = 0;          // server clock, µs since 1970
   std::span<const uint8_t> chunk;   // chunk of a camera stream with one frame (surface_chunk.h)
   std::span<const uint8_t> sample;  // H.264 Annex B; a key contains the parameter sets
 };

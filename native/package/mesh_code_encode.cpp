@@ -20,7 +20,8 @@ class KnownMesh {
   }
   bool lost() const { return false; }
 
-  // Edges above it on the stack are dropped: no face still to come may contain them.
+  // Returns true if the face attaches to an edge on the stack. Edges above that one are then dropped, so no later face
+  // may contain them.
   bool attaches(const MeshLinks& links, const std::vector<uint32_t>& stack, uint32_t first) {
     constexpr ptrdiff_t kMaxSearch = 4096;
     for (uint32_t h = first; h < first + 3; ++h) --to_come_[edge(h)];

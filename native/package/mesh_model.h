@@ -80,7 +80,7 @@ class MeshPlaces {
   // known: [item], encoder only.
   MeshPlaces(Symbols& symbols, uint32_t count, const std::vector<uint32_t>& known)
       : symbols_(symbols), known_(known), places_(count, kNone), used_(count) {}
-  // Codes items consecutive in an order of their own, mostly a single one. False: damaged bytes.
+  // Codes items begin to end - 1, and their order; mostly a single item. False: damaged bytes.
   bool group(uint32_t begin, uint32_t end) {
     rest_.clear();
     for (uint32_t i = begin; i < end; ++i) rest_.push_back(i);
@@ -202,7 +202,8 @@ class MeshPredictor {
       out.add(15.0 * (a + b) - 14.0 * other, 16);  // parallelogram, slightly flattened
   }
 
-  // Adds the triangle with its shape in space, across the edge a b from `other`.
+  // Adds the UV of corner `c` at which its triangle has the same shape as in space; the UV edge is a to a + d, and
+  // `other` lies across it.
   void addLikeInSpace(uint32_t c, const glm::dvec3& a, const glm::dvec3& d, const glm::dvec3& other,
                       MeshPrediction& out) {
     const glm::dvec3 from = position(nextCorner(c)), edge = position(previousCorner(c)) - from,
@@ -239,8 +240,7 @@ bool codeQuantised(Coder& coder, const MeshLinks& links, const BaseMesh* mesh, s
   return true;
 }
 
-// Orders of vertices and UVs, [vertex] and [uv] of the mesh, encoder input and decoder result; both have a header's
-// counts.
+// Mesh with a header's counts, and its quantised values by vertex and UV: encoder input, decoder result.
 struct MeshContents {
   BaseMesh mesh;
   std::vector<glm::ivec3> position_q, uv_q;  // encoder only

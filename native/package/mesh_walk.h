@@ -42,7 +42,7 @@ class MeshSymbols {
   std::vector<AdaptiveBit> bits_;
 };
 
-// Contexts of MeshSymbols. kFresh and kGlued: per degrees of two vertices and kind of the last face.
+// Contexts of MeshSymbols. From kFresh and kGlued on: one per degrees of two vertices and kind of the last face.
 enum MeshContext : uint32_t {
   kFresh = 0,
   kGlued = 256,
@@ -183,7 +183,8 @@ class MeshWalk {
   }
   uint32_t degree(uint32_t c) const { return std::min(at_[links_.vertex[c]].degree, kMaxDegree); }
 
-  // Vertex elsewhere on the boundary, which divides it, or any other.
+  // Codes a tip away from the gate: a vertex elsewhere on the boundary, which the face then divides, or any other
+  // vertex.
   uint32_t farTip(Attached& f) {
     const uint32_t way = known_.wayTo(f.tip, f.before, f.after, next_, previous_, kMaxSteps);
     if (!symbols_.bit(kOnLoop, way != kNone)) return anyVertex(f.tip);

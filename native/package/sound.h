@@ -12,8 +12,8 @@ namespace fourdvt::package {
 
 constexpr int kMaxSoundEncodings = 8, kMaxSoundSegments = 1 << 16, kMaxSteps = 4096;
 
-// Sound of a plain sequence, or of a class's steps, in alternative encodings. Segments are separate files, so that a
-// page need not hold all of it. Separate from Character: the players do not use it.
+// Sound of a plain sequence, or of a class's footsteps, in alternative encodings. Segments are separate files, so that
+// a page need not hold all of it. Separate from Character: the players do not use it.
 struct SoundSegment {
   uint32_t bytes = 0, samples = 0;  // sample count from a decoder that honours the file's priming
 };
@@ -26,7 +26,7 @@ struct SoundEncoding {
 };
 struct Sound {
   int sample_rate = 0, channels = 0;
-  double segment_s = 0;                  // segment i begins at i * segment_s; it extends a little past its end
+  double segment_s = 0;                  // segment i begins at i * segment_s; it extends a little into the next one
   std::vector<SoundEncoding> encodings;  // empty: no sound
   std::vector<double> steps;             // class only: phases in 0..1 of foot contacts
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Start file: first picture before any stream arrives. Contains the base mesh, a stream of one frame (header, chunk and
-// key sample), and the header of the stream that follows. The manifest has the hash of the whole file. Byte layout:
-// FORMAT.md.
+// Start file: data of the first picture, shown before any stream arrives. Contains the base mesh, a stream of one frame
+// (header, chunk and key sample), and the header of the stream that follows. The manifest has the hash of the whole
+// file. Byte layout: FORMAT.md.
 #pragma once
 
 #include <span>
@@ -23,9 +23,9 @@ struct StartFile {
   std::span<const uint8_t> header;  // first bytes of the first sequence's .bin; empty: a player fetches them
 };
 
-// Encodes a start file. index: the stream's, with the steps of `gop`, its first chunk, fine or coarse; key: first
-// sample of its first rendition; header: see StartFile. Codes one frame's geometry anew. Native only. Errors: those of
-// ChunkDecoder; Internal.
+// Encodes a start file. gop: first chunk of the stream, fine or coarse; index: the stream's, with that chunk's steps;
+// key: first sample of the stream's first rendition; header: see StartFile. Re-encodes the geometry of one frame.
+// Native only. Errors: those of ChunkDecoder; Internal.
 Result<std::vector<uint8_t>> encodeStartFile(const StreamIndex& index, std::span<const uint8_t> gop,
                                              std::span<const uint8_t> key, std::span<const uint8_t> header,
                                              const BaseMesh& base);

@@ -51,7 +51,7 @@ struct StreamIndex {
   float alignment_step_m = 0;
   std::vector<ChunkEntry> chunks;  // contiguous frames 0..frame_count
   std::vector<SampleTable> renditions;
-  // Same GOPs and labels with larger steps of all else, for low renditions; may be empty.
+  // Chunks of the same GOPs and labels with larger quantisation steps, for low renditions; may be empty.
   std::vector<ChunkEntry> coarse_chunks;
   float coarse_step_m = 0;
   // Index of the coarse chunks in place of the fine ones, without renditions.
@@ -68,8 +68,8 @@ bool keepsMemoryLimits(const StreamIndex& index);
 
 // Serialises a header with final offsets. `stream_header_bytes` in the manifest is the size of the result.
 std::vector<uint8_t> writeStreamHeader(const StreamIndex& index);
-// Checks magic, version, counts against each other and against the span; every frame covered exactly once; every chunk
-// starts on a key sample, samples of a chunk are contiguous and cover its frames once; keepsMemoryLimits. Errors:
+// Checks magic, version, the counts against each other and the span, and keepsMemoryLimits. Chunks must cover every
+// frame once and start on a key sample; their samples must be contiguous and cover their frames once. Errors:
 // StreamInvalid.
 Result<StreamIndex> readStreamHeader(std::span<const uint8_t> bytes);
 
@@ -81,8 +81,8 @@ struct ChunkFrames {
   std::vector<glm::ivec3> positions;  // [frame][member][vertex]
   std::vector<uint8_t> labels;        // [frame][member][layer][face], kNoCamera for empty
   std::vector<glm::ivec3> offsets;    // [frame][reference][vertex], position steps: mesh-blend corrections
-  // [frame][member - 1][vertex], alignment steps along the vertex's tangents (base/mesh.h): displacement in the member
-  // of the detail at this vertex in member 0.
+  // [frame][member - 1][vertex], alignment steps along the vertex's tangents (base/mesh.h): displacement, in the
+  // member, of the detail that member 0 has at this vertex.
   std::vector<glm::ivec2> alignment;
   // [frame][member]: metres along x and z, radians about y since frame 0 of the whole sequence, in the character frame
   // of frame 0.

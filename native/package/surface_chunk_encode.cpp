@@ -19,7 +19,7 @@ struct EncodedRun {
 
 bool hasArea(const glm::uvec3& f) { return f.x != f.y && f.y != f.z && f.z != f.x; }
 
-// Frame to code: input without faces of zero area.
+// Returns the frame to code: the input without faces of zero area.
 Result<QuantisedSurface> checked(const QuantisedSurface& frame) {
   QuantisedSurface out{{}, frame.positions};
   std::copy_if(frame.faces.begin(), frame.faces.end(), std::back_inserter(out.faces), hasArea);

@@ -12,7 +12,7 @@ namespace fourdvt::platform {
 
 class AudioReader {
  public:
-  // Opens a sound file, or a video with sound, of which the first sample read is simultaneous with the first picture.
+  // Opens a sound file, or a video with sound; a video's first sample read is simultaneous with its first picture.
   // Mixes more than two channels down to two. Errors: FileMissing, FileUnreadable (no sound in it, or damaged).
   static Result<std::unique_ptr<AudioReader>> open(const std::string& path, int sample_rate);
   virtual ~AudioReader() = default;

@@ -269,7 +269,7 @@ class FileSource final : public VideoSource {
   }
 
   static constexpr uint32_t kSeekBeyond = 60;  // seek distance, pictures; below it all are decoded
-  static constexpr uint32_t kReordered = 17;   // pictures between a decoding and a presentation time, and one
+  static constexpr uint32_t kReordered = 17;   // maximum pictures between a decoding and a presentation time, plus one
 
   std::string path_, index_folder_;
   int channels_ = 3, stream_ = -1;

@@ -14,7 +14,7 @@ namespace fourdvt::platform {
 constexpr int64_t kMaxVideoPixels = int64_t{16384} * 8192;  // limit of a capture's video
 constexpr int64_t kMaxSamplePixels = int64_t{4096} * 4096;  // limit of a character's (package/FORMAT.md)
 
-// Opens this file only: playlists and references to other files or addresses are rejected. Errors: FileMissing,
+// Opens this file only: rejects playlists, and references to other files or addresses. Errors: FileMissing,
 // FileUnreadable (no video stream, unknown codec, pictures too large).
 Result<std::unique_ptr<VideoSource>> openVideoFile(const std::string& path, int channels);
 // Variant with cached time stamps. A skip far ahead needs the pictures' time stamps; a file without an index, such as

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A media file of unknown origin: opens it without following references to other files, such as playlists, and lists
-// the time stamps of its pictures, from the container's index or its packets, without decoding. Private to the files
-// that link FFmpeg.
+// Media file of unknown origin: opens it without following references to other files, such as playlists, and lists the
+// time stamps of its pictures, from the container's index or its packets, without decoding. Private to the files that
+// link FFmpeg.
 #pragma once
 
 #include <cstdint>
@@ -27,8 +27,8 @@ FileOnly openFileOnly(const std::string& path);
 bool findStreams(AVFormatContext& format);
 
 struct VideoStamps {
-  // Stream time base, presentation order, shown pictures only: without those hidden by an edit list or truncated by the
-  // end of the file.
+  // Times of the shown pictures in the stream's time base, in presentation order; excludes pictures hidden by an edit
+  // list or truncated by the end of the file.
   std::vector<int64_t> times;
   bool presentation = false;  // unique presentation times, which number the pictures; else storage order
   bool from_index = false;    // equal intervals from the index; the first may differ from the first picture's
@@ -45,8 +45,8 @@ bool isCutOff(const AVFormatContext& format, const AVPacket& packet);
 // Path of a video's cached list, from its name, size and time; empty if `folder` is no folder.
 std::string stampsPath(const std::string& video, const std::string& folder);
 
-// Selects the video track to read: by its flags, then colour before grey, then the first one; -1: this build decodes
-// none. Cover pictures do not count.
+// Selects the video track to read: by its flags, then colour before grey, then the first one. Cover pictures do not
+// count. -1: this build decodes no track.
 int pictureTrack(const AVFormatContext& format);
 
 // Lists the container's metadata and the stamps.

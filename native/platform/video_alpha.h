@@ -18,8 +18,8 @@ enum class AlphaKind { None, InPictures, InBlocks, HevcLayer };
 // Alpha kind by the container's and the decoder's headers; the channel may be opaque throughout.
 AlphaKind alphaKindOf(const AVStream& stream);
 
-// Decoder that returns a stream's alpha too; `usual` if that one does. Errors: FileUnreadable (this build decodes no
-// alpha of the stream), naming `path`.
+// Decoder that also returns a stream's alpha: `usual` if it does. Errors: FileUnreadable (this build decodes no alpha
+// of the stream), naming `path`.
 Result<const AVCodec*> decoderWithAlpha(const AVStream& stream, const AVCodec* usual, const std::string& path);
 
 // Alpha of a decoded picture as one channel, 0 … 255; empty if its format has none.

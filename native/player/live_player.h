@@ -3,10 +3,10 @@
 // Shows the newest frame with both picture and surface, always of the same frame; older ones are skipped. Decoding
 // starts at a key; after a gap, a lost decoder or too many queued frames the player waits for the next key. Holds at
 // most a few frames.
-// Connections, reconnects and the clock are the edge's; there is no seeking. Order of calls as in player.h, with
+// The edge handles connections, reconnects and the clock; there is no seeking. Order of calls as in player.h, with
 // onLiveFrame in place of fetches.
-// Paused, it holds the shown frame and goes on decoding, so that `play` shows the newest at once. Out of sight it holds
-// its decoder until the stream stops (onLiveGap).
+// While paused, the player keeps the shown frame and goes on decoding, so that `play` shows the newest frame at once.
+// Out of sight it keeps its decoder until the stream stops (onLiveGap).
 #pragma once
 
 #include <optional>

@@ -269,7 +269,7 @@ double PlayerImpl::clockTime() const {
   const package::Sequence& s = wantedOf(t);
   const double frames = t.head.clockFrames(s.fps);
   return (frames - std::floor(frames / s.frame_count) * s.frame_count) /
-         s.fps;  // fmod would be linked into the first part
+         s.fps;  // fmod would be linked into the module's first part
 }
 
 std::optional<TimeRange> PlayerImpl::buffered(size_t number) const {

@@ -96,7 +96,7 @@ class Player {
   // Parameters of classes by name. The shown value glides to the requested one (parameter_rate), which is clamped to
   // its range. Kept for classes entered later. Errors: InvalidArgument: no class has it.
   virtual Status setParameter(const std::string& name, double value, bool at_once = false) = 0;
-  virtual double parameter(const std::string& name) const = 0;  // shown value; NaN: no class has it
+  virtual double parameter(const std::string& name) const = 0;  // shown value; NaN: no class has the parameter
   // Requests the best transition of the motion graph to another state: waits for the exit frame, then cross-fades.
   // Without a graph, or while paused: as selectSequence. During a transition: deferred until its end.
   virtual Status goTo(const std::string& state) = 0;
@@ -116,9 +116,8 @@ class Player {
   virtual void expectThroughput(double /*bps*/) {}
   // Forwards to Ladder::judge. Numbers out of range are ignored.
   virtual void judgeRendition(uint32_t /*sequence*/, uint32_t /*rendition*/, bool /*plays*/) {}
-  // Enables prefetching the beginnings of up to three other motions while the network is idle: at once, or after a goTo
-  // or selectSequence (the next one, or an earlier one since the first picture). Requires the automatic choice of
-  // renditions.
+  // Enables prefetching the beginnings of up to three other motions while the network is idle: at once, or once goTo or
+  // selectSequence is called; a call since the first picture counts, too. Requires the automatic choice of renditions.
   virtual void lookAhead(bool /*at_once*/) {}
 
   // Limits geometry decoding per tick to the slice, ahead of time and nearest first, plus one row per due decoder: rows
@@ -146,10 +145,10 @@ class Player {
   // Checks size and barcode. bytes: owner of the view's memory; kept until its upload is complete.
   virtual void uploadI420(int slot, const I420View& picture, PictureBytes bytes) = 0;
   virtual gpu::TextureId slotTexture(int slot) const = 0;  // Rgba kind: filled by the edge
-  // Marks the slot as filled. Slots of kind Rgba: the size of the picture, which is shown once the frame number that
-  // its pixels encode (package/barcode.h) has been read back from the GPU; other kinds ignore the size.
+  // Marks the slot as filled. Kind Rgba: takes the picture's size, and shows the picture once the frame number in its
+  // pixels (package/barcode.h) has been read back from the GPU; other kinds ignore the size.
   virtual void commitSlot(int slot, int width = 0, int height = 0) = 0;
-  // Pictures per second that a paced decoder should deliver; 0: only the picture that was sought last.
+  // Pictures per second that a paced decoder should deliver; 0: only the picture of the last seek.
   virtual double pace(int /*decoder*/) const { return 0; }
   // Reports a decoder without further output. It is reconfigured at the GOP's key sample, a few times in a row.
   virtual void onDecoderFailed(int decoder, DecoderFault fault, const std::string& reason) = 0;
@@ -162,7 +161,7 @@ class Player {
   virtual Result<render::Figure> figure() const = 0;
   render::Align align() const { return align_; }
   const render::MethodOptions& method() const { return method_; }
-  // Makes one program that this character's motions will need; false: none is missing. Call when idle.
+  // Makes one program that this character's motions will require; returns false if none is missing. Call when idle.
   virtual bool makeNextProgram(const render::RecipeOptions&) { return false; }
   // Draws this character alone.
   Status draw(const render::View& view, const render::RecipeOptions& options, gpu::TargetId target);

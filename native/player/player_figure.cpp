@@ -75,8 +75,8 @@ Status Player::draw(const render::View& view, const render::RecipeOptions& optio
   return recipe_->draw({&drawn.value(), 1}, nullptr, view, {options, align_, method_}, target);
 }
 
-// Counts at most one member more than the space has parameters, aligned as far as the loaded headers show. Drawing
-// reports a persistent error again.
+// Requests programs for at most one member more than the space has parameters, with alignment if the loaded headers
+// have it. Ignores errors: drawing reports persistent ones.
 bool PlayerImpl::makeNextProgram(const render::RecipeOptions& options) {
   if (!hasFrame() || fromCameras()) return false;
   size_t max_members = 1;

@@ -101,11 +101,11 @@ class PlayerImpl final : public Player {
   bool runs(const Track& track) const;     // its clock should advance
   bool isReady(const Track& track) const;  // mesh and header of its sequence are loaded
   const package::Sequence& wantedOf(const Track& track) const { return loading_.sequence(track.head.sequence()); }
-  const package::Rendition& renditionOf(const Track& track, uint32_t number) const {  // requested sequence's
+  const package::Rendition& renditionOf(const Track& track, uint32_t number) const {  // of the requested sequence
     return wantedOf(track).renditions[number];
   }
   const package::Sequence& shownOf(const Track& track) const { return loading_.sequence(track.head.shown().sequence); }
-  uint32_t frameOf(const Track& track, int64_t k) const;  // requested sequence's
+  uint32_t frameOf(const Track& track, int64_t k) const;  // of the requested sequence
   uint32_t shownFrameOf(const Track& track) const;
 
   // player_loading.cpp
@@ -181,7 +181,7 @@ class PlayerImpl final : public Player {
   bool start_fades_ = false;  // Sharper was emitted for the picture after the start file's
   // Beginnings of other motions are fetched while both hold.
   bool looks_ahead_ = false;  // lookAhead was called
-  bool commanded_ = false;    // a motion was selected since the first picture, or need not be
+  bool commanded_ = false;    // a motion was selected since the first picture, or none has to be
   int misfits_ = 0;           // consecutive pictures with other frames' barcodes
 };
 

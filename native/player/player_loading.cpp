@@ -50,7 +50,7 @@ void PlayerImpl::settle(const Arrival& arrival) {
 
 // Reports a broken sequence, or everything (-1), and stops its requests. The player itself stays usable.
 void PlayerImpl::fail(Error error, int broken_sequence) {
-  if (broken_sequence >= 0 && broken_sequence == loading_.startSequence()) {  // dispensable
+  if (broken_sequence >= 0 && broken_sequence == loading_.startSequence()) {  // the start file is dispensable
     if (starting()) select(0);
     return;
   }

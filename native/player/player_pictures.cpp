@@ -76,7 +76,8 @@ bool PlayerImpl::nextRequest(Request& out) {
   return false;
 }
 
-// Null for an invalid number. Slots are numbered over both decoders; `slot` becomes the number within the track.
+// Returns a slot's track; null for an invalid number. Slots are numbered over both decoders; `slot` becomes the number
+// within the track.
 Track* PlayerImpl::trackOf(int& slot) {
   const int each = options_.picture_slots;
   if (slot < 0 || slot >= kDecoders * each) return nullptr;

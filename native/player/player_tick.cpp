@@ -40,7 +40,7 @@ double PlayerImpl::clockRate(const Track& t) const {
   return sequence.isClass() && duration_s > 0 ? rate * sequence.duration_s() / duration_s : rate;
 }
 
-// Next best ready picture after `slot`; -1: none. While playing an older one, while seeking the key.
+// Next best ready picture after `slot`; -1: none. While playing, an older one; while seeking, the GOP's key.
 int PlayerImpl::nextChoice(const Track& t, int slot) const {
   if (t.head.seeking()) {
     const int key = t.slots.findReady(t.feeding.previewK());
@@ -70,7 +70,7 @@ void PlayerImpl::choosePicture(Track& t) {
   if (isMain(t)) finishAtEnd(t);
 }
 
-// The network is not the cause if the next samples to feed are loaded, too.
+// Excludes waits for the network: the next samples to feed must be loaded, too.
 void PlayerImpl::measureDecoding(const Track& t, bool late) {
   late = late && t.feeding.decoding() && loading_.video(t.head.sequence(), t.feeding.gop());
   loading_.ladder().measureDecoding(t.feeding.rendition(), playback_.tick_s(), late);

@@ -35,7 +35,7 @@ class Carver {
       const PinholeCamera& camera = views_[i].silhouette->camera;
       const glm::dvec3 p = camera.project(centre);
       if (p.z <= -radius) continue;
-      if (p.z <= 1.5 * radius) {  // may contain the camera
+      if (p.z <= 1.5 * radius) {  // the sphere may contain the camera
         ++seen;
         inside = false;
         continue;
@@ -45,7 +45,7 @@ class Carver {
       if (beside > reach) continue;
       ++seen;
       if (beside > -reach) {
-        inside = false;  // partly beyond the picture's edge
+        inside = false;  // the sphere projects partly beyond the picture's edge
         continue;
       }
       const float distance = views_[i].distance.at(p.x, p.y);
@@ -153,7 +153,7 @@ bool middleHeld(const Carver& carver, const Cells& cells, const glm::ivec3& at) 
 }
 
 Error nothingLeft(std::span<const CarvingView> views) {
-  // Remaining volume on a coarse grid without one camera.
+  // Volume that remains on a coarse grid without one camera.
   const auto left = [&](size_t without) {
     const Carver carver(views, without);
     Cells cells = rigSpace(views, kCoarseLevels);
@@ -214,7 +214,7 @@ Result<CoarseBounds> coarseBounds(std::span<const CarvingView> views, int cells_
       low = glm::min(low, at);
       high = glm::max(high, at + cells.blocks_along);
     }
-    if (low.x > high.x) continue;  // voxels larger than the performer
+    if (low.x > high.x) continue;  // nothing is left: voxels larger than the performer
     const glm::ivec3 along = (high - low) / cells.blocks_along;
     if (std::max({along.x, along.y, along.z}) < cells_along) continue;
     return CoarseBounds{cells.origin + glm::dvec3(low) * cells.block_m, cells.origin + glm::dvec3(high) * cells.block_m,
@@ -258,7 +258,7 @@ Result<SparseDistance> carve(std::span<const CarvingView> views, double voxel_m)
 
 namespace {
 
-constexpr double kNearReach = 4, kFarReach = 32;  // in spreads of the cameras: converging rays, parallel rays
+constexpr double kNearReach = 4, kFarReach = 32;  // multiples of the cameras' spread: converging rays, parallel rays
 constexpr double kSideBySide = 0.94;              // minimum cosine between any two rays: the distance is undetermined
 constexpr double kEverywhere = 1e9;               // pixels
 constexpr size_t kEnoughCells = 20'000;

@@ -17,7 +17,7 @@
 #include "reconstruct/hull_planes.h"
 
 namespace fourdvt::reconstruct {
-// The three planes of a vertex, ascending: unique, however the vertex was found.
+// Name of a vertex: its three planes, ascending; independent of how it was found.
 using VertexName = uint64_t;
 constexpr int kPlaneBits = 21;
 inline VertexName vertexName(uint32_t a, uint32_t b, uint32_t c) {
@@ -31,7 +31,7 @@ inline std::array<uint32_t, 3> planesOf(VertexName name) {
   return {uint32_t(name >> (2 * kPlaneBits)) & kMask, uint32_t(name >> kPlaneBits) & kMask, uint32_t(name) & kMask};
 }
 
-// Edge as border of the face in `plane`, which lies on its left seen from outside.
+// Directed edge on the border of the face in `plane`; seen from outside, the face lies on its left.
 struct HalfEdge {
   uint32_t plane = 0;
   VertexName from = 0, to = 0;

@@ -65,7 +65,7 @@ struct HullPlane {
   int previous_side = 0, next_side = 0;
   glm::dvec2 from{0}, to{0};   // edge, pixels; background has cross(to - from, x - from) > 0
   glm::dvec3 from_ray{0};      // unit direction of the viewing line through `from`
-  bool reaches_bounds = true;  // false: it lies outside the bounds
+  bool reaches_bounds = true;  // false: the wedge lies outside the bounds
 };
 
 struct HullPlanes {

@@ -78,7 +78,7 @@ void checkComponents(const TriangleMesh& mesh, MeshReport& report) {
   std::vector<int> component;
   report.components = componentsOf(mesh, component);
   std::vector<double> volumes(report.components, 0);
-  std::vector<glm::dvec3> points(report.components);  // one point per component
+  std::vector<glm::dvec3> points(report.components);  // one point of each component
   for (uint32_t f = 0; f < mesh.faces.size(); ++f) {
     const Triangle t = corners(mesh, f);
     const glm::dvec3 origin(mesh.positions[mesh.faces[0].x]);
@@ -87,7 +87,7 @@ void checkComponents(const TriangleMesh& mesh, MeshReport& report) {
   }
   report.volume_m3 = std::accumulate(volumes.begin(), volumes.end(), 0.0);
   for (int c = 0; c < report.components; ++c) {
-    double round = 0;  // winding number of the other components around it
+    double round = 0;  // winding number of the other components around that point
     for (uint32_t f = 0; f < mesh.faces.size(); ++f)
       if (component[f] != c) round += winding(corners(mesh, f), points[c]);
     const bool surrounded = round > 0.5;

@@ -36,7 +36,7 @@ std::string describe(const MeshReport& report);
 using Triangle = std::array<glm::dvec3, 3>;
 
 // Minimum translation that separates two crossing triangles, coplanar overlap included; 0: disjoint or touching, or the
-// two sides of a sheet thinner than the tolerance. Returns 0 early when at most `tolerance`.
+// two sides of a sheet thinner than the tolerance. May return 0 early for a translation of at most `tolerance`.
 double crossingDepth(const Triangle& a, const Triangle& b, double tolerance);
 
 }  // namespace fourdvt::reconstruct

@@ -17,7 +17,7 @@ struct SceneScale {
   double extent_m = 0;            // longest side of the bounds
   double area_m2 = 0;
   double thickness_m =
-      0;  // three volumes over the area: a ball's radius; nearly independent of pose and number of people
+      0;  // 3 · volume / area, which is the radius of a ball; nearly independent of pose and number of people
   double footprint_m = 0;  // size of a pixel at the centre: median over the views of depth over focal length
 };
 

@@ -226,7 +226,7 @@ CameraRefit refitCamera(const PinholeCamera& current, const PinholeCamera& given
 namespace {
 
 constexpr uint32_t kLargestGap = 8;  // frames between two samples
-constexpr uint32_t kWindow = 3;      // frames before and after that contribute to one
+constexpr uint32_t kWindow = 3;      // frames before and after that contribute to a frame's offsets
 constexpr double kMinFall = 0.05;    // minimum relative reduction of the other cameras' residuals
 constexpr SurfaceFitOptions kOptions{.bound_m = 0.005, .stiffness = 3, .keep = 4, .keep_at_median = false};
 

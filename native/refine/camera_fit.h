@@ -36,7 +36,7 @@ struct CameraStep {
   CameraChange change;
   bool solvable = false;              // enough points in all directions
   glm::dvec3 turn_deviation_rad{0};   // standard deviation of the rotation, by a jackknife over blocks
-  double shift_deviation_pixels = 0;  // the same as the RMS displacement of the points in the picture
+  double shift_deviation_pixels = 0;  // the rotation's standard deviation as RMS displacement of the points
   double frames_deviation = 0;        // standard deviation of the time offset
 };
 

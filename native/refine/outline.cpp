@@ -15,7 +15,7 @@ namespace fourdvt::refine {
 namespace {
 
 constexpr float kNearest = 0.05f;  // metres in front of the camera
-// Beyond the outline no part of the mesh may lie within these pixels; fillConvexPoly draws up to a pixel too much.
+// Range beyond the outline, pixels, in which no part of the mesh may lie; fillConvexPoly draws up to a pixel too much.
 constexpr float kClearFrom = 2, kClearTo = 8;
 // Clear edge: alpha is at least kInside kPlateau pixels inside the matte's edge, at most kOutside as far outside.
 constexpr float kPlateau = 2, kInside = 192, kOutside = 64;

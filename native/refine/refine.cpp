@@ -100,7 +100,7 @@ class Refiner {
   std::vector<InnerEdge> edges_;
   std::vector<RefineFrame> frames_;
   std::vector<size_t> camera_frames_;  // indices into frames_ for camera fits
-  std::vector<Clearance> clearances_;  // present in more than half of these
+  std::vector<Clearance> clearances_;  // present in more than half of the frames
   Offsets offsets_;
   bool moved_any_ = false;     // offsets were fitted
   bool exact_ = false;         // offsets are used for the cameras' fit only; the mesh stays as given

@@ -70,8 +70,8 @@ struct Refinement {
   std::vector<PinholeCamera> cameras;                      // all cameras of the capture
   std::vector<CameraRefinement> by_camera;
   Histogram before, after;
-  std::vector<WorstPicture> worst;  // the worst before refinement first; one per camera
-  uint32_t frames = 0, rounds = 0;  // used; of the surface fit
+  std::vector<WorstPicture> worst;  // worst picture before refinement first; one per camera
+  uint32_t frames = 0, rounds = 0;  // frames used; rounds of the surface fit
   std::vector<std::string> slow;    // sequences whose offsets vary with time
   std::string note;                 // reason for an unchanged surface that was to be refined; else empty
   double offset_low_m = 0, offset_median_m = 0, offset_high_m = 0;  // 5 %, 50 %, 95 % quantiles of the constant offsets

@@ -27,7 +27,7 @@ struct Clearance {
 std::vector<Clearance> clearancesOf(std::span<const glm::uvec3> face_vertices, std::span<const glm::vec3> positions,
                                     std::span<const glm::vec3> normals, float bound_m);
 
-// Per sample with a clearance in more than half of the frames, the median one: offsets, which are constant in time,
+// Median clearance of each sample that has one in more than half of the frames. Offsets, which are constant in time,
 // stay free where parts touch or fold only in some frames.
 std::vector<Clearance> usualClearances(std::vector<Clearance> of_all_frames, size_t frames);
 

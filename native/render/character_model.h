@@ -15,7 +15,8 @@ namespace fourdvt::render {
 
 // Fills the tables of seam feathering (algorithms/rendering.md). labels: [rank][face]; a label without a camera counts
 // as empty. packed[face]: 5 bits per rank, 31 = empty, rank 0 lowest. masks[vertex]: bit c is cleared unless camera c
-// is in the set of every incident face. Requires tables of at least faces and vertices entries, with all bits set.
+// is in the label set of every incident face. Requires `packed` and `masks` to have at least as many entries as faces
+// and vertices, all bits set.
 void packLabels(const std::vector<glm::uvec3>& face_vertices, std::span<const uint8_t> labels, int camera_count,
                 std::span<uint32_t> packed, std::span<uint32_t> masks);
 
@@ -58,11 +59,11 @@ class CharacterModel {
   uint32_t vertex_count = 0, face_count = 0;
   BoundingBox bounds;
   double ground_y_m = 0;
-  float length_scale = 1;        // scale of all lengths given for a person (package::Character)
+  float length_scale = 1;        // factor of all lengths that are tuned for a person (package::Character)
   float sweep_band_m = 0;        // package::DrawingMethod's; above 0 it replaces SweepOptions::band_m
   BoundingBox frame_bounds;      // bounds of the current positions
   uint64_t geometry_serial = 0;  // 0: no positions; unique over all models and calls of setPositions
-  uint64_t topology_serial = 0;  // the same for setTopology
+  uint64_t topology_serial = 0;  // 0: no faces; unique over all models and calls of setTopology
   bool closed_surface = false;   // isClosedSurface: back faces are never visible
 
   const std::vector<glm::uvec3>& faces() const { return face_vertices_; }

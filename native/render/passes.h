@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Passes of the recipe, in order of execution: shadow cast → [parts → mix, for figures of several parts; the figure, if
-// there is a style] → [target cleared] → background, scene meshes → shadow ground → layered, or the mesh with its
-// picture. Without a scene, where only the figures' region is multisampled: layered, or the mesh with its picture →
-// [canvas cleared] → shadow ground → the region's picture. Figure data is in the character's frame (CharacterView). The
-// caller (recipe.cpp) owns the target.
+// Passes of the recipe, in order of execution:
+// shadow cast → [figures of several parts: parts → mix; with a style: the figure] → one of
+// with a scene: [target cleared] → background, scene meshes → shadow ground → layered, or the mesh with its picture;
+// without a scene, if only the figures' region is multisampled: layered, or the mesh with its picture → [canvas
+// cleared] → shadow ground → the region's picture.
+// Figure data is in the character's frame (CharacterView). The caller (recipe.cpp) owns the target.
 #pragma once
 
 #include <map>
@@ -38,9 +39,9 @@ std::vector<Part> partsOf(const Figure& figure, const DrawOptions& options);
 // Errors: InvalidArgument.
 Status checkFigure(const Figure& figure, const RecipeOptions& options);
 
-// Rectangle of the view that holds the figures. Only this is multisampled where the background and the figures' shadows
-// are all that surrounds them. Its size changes in steps and rarely shrinks, so that targets persist while figures and
-// camera move.
+// Rectangle of the view that holds the figures. Only this is multisampled, if nothing but the background and the
+// figures' shadows surrounds it. Its size changes in steps and rarely shrinks, so that targets persist while figures
+// and camera move.
 class FigureRegion {
  public:
   // all: uses the whole view. Returns true if the size has changed.
@@ -111,7 +112,7 @@ class LayeredPass {
   // Makes the program of layered.vert and layered.frag; a subclass may substitute its own.
   virtual Result<gpu::Program> makeProgram(gpu::Device& device, const LayeredVariant& variant,
                                            const std::string& defines) const;
-  // Adds the extra uniforms and textures of such a program; uniform data must outlive the draw.
+  // Adds the uniforms and textures that a subclass's program requires beyond these; uniform data must outlive the draw.
   virtual void addTo(gpu::Draw& draw, const Part& part) const {}
 
  private:

@@ -11,8 +11,8 @@
 namespace fourdvt::render {
 
 struct PictureTextures {
-  // I420, Nv12: planes converted by the shaders' BT.709 matrix, R8 each, or both chroma planes in one RG8 texture as
-  // hardware decoders output them. Rgba: one texture filled by the page from the browser's decoder.
+  // I420: three R8 planes. Nv12: R8 luma, and both chroma planes in one RG8 texture, as hardware decoders output them.
+  // The shaders convert both by the BT.709 matrix. Rgba: one texture filled by the page from the browser's decoder.
   enum class Kind { I420, Nv12, Rgba } kind = Kind::I420;
   gpu::Texture y, u, v;  // u: both chroma planes in Nv12
   gpu::Texture rgba;

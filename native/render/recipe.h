@@ -24,8 +24,9 @@ class Recipe {
   Status draw(std::span<const Figure> figures, const Scene* scene, const View& view, const DrawOptions& options,
               gpu::TargetId target);
   // Compiles one missing program that pictures of a character will require: blends of up to `max_members` members
-  // (`aligned`: their appearance has alignment), and cross-fades. Returns false if none is missing. Otherwise programs
-  // compile on first use, which causes a visible stall. Excludes programs of Align::Flow. Errors: GpuFailure.
+  // (`aligned`: their appearance has alignment), and cross-fades. Returns false if none is missing. Programs not made
+  // in advance compile on first use, which causes a visible stall. Excludes programs of Align::Flow. Errors:
+  // GpuFailure.
   Result<bool> makeNextProgram(int layer_count, int max_members, bool aligned, PictureTextures::Kind kind,
                                const DrawOptions& options);
   // Sets the flow for Align::Flow; may be null (flow.h).

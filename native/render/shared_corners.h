@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Index lists that let faces share shaded vertices, and coarse faces for shadows. Shaders pull data by gl_VertexID and
-// draw the same with or without such a list: its entry of a corner (three per face) is the first corner with equal
-// shading.
+// Index lists that let faces share shaded vertices, and coarse faces for shadows. The list's entry for a corner (three
+// per face) is the first corner with equal shading; shaders pull data by gl_VertexID, so draws with and without the
+// list give the same picture.
 #pragma once
 
 #include <cstdint>
@@ -20,10 +20,10 @@ std::vector<uint32_t> cornersBefore(std::span<const glm::uvec3> uvs, size_t uv_c
 void shareCorners(std::span<const uint32_t> before, std::span<const glm::uvec3> vertices,
                   std::span<const uint32_t> labels, std::vector<uint32_t>& shared);
 
-// Merges vertices that share a grid cell and are connected by edges within it, each group to its lowest vertex;
-// vertices below `fine_below_m` are kept. Vertex clustering after RB93 (Jarek Rossignac, Paul Borrel: Multi-resolution
-// 3D Approximations for Rendering Complex Scenes. Modeling in Computer Graphics, 1993), restricted to connected
-// surface. Returns an index list, three corners per remaining face, for content without detail.
+// Merges vertices that share a grid cell and are connected by edges within it, each group to its vertex of minimum
+// height; vertices below `fine_below_m` are kept. Vertex clustering after RB93 (Jarek Rossignac, Paul Borrel:
+// Multi-resolution 3D Approximations for Rendering Complex Scenes. Modeling in Computer Graphics, 1993), restricted to
+// connected surface. Returns an index list, three corners per remaining face, for content without detail.
 std::vector<uint32_t> coarseCorners(std::span<const glm::uvec3> faces, std::span<const glm::vec3> positions,
                                     float cell_m, float fine_below_m);
 

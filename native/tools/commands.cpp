@@ -19,7 +19,7 @@ void printUsage(std::FILE* out, std::span<const Command> commands) {
   std::fputs("\nEvery command has --quiet and --verbose.\n", out);
 }
 
-// Reports a command of a later build stage: a first page's commands are built first.
+// Prints that the command is missing in this build: a staged build makes a first page's commands first.
 int printNotBuiltYet(const Command& command) {
   std::fprintf(stderr,
                "%s: \"%s\" is not built yet. site/demo.sh builds it once the page is served, in some minutes "

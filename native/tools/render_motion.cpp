@@ -28,7 +28,7 @@ class Ensemble {
   // Opens a character and shows its first frame. Errors: those of opening; InvalidArgument (unknown state or
   // parameter).
   Status add(const edge::ActorOptions& options);
-  // Plays on by this much time, and starts the transitions whose cues are due.
+  // Advances playback by this time, and starts the transitions whose cues are due.
   Status advance(double seconds);
   // `scene` may be null.
   Result<Image> draw(const PinholeCamera& camera, const render::Scene* scene, const render::RecipeOptions& recipe);

@@ -30,7 +30,7 @@ class InOrder {
 
  private:
   const size_t at_once_;
-  std::vector<std::future<T>> tasks_;  // futures join on every return
+  std::vector<std::future<T>> tasks_;  // their destructors wait, on every return
 };
 
 }  // namespace fourdvt::bake

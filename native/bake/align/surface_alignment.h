@@ -26,7 +26,7 @@ struct AlignmentOptions {
 
 struct AlignedFrame {
   std::vector<glm::vec2> displacement_m;  // [member - 1][vertex], along the tangents of base/mesh.h
-  std::vector<float> confidence;          // likewise, 0..1
+  std::vector<float> confidence;          // [member - 1][vertex], 0..1
   float detail_correlation = 1;           // correlation of the members' pictures after this displacement; see views.h
 };
 

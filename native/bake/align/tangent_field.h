@@ -25,8 +25,8 @@ struct FlowObservation {
   glm::vec2 flow{0};  // pixels, from member 0's picture to the other's, y down
 };
 
-// first, other: CV_8U pictures on the same mesh, view and background; `interior` from interiorOf. Flow is sampled
-// half way between both pictures, so that it belongs to the place on the mesh where both will be shown.
+// Observes the flow between two CV_8U pictures of the same mesh, view and background; `interior` from interiorOf.
+// Samples it half way between both pictures, where both will be shown on the mesh.
 std::vector<FlowObservation> observeFlow(const cv::Mat& first, const cv::Mat& other, const cv::Mat& interior,
                                          const std::vector<SeenVertex>& seen);
 
@@ -42,7 +42,8 @@ struct VertexEstimate {
 std::vector<VertexEstimate> liftFlow(const std::vector<std::vector<FlowObservation>>& views,
                                      const std::vector<glm::vec2>& current);
 
-// A smooth tangent field from certain and uncertain estimates (screened Laplacian on the base mesh, sparse Cholesky).
+// Solves for a smooth tangent field from estimates of varying certainty (screened Laplacian on the base mesh, sparse
+// Cholesky).
 class TangentSmoother {
  public:
   // At smoothness 1, detail below about a centimetre is smoothed away where one frontal view is certain.

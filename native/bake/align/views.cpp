@@ -184,7 +184,7 @@ cv::Mat evenLuma(const cv::Mat& rgba) {
 
 namespace {
 
-constexpr int kEdge = 4;  // pixels along the outline that are ignored
+constexpr int kEdge = 4;  // pixels along the outline that are left out
 
 cv::Mat lumaOf(const cv::Mat& rgba) {
   cv::Mat luma;

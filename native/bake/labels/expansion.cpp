@@ -22,8 +22,8 @@ constexpr uint64_t withCamera(uint64_t ranks, int rank, uint8_t camera) {
 
 constexpr uint32_t bitOf(uint8_t camera) { return camera == package::kNoCamera ? 0 : 1u << camera; }
 
-// Energy units in 1, such that the largest sum of terms at one node stays below 2^29. `theta_sum` and `omega_sum`:
-// sums of the weights over the ranks.
+// Energy units per 1 of E, such that the largest sum of terms at one node stays below 2^29. `theta_sum` and
+// `omega_sum`: sums of the weights over the ranks.
 double distanceUnits(const LabelOptions& options, double theta_sum, double omega_sum, const FaceLinks& links) {
   const double eta = options.eta, tau = options.tau;
   double kappa = 0;
@@ -131,7 +131,7 @@ int32_t ExpansionBlock::unary(size_t node, const Tuple& tuple) const {
   return sum;
 }
 
-// Sets `out` to the face's tuple after the move. False: the move does not apply.
+// Sets `out` to the face's tuple after the move. Returns false if the move does not apply.
 bool ExpansionBlock::moved(size_t node, int rank, uint8_t camera, Tuple& out) const {
   const Tuple& now = labels_[node];
   const uint8_t old = cameraAt(now.ranks, rank);

@@ -39,7 +39,7 @@ inline LabelTuple cheapestCameras(const FaceCosts& costs, size_t face, uint32_t 
   return out;
 }
 
-// FaceGraph by face, κ in 2^-16.
+// Neighbours of each face, from FaceGraph; κ in units of 2^-16.
 struct FaceLinks {
   struct Link {
     uint32_t face;
@@ -58,7 +58,7 @@ struct LabelWeights {
   std::array<int32_t, package::kMaxLayers> omega{};  // times κ or τ gives energy units
   int32_t half_eta = 0, tau = 0;
   float empty_penalty = 0;
-  double units = 1;  // energy units in 1
+  double units = 1;  // energy units per 1 of E
   static LabelWeights joint(const LabelOptions& options, const FaceLinks& links);
 };
 
@@ -66,7 +66,7 @@ struct BlockFrame {
   const FaceCosts* costs = nullptr;                // borrowed, as are the two below; not read if frozen
   const std::vector<uint32_t>* allowed = nullptr;  // cameras allowed for each face, as bits
   std::vector<LabelTuple>* labels = nullptr;       // in: distinct cameras, all allowed; out: the result
-  bool frozen = false;                             // its labels are fixed
+  bool frozen = false;                             // labels are fixed
   bool settled = false;                            // its labels are a minimum already, unless neighbours change
 };
 
@@ -76,8 +76,8 @@ class ExpansionBlock {
   ExpansionBlock(const LabelWeights& weights, const FaceLinks& links, std::vector<BlockFrame> frames);
   // Sweeps over all ranks and cameras until nothing changes, then writes the labels back.
   void solve(int sweeps);
-  // Tries one move; package::kNoCamera empties the rank. False: no gain near the changes since the last try of the
-  // same move.
+  // Tries one move, near the changes since the last try of the same move; package::kNoCamera empties the rank. Returns
+  // false without a gain.
   bool expand(int rank, uint8_t camera);
   int64_t energy() const;
   LabelTuple label(size_t frame, uint32_t face) const;
@@ -124,8 +124,8 @@ class ExpansionBlock {
 struct WindowFrame {
   const FaceCosts* costs = nullptr;           // borrowed
   std::vector<LabelTuple>* labels = nullptr;  // borrowed; out
-  bool frozen = false;                        // its labels are fixed
-  bool solved = false;                        // its labels come from another window and are to be improved
+  bool frozen = false;                        // labels are fixed
+  bool solved = false;                        // labels come from another window and are to be improved
 };
 
 // Labels every face with the cheapest cameras that see it.

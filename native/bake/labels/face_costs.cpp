@@ -23,7 +23,7 @@ double rayPenalty(const CameraAxis& camera, const FacePlane& face) {
   return length > 0 ? penalty(face.normal, ray / length) : 1;
 }
 
-// Pixels per square metre at the face's centre if the face were frontal to the camera: fx fy d / z³.
+// Pixels per square metre at the face's centre, for a face frontal to the camera: fx fy d / z³.
 double frontalDensity(const CameraAxis& camera, const FacePlane& face) {
   const glm::dvec3 ray = face.centre - camera.centre;
   const double z = glm::dot(ray, camera.forward);
@@ -37,7 +37,7 @@ double resolutionPenalty(const CameraAxis& camera, const FacePlane& face, double
   return std::clamp(1 - cosine * frontalDensity(camera, face) / best_density, 0.0, 1.0);
 }
 
-// False: the face has no area.
+// Returns false for a face without area.
 bool planeOf(const glm::uvec3& v, const Positions& positions, FacePlane& out) {
   const glm::dvec3 a(positions[v.x]), b(positions[v.y]), c(positions[v.z]);
   const glm::dvec3 area_normal = glm::cross(b - a, c - a);
@@ -54,7 +54,7 @@ struct FaceFractions {
   float of(size_t camera) const { return all[camera * face_count + face]; }
 };
 
-// Bit c: the face is turned towards camera c, which sees at least `min_fraction` of it.
+// Bit c: camera c lies in front of the face and sees at least `min_fraction` of it.
 uint32_t feasibleCameras(std::span<const CameraAxis> cameras, const FacePlane& face, const FaceFractions& fractions,
                          float min_fraction) {
   uint32_t mask = 0;

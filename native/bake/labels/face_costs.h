@@ -25,7 +25,7 @@ struct FaceCostOptions {
   float fallback_fraction = 0.30f;  // the same where no camera qualifies
 };
 
-// Slightly better than an empty rank, so that smoothness decides.
+// Penalty of any camera on an unseen face: slightly below that of an empty rank, so that smoothness decides.
 constexpr float kUnseenPenalty = 1.9f;
 
 struct FaceCosts {
@@ -34,12 +34,12 @@ struct FaceCosts {
   // Per face: cameras that face it and see at least `fallback_fraction` of it, but are not feasible. Empty: none.
   // Used by the joint labelling only, where that saves a seam or a flip.
   std::vector<uint32_t> partial;
-  // Per face, 1: no camera is feasible or partial. Joint may then assign any camera at kUnseenPenalty, so that the
-  // neighbours' label continues across the face (its texels are filled in); the paper modes leave it empty. Empty:
-  // all 0.
+  // Per face, 1: no camera is feasible or partial. kJoint may then assign any camera at kUnseenPenalty, so that the
+  // neighbours' label continues across the face (its texels are filled in); the papers' rules leave its ranks empty. An
+  // empty vector means all 0.
   std::vector<uint8_t> unseen;
-  // [face * camera_count + camera]; partial: p + (1 - p) · (hidden share)²; 1 where neither, kUnseenPenalty
-  // where unseen.
+  // [face * camera_count + camera]. Feasible cameras: p; partial ones: p + (1 - p) · (hidden share)²; others: 1, on
+  // unseen faces kUnseenPenalty.
   std::vector<float> penalty;
 };
 

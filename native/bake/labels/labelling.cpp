@@ -35,8 +35,8 @@ std::vector<uint8_t> tupleBytes(std::span<const WindowFrame> frames) {
   return out;
 }
 
-// Reads them back into the frames. False if the number of bytes fits another number of frames or faces; the frames
-// are then unchanged.
+// Reads tupleBytes() back into the frames. Returns false, with the frames unchanged, if the number of bytes does not
+// fit the frames and faces.
 bool takeTuples(const std::vector<uint8_t>& bytes, std::span<const WindowFrame> frames) {
   constexpr size_t kTuple = package::kMaxLayers;
   const size_t faces = frames[0].costs->feasible.size();

@@ -94,9 +94,9 @@ struct LabelExchange {
 Result<LabelStatistics> solveLabels(const LabelOptions& options, const FaceGraph& graph, uint32_t frame_count,
                                     const LabelExchange& exchange);
 
-// Solves some windows (numbers in planWindows' list) and passes their labels to the keeper, which is required; even
-// windows that an odd one depends on are solved too, unless the keeper has them. The sink is not called. Errors:
-// those of costs and keeper; Interrupted once *stop.
+// Solves some windows (indices into planWindows' list) and passes their labels to the keeper, which is required. Also
+// solves the even windows that an odd one depends on, unless the keeper has them. Does not call the sink. Errors: those
+// of costs and keeper; Interrupted once *stop.
 Status solveLabelWindows(const LabelOptions& options, const FaceGraph& graph, uint32_t frame_count,
                          const std::vector<size_t>& windows, const LabelExchange& exchange);
 

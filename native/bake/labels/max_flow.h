@@ -26,7 +26,7 @@ class LabelFlow {
   static constexpr int32_t kFree = -1, kRoot = -2, kOrphan = -3;
   struct Node {
     int32_t excess = 0;      // > 0: residual capacity from the source, < 0: to the sink
-    int32_t first = -1;      // arc
+    int32_t first = -1;      // first arc of the node
     int32_t parent = kFree;  // arc towards the sink, or one of the above
     int32_t stamp = 0, distance = 0;
     bool queued = false;

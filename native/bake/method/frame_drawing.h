@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Renders one frame of a capture by a method from its camera pictures, as for a character from cameras, but before
-// the codec: filled outside the mattes, at full size, all cameras in one picture. Methods are evaluated on it in bake
-// and lab (method_trial.h).
+// Renders one captured frame by a method, as the player renders a character from cameras, but from pictures before the
+// codec: filled outside the mattes, at full size, all cameras in one picture. Bake and lab score methods on it
+// (method_trial.h).
 #pragma once
 
 #include <memory>
@@ -31,7 +31,7 @@ class FrameDrawing {
   // Replaces the camera parameters by as many others of the same picture sizes; before setFrame.
   void setCameras(std::vector<PinholeCamera> cameras);
 
-  // RGBA straight alpha, top row first. With `elapsed_s` of the options the picture continues the one before it in
+  // Returns RGBA with straight alpha, top row first. With `options.elapsed_s` the picture continues the previous one in
   // time.
   Result<Image> render(const PinholeCamera& view, const render::MethodOptions& options);
   Status draw(const render::View& view, const render::MethodOptions& options, gpu::TargetId target);

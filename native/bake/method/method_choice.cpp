@@ -16,7 +16,7 @@ constexpr double kSmallGap_deg = 30;
 
 double squaredError(double psnr_db) { return std::pow(10, -psnr_db / 10); }
 
-// Estimates a visitor's view from a left-out camera's and a camera's own.
+// Estimates PSNR of a visitor's view from the scores with and without the view's own camera.
 double visitorsDb(const MethodScore& score, double own_share) {
   if (own_share <= 0) return score.psnr_db;
   return -10 * std::log10((1 - own_share) * squaredError(score.psnr_db) + own_share * squaredError(score.own_psnr_db));

@@ -68,7 +68,7 @@ struct LeftOut {
   double gap_deg = 0;   // angle between its direction and that of the nearest remaining camera, seen from the surface
 };
 
-// Without `linear` among the scores, the other methods have no lower bound.
+// Selects a method by the rule. Without `linear` among the scores, the other methods have no lower bound.
 MethodChoice chooseMethod(const std::vector<MethodScore>& scores, const LeftOut& views, const ChoiceRule& rule = {});
 
 // Time of a new frame by each method relative to FVVR's on the same surface. A fixed table (method_costs.inc), so

@@ -35,9 +35,9 @@ struct TrialSums {
 // have a picture of the surface, since two must remain for blending.
 std::vector<size_t> trialCameras(const TrialFrame& frame);
 
-// `drawing` holds the frame. Views without a matte, or hardly blended anywhere (view_scores.h), are skipped. Method
-// options: the player's defaults, with `closest` cameras. Errors: GpuFailure, InvalidArgument; Unsupported: a method
-// that this device cannot run.
+// Scores methods on the views of `left_out` cameras. `drawing` holds the frame. Skips views without a matte, or with
+// hardly a blended pixel (view_scores.h). `options`: the player's defaults, with `closest` cameras. Errors: GpuFailure,
+// InvalidArgument; Unsupported: a method that this device cannot run.
 Result<TrialSums> tryMethods(gpu::Device& device, FrameDrawing& drawing, const TrialFrame& frame,
                              std::span<const size_t> left_out, const std::vector<std::string>& methods,
                              const render::MethodOptions& options = {});
@@ -46,7 +46,7 @@ Result<TrialSums> tryMethods(gpu::Device& device, FrameDrawing& drawing, const T
 void add(const TrialSums& more, TrialSums& sums);
 // Means.
 LeftOut meanViews(const TrialSums& sums);
-// Means, with the methods' costs on a surface of this many faces. `sums` contains views.
+// Means, with the methods' costs on a surface of this many faces. Requires sums.views > 0.
 std::vector<MethodScore> meanScores(const TrialSums& sums, size_t faces);
 
 }  // namespace fourdvt::bake

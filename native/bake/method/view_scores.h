@@ -39,8 +39,8 @@ class SharedSight {
   // Borrows the surface. length_scale: lengthScale in base/mesh.h. Memory: 8 bytes per pixel of all cameras, at most
   // 512 on the longer side of each.
   SharedSight(const std::vector<PinholeCamera>& cameras, const TriangleMesh& surface, double length_scale);
-  // Pixels of the view, which may be a camera's own, at which at least two of the cameras other than `left_out` see
-  // the surface with such weights.
+  // Pixels of the view, which may be a camera's own, at which at least two cameras other than `left_out` see the
+  // surface, the second with a share of kSharedWeight or more.
   measure::Mask of(const PinholeCamera& view, std::optional<size_t> left_out) const;
 
  private:

@@ -31,7 +31,7 @@ struct CapturedMeshes {
 
 struct ClassMember {
   const capture::CaptureSequence* source = nullptr;
-  // [phase] captured frame, fractional and non-decreasing; a loop's may pass its end and counts modulo.
+  // [phase] captured frame, fractional and non-decreasing; a loop's continues past its end, modulo its length.
   std::vector<double> source_frame;
   std::vector<glm::vec3> root;  // [phase]: ChunkFrames::root
 };

@@ -74,7 +74,8 @@ Matrix3d expOf(const Vector3d& turn) {
   return angle > 1e-12 ? Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() : Matrix3d::Identity();
 }
 
-// Branch of the logarithm near a half turn, where the shorter rotation is unstable: follows the neighbour.
+// Selects the logarithm's branch near a half turn, where the shorter rotation is unstable: the one nearest to the
+// neighbour's.
 Vector3d likeNeighbour(const Vector3d& turn, const Vector3d& neighbour) {
   const double angle = turn.norm();
   if (angle < kNearPi) return turn;

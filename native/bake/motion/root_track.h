@@ -32,7 +32,7 @@ Result<FootSkate> footSkate(const capture::Capture& capture, const capture::Capt
                             const std::vector<glm::vec3>& track, const ReadPositions& read);
 
 // Captured frames at which a foot touches down, ascending: the first of a stretch of frames in which vertices come to
-// a stand on the ground. `track`: as above. Feet that stand in frame 0 of a motion that is no loop are excluded.
+// a stand on the ground. `track`: from rootTrack. Feet that stand in frame 0 of a motion that is no loop are excluded.
 Result<std::vector<uint32_t>> footfalls(const capture::Capture& capture, const capture::CaptureSequence& sequence,
                                         const std::vector<glm::vec3>& track, const ReadPositions& read);
 

@@ -26,7 +26,7 @@ struct Band {
   bool whole() const { return first.empty(); }
 };
 
-// The distances of phases to steps of the member, and the cheapest paths through them.
+// Distances between phases and steps of the member, and the cheapest paths through them.
 class Grid {
  public:
   Grid(const PoseFeatures& reference, const PoseFeatures& member, bool loop, Band band = {})

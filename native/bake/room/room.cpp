@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kGutter = 8, kAlign = 16;  // texels; aligned so that each block of the coded picture belongs to one face
 constexpr int kSide = 3;                 // each texel is the mean of kSide² samples
-constexpr int kBlock = 16;               // texels a side of the blocks by which RoomFill is sampled
+constexpr int kBlock = 16;               // texels a side of the blocks at whose corners RoomFill is sampled
 constexpr double kGrain_m = 0.05;
 // Weight below which a point is blended with the fill, so that the seen area ends softly.
 constexpr float kWholeWeight = 0.1f;

@@ -26,7 +26,7 @@ std::string ffmpegVersion(unsigned v) {
   return std::to_string(v >> 16) + "." + std::to_string((v >> 8) & 255) + "." + std::to_string(v & 255);
 }
 
-// Offsets count from the end of the header, so that its size must not change.
+// Header of final size: offsets are relative to its end, so that its size must not change.
 Result<std::vector<uint8_t>> finalHeader(package::StreamIndex& index) {
   std::vector<uint8_t> header = package::writeStreamHeader(index);
   for (int attempt = 0; attempt < 4; ++attempt) {

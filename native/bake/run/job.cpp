@@ -32,7 +32,7 @@ void fields(Archive& a, capture::CaptureSequence& s) {
 }
 void fields(Archive& a, capture::CaptureClass::MemberOf& m) { a(m.sequence, m.parameter); }
 void fields(Archive& a, capture::CaptureClass& c) { a(c.name, c.parameters, c.members, c.footstep); }
-// All fields but offsets, which the refinement has.
+// All fields except the offsets, which are part of the refinement.
 void fields(Archive& a, capture::Capture& c) {
   a(c.folder, c.name, c.credit, c.fps, c.metres_per_unit, c.ground_y_m, c.cameras, c.sequences, c.classes,
     c.cameras_folder, c.background_folder, c.background_kind, c.room, c.meshes, c.topology);
@@ -59,7 +59,7 @@ void fields(Archive& a, encode::CameraLayout& l) {
 void fields(Archive& a, package::Member& m) { a(m.name, m.parameter, m.duration_s, m.travel); }
 void fields(Archive& a, package::ParameterSample& s) { a(s.at, s.weights, s.offsets); }
 void fields(Archive& a, package::ParameterSpace& s) { a(s.names, s.samples, s.simplices); }
-// All fields but sequence or class, which are pointers in plans.
+// All fields except sequence and class, which plans store as pointers.
 void fields(Archive& a, bake::ClassMember& m) { a(m.source_frame, m.root); }
 void fields(Archive& a, bake::ClassPlan& p) {
   a(p.frame_count, p.fps, p.loop, p.members, p.manifest, p.space, p.reference_weights, p.linear_error_m,
@@ -68,8 +68,8 @@ void fields(Archive& a, bake::ClassPlan& p) {
 void fields(Archive& a, bake::StreamPlan& p) {
   a(p.name, p.motion, p.cameras, p.renditions, p.gop_first_frames, p.detail_correlation);
 }
-// All fields but the cameras' regions, from which the streams are planned, and the pictures of the refinement, which
-// only its report shows.
+// All fields except the cameras' regions, which are no longer needed after planning, and the pictures of the
+// refinement, which only its report shows.
 void fields(Archive& a, bake::Job& j) {
   a(j.options, j.capture, j.cameras, j.streams, j.refinement_path, j.mesh, j.bounds, j.length_scale, j.layout, j.encode,
     j.total_frames, j.notes, j.settings_key, j.capture_keys, j.input_digests, j.mesh_digests, j.common_input_digest,

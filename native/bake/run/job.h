@@ -106,12 +106,12 @@ Result<Job> loadJob(const std::string& path);
 
 // Keys of files that are kept between bakes (job_keys.cpp): hashes of the files and settings that they depend on.
 
-// The files of a sequence, its meshes, the cameras, the plates (path, size, time), wherever capture.json places them;
-// the meshes' topology, and capture.json.
+// Key of a sequence's inputs: its folder, meshes, cameras and plates (path, size, time), wherever capture.json places
+// them; the meshes' topology, and capture.json.
 std::string filesKey(const capture::Capture& capture, const capture::CaptureSequence& sequence);
 // Hash of the inputs of visibility: those files, the mesh's order, the refinement. Reads no file after settleKeys.
 std::string captureKey(const Job& job, const capture::CaptureSequence& sequence);
-// Additional inputs of labels.
+// Key of the labels' inputs beyond captureKey's.
 std::string labelKey(const BakeOptions& options);
 
 // Hash of all inputs of finished GOPs: options, capture files (path, size, time), the bake's version.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Input of a stream's frames, on the CPU: each member's pictures at the nearest captured frame, and the meshes at the
-// frame's own time with the corrections of their blend; and the coding of its geometry.
+// Reads a stream's frames, on the CPU: each member's pictures at the nearest captured frame, and the meshes at the
+// frame's own time with the corrections of their blend. Codes their geometry.
 #pragma once
 
 #include <list>
@@ -90,7 +90,7 @@ class StreamReader {
   std::optional<NonlinearBlend> blend_;
 };
 
-// Steps from the origin to the grid position at which a point is streamed, in whole numbers.
+// Grid position at which a point is streamed, in whole steps from the origin.
 inline glm::dvec3 gridPlace(const glm::vec3& point, const glm::dvec3& origin, double step_m) {
   return glm::round((glm::dvec3(point) - origin) / step_m);
 }

@@ -12,7 +12,7 @@ namespace fourdvt::store {
 void fields(Archive& a, encode::EncodedPacket& p) { a(p.frame, p.key, p.bytes); }
 void fields(Archive& a, encode::EncodedGop& g) { a(g.parameter_sets, g.packets); }
 void fields(Archive& a, encode::I420Picture& p) { a(p.width, p.height, p.y, p.u, p.v); }
-// All fields but the alignment, which is measured later.
+// All fields except the alignment, which is measured later.
 void fields(Archive& a, package::ChunkFrames& f) {
   a(f.frame_count, f.vertex_count, f.face_count, f.layer_count, f.member_count, f.reference_count, f.positions,
     f.labels, f.offsets, f.root);

@@ -66,7 +66,7 @@ class WorkFolder {
   std::string root_, path_;
 };
 
-// Names of files: a GopArtefact, a StillArtefact.
+// Names of the files of a GopArtefact and of a StillArtefact.
 inline std::string gopFile(const std::string& stream, uint32_t gop) {
   return stream + "." + std::to_string(gop) + ".gop";
 }

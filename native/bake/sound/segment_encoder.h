@@ -33,7 +33,7 @@ struct EncodedSound {
 // blocks, so that the file has no padding at its end. Errors: Unsupported (an FFmpeg without the encoder), Internal.
 Result<EncodedSound> encodeSegment(SoundCodec codec, std::span<const float> samples, int channels);
 
-// Maximum number of samples by which the encoded ones may exceed the given ones.
+// Maximum number of silent samples that encodeSegment appends.
 inline constexpr size_t kMaxPadding = 1024;
 
 }  // namespace fourdvt::bake

@@ -23,7 +23,7 @@ Status makeResultFolders(const Job& job) {
   return {};
 }
 
-// Without a graph nothing is written.
+// Writes the graph; nothing if it is empty.
 Status writeGraph(const Job& job, const std::vector<uint8_t>& graph, package::Character& character,
                   ReportInput& report) {
   if (graph.empty()) return {};
@@ -34,7 +34,7 @@ Status writeGraph(const Job& job, const std::vector<uint8_t>& graph, package::Ch
   return {};
 }
 
-// Writes the room's picture and names it in the manifest. Without a room nothing is written.
+// Writes the room's picture and names it in the manifest; nothing without a room.
 Status writeRoom(const Job& job, const std::optional<BakedRoom>& room, package::Character& character,
                  ReportInput& report) {
   if (!room) return {};

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "encode/surfaces.h"
 #include "bake/stages/assembly.h"
 #include "base/bytes.h"
 #include "base/hash.h"
+#include "encode/surfaces.h"
 #include "mattes/frame_reader.h"
 #include "render/cameras/fvvr.h"
 
@@ -50,7 +50,7 @@ ReportTiles describeTiles(const Job& job, const StreamPlan& plan) {
   return out;
 }
 
-// The first frame, its pictures after colour calibration.
+// First frame, with its pictures after colour calibration.
 Result<mattes::CaptureFrame> readFirstFrame(const BakeRun& run, const std::vector<ColourMap>& maps) {
   const Job& job = run.job;
   FOURDVT_ASSIGN(const auto reader,

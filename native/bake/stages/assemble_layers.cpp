@@ -18,7 +18,7 @@ struct LayeredChunkBytes {
   uint64_t hash = 0;
 };
 
-// A chunk begins with the lengths of its parts (native/package/FORMAT.md).
+// Sizes of a chunk's parts, whose lengths are at its beginning (native/package/FORMAT.md).
 LayeredChunkBytes measure(const StreamPlan& plan, const std::vector<uint8_t>& chunk, bool aligned) {
   ByteReader lengths(chunk);
   LayeredChunkBytes bytes;

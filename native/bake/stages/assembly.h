@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts of assemble: those of one appearance, and those that both share. Internal to bake/stages/.
+// Parts of `assemble`: from layers, from cameras, and shared. Internal to bake/stages/.
 #pragma once
 
 #include "bake/run/character_files.h"
@@ -8,14 +8,14 @@
 namespace fourdvt::bake {
 
 constexpr int kPosterWidth = 720, kPosterHeight = 960;
-// Writes the picture that the page shows before the character has loaded.
+// Writes the poster, which the page shows before the character has loaded.
 Status writePoster(const Job& job, const Image& poster);
 
-// A stream's header without the fields that follow from its chunks.
+// Header of a stream, without the fields that follow from its chunks.
 package::StreamIndex streamIndex(const Job& job, const StreamPlan& plan, std::vector<package::SampleTable> tables);
-// Appends a GOP's chunk.
+// Appends a GOP's chunk to the index.
 void addChunk(const StreamPlan& plan, uint32_t gop, uint32_t bytes, uint64_t hash, package::StreamIndex& index);
-// The report on a sequence whose files are written; bytes of its chunks are still to be added.
+// Report of a sequence whose files are written; without the bytes of its chunks.
 ReportSequence reportSequence(const package::Sequence& sequence, const StreamPlan& plan);
 // Writes the stream's picture into the report's folder.
 Status reportPicture(const Job& job, const StreamPlan& plan, const std::vector<uint8_t>& jpeg,

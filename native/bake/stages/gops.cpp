@@ -3,11 +3,11 @@
 #include <atomic>
 #include <future>
 
-#include "encode/surfaces.h"
 #include "bake/run/renditions.h"
 #include "bake/run/stream_reader.h"
 #include "bake/stages/stages.h"
 #include "bake/stages/survey.h"
+#include "encode/surfaces.h"
 #include "package/barcode.h"
 #include "package/chunk_mesh.h"
 #include "platform/files.h"
@@ -15,7 +15,7 @@
 namespace fourdvt::bake {
 namespace {
 
-// A GOP of either appearance in progress.
+// State of a GOP in progress, for either appearance.
 struct OpenGop {
   uint32_t number = 0;
   std::unique_ptr<LadderEncoder> encoder;  // created with the first frame
@@ -79,7 +79,7 @@ class GopWork {
   double started_s_ = 0;
 };
 
-// Means of equal blocks; the side of layer 1 is a multiple of kAtlasSide.
+// Downsamples layer 1 to kAtlasSide by means of equal blocks; the layer's side is a multiple of it.
 Image atlasOf(const Image& layer) {
   Image out(kAtlasSide, kAtlasSide, 3);
   const int block = layer.width / kAtlasSide;
@@ -110,10 +110,10 @@ struct LayerGop : OpenGop {
   ChunkBuilder chunk;
 };
 
-// GOPs of a character from layers. Three lanes overlap: reading the next frame, the GPU's stages of this one (on the
-// calling thread, which owns the context), filling and encoding the one before. A class shows its members' frames as
-// their own streams have rendered and filled them: these are stored in the work folder meanwhile, and rendered again
-// where an interrupted bake left none.
+// GOPs of a character from layers. Three lanes overlap: reading the next frame, the GPU stages of this one (on the
+// calling thread, which owns the context), filling and encoding the previous one. A class reuses frames that its
+// members' own streams have rendered and filled: they are stored in the work folder until then, and rendered again if
+// an interrupted bake left none.
 class LayerGops : GopWork {
  public:
   LayerGops(BakeRun& run, const Survey& survey) : GopWork(run), survey_(survey) {}
@@ -335,7 +335,7 @@ struct CameraGop : OpenGop {
   std::future<Status> encoding;  // previous frame; the last field: finishes before the others are destroyed
 };
 
-// GOPs of a character from cameras. Reading the next frame, drawing this one's tiles and encoding the one before
+// GOPs of a character from cameras. Reading the next frame, drawing this one's tiles and encoding the previous one
 // overlap.
 class CameraGops : GopWork {
  public:

@@ -12,7 +12,7 @@
 
 namespace fourdvt::store {
 
-// All fields but the cost, which is not measured.
+// All fields except the cost, which is not measured.
 void fields(Archive& a, bake::MethodScore& s) {
   a(s.method, s.psnr_db, s.ssim, s.own_psnr_db, s.psnr_fg_db, s.ssim_fg);
 }
@@ -47,7 +47,7 @@ std::vector<Place> placesOf(const Job& job) {
   return out;
 }
 
-// Methods that the device can run and whose cost is within the limit on any surface to come.
+// Methods that the device supports and whose cost is within the limit on any later surface.
 Result<std::vector<std::string>> methodsOf(gpu::Device& device, const CameraOptions& options, size_t faces) {
   std::vector<std::string> out;
   for (const std::string& name : methodCandidates()) {

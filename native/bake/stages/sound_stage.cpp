@@ -79,15 +79,15 @@ class SampleWindow {
 
 int64_t samplesOf(double seconds) { return std::llround(seconds * kSoundRate); }
 
-// Number of the sample that is heard with frame 0.
+// Index of the sample that is heard with frame 0.
 int64_t firstSample(const capture::CaptureSequence& sequence, double fps) {
   return samplesOf(sequence.first_frame / fps - sequence.sound->offset_s);
 }
 
 struct SoundPiece {
-  int64_t first = 0;  // number of the sample at time 0
+  int64_t first = 0;  // index of the sample at time 0
   double duration_s = 0;
-  bool loop = false;  // the beginning follows the end
+  bool loop = false;  // the end is followed by the beginning
 };
 
 // Encodes all segments in every codec, and writes a file for each codec.

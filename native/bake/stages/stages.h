@@ -26,8 +26,8 @@ class Survey;
 // `options.character_folder` has no trailing slash. Errors: InvalidArgument, WriteFailed, those of capture,
 // Interrupted.
 Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environment);
-// Encodes the base mesh and finds the bounds of all frames, from the meshes as the job's capture currently gives
-// them; from cameras, planCameraSurfaces.
+// Encodes the base mesh and finds the bounds of all frames, from the current meshes of the job's capture; from cameras:
+// planCameraSurfaces.
 // Errors: those of capture, Interrupted, InvalidArgument.
 Status planSurface(Job& job, const BakeEnvironment& environment);
 constexpr double kVideoBytesPerTexel = 0.05;  // generous: crf 23 needs a fifth of it
@@ -92,40 +92,41 @@ uint32_t expectedPhases(const Job& job, const capture::CaptureClass& motion_clas
 // and GPU, WriteFailed, Interrupted.
 Result<std::vector<ColourMap>> calibrateColours(BakeRun& run);
 
-// Method: chooses the rendering method of a character from cameras by leave-one-out trials: in a few frames of the
-// capture every camera (of many cameras a few, far from each other) is left out in turn and rendered from the others
-// (bake/method/method_trial.h). Results per frame are stored in the survey folder. Memory: one frame. maps: one per
-// camera, or none.
+// Method: chooses the rendering method of a character from cameras by leave-one-out trials
+// (bake/method/method_trial.h): in a few frames, each camera (if there are many, a few that lie far apart) is left out
+// in turn and rendered from the others. Results per frame are stored in the survey folder. Memory: one frame. maps: one
+// per camera, or none.
 
 constexpr uint32_t kTrialFrames = 3;  // spread over the sequences of the whole capture
-// Returns the options' method where they name one. Errors: those of capture, tryMethods, WriteFailed, Interrupted.
+// Returns the method that the options name, if any, without trials. Errors: those of capture, tryMethods, WriteFailed,
+// Interrupted.
 Result<ChosenMethod> chooseBakedMethod(BakeRun& run, const std::vector<ColourMap>& maps);
 // Number of frames that chooseBakedMethod tries; 0 without a measurement.
 uint32_t triedFrames(const Job& job);
-// One of these frames: its sequence's number, and the frame.
+// Sequence index and frame of the `number`-th tried frame.
 std::pair<size_t, uint32_t> triedFrame(const Job& job, uint32_t number);
-// Tries the methods on one of these frames, and stores the results.
+// Tries the methods on the `number`-th tried frame, and stores the results.
 Status tryMethodsOn(BakeRun& run, const std::vector<ColourMap>& maps, uint32_t number);
 
-// Resample, Fill, Tile, Encode, Geometry: every GOP that is missing in the work folder. From layers: resample → fill
-// → tile → encode, and plain sequences' chunks. From cameras: crops, colours (maps: one per camera, or none), fill →
-// tile → encode, and the surfaces as a chunk. Memory: two frames of pictures, one GOP of meshes and packets. Errors:
-// those of capture, GPU and encoder, WriteFailed, Interrupted.
+// Resample, Fill, Tile, Encode, Geometry: all GOPs that the work folder lacks. From layers: resamples, fills, tiles and
+// encodes, and codes the chunks of plain sequences. From cameras: crops, corrects colours (maps: one per camera, or
+// none), fills, tiles and encodes, and codes the surfaces as a chunk. Memory: two frames of pictures, one GOP of meshes
+// and packets. Errors: those of capture, GPU and encoder, WriteFailed, Interrupted.
 
 // Returns the number of frames that this run has baked.
 Result<uint32_t> bakeGops(BakeRun& run, const Survey& survey);
 Result<uint32_t> bakeGops(BakeRun& run, const std::vector<ColourMap>& maps);
-// One GOP alone. Layers that classes show stay in the work folder.
+// Bakes one GOP. Layers that classes show stay in the work folder.
 Status bakeGop(BakeRun& run, const Survey& survey, const StreamPlan& plan, uint32_t gop);
 Status bakeGop(BakeRun& run, const std::vector<ColourMap>& maps, const StreamPlan& plan, uint32_t gop);
 
-// Align: completes classes whose GOPs are encoded: alignment of the decoded pictures, and the chunks. Measured phases
-// are stored in the work folder. Sets the detail correlation in the classes' plans. Errors: GpuFailure, VideoInvalid,
+// Align: aligns the decoded pictures of classes whose GOPs are encoded, and codes their chunks. Measured phases are
+// stored in the work folder. Sets the detail correlation in the classes' plans. Errors: GpuFailure, VideoInvalid,
 // WriteFailed, Interrupted.
 Status alignClasses(BakeRun& run);
 // Aligns one class.
 Status alignClass(BakeRun& run, StreamPlan& plan);
-// Measures the phases of one GOP of a class, whose GOP is finished.
+// Measures the phases of one finished GOP of a class.
 Status alignGop(BakeRun& run, const StreamPlan& plan, uint32_t gop);
 
 // Graph: builds the motion graph of the whole character. Its states are the streams in the manifest's order.
@@ -146,12 +147,12 @@ struct BakedRoom {
 // Rejects a room that does not hold the performer in all frames, and one without plates. Errors: CaptureJson, those
 // of mattes::readRoomPlate.
 Status checkRoom(const Job& job);
-// Empty if the capture has no room. `colour_maps`: one per camera, or none. Errors: those of mattes::readRoomPlate,
-// Internal.
+// Makes the room's picture; empty if the capture has no room. `colour_maps`: one per camera, or none. Errors: those of
+// mattes::readRoomPlate, Internal.
 Result<std::optional<BakedRoom>> makeRoom(BakeRun& run, const std::vector<ColourMap>& colour_maps);
 
-// Sound, a part of Assemble: reads the sound of a sequence, and of the steps of a class, with the pictures' time,
-// cuts it into segments and encodes them. Memory: one segment of samples, and the encoded file.
+// Sound, a part of Assemble: reads the sound of sequences and of classes' footsteps, aligned with the pictures' time,
+// cuts it into segments and encodes these. Memory: one segment of samples, and the encoded file.
 
 // Opens every sound of the job; sounds that are never audible are listed in job.notes. Errors: those of AudioReader,
 // CaptureJson (a sound that lies outside its sequence).

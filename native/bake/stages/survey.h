@@ -25,8 +25,8 @@ constexpr uint32_t kHysteresisFrames = 2;
 // Compares colours in every kColourEvery-th of the first kColourFrames frames of a sequence.
 constexpr uint32_t kColourEvery = 4, kColourFrames = 32;
 
-// Stores the solved windows of a sequence's labels until the labels are complete, in files beside theirs. A damaged
-// one counts as absent.
+// Stores the solved windows of a sequence's labels, in files beside the labels', until the labels are complete. Damaged
+// files count as absent.
 LabelKeeper windowKeeper(const std::string& labels_path);
 // Removes the windows of this sequence's labels only.
 void removeWindows(const std::string& labels_path);

@@ -106,8 +106,8 @@ void fillFromFirst(const GutterMap& map, const Image& first, Image& layer) {
   }
 }
 
-// Fills holes of layer 1 from a further layer that was resampled there, shifted in the same way: a camera that sees
-// the texel is a better source than neighbours in UV space.
+// Fills holes of layer 1 from a further layer that covers them, shifted likewise by the smooth difference: a camera
+// that sees the texel is a better source than neighbours in UV space.
 void fillFirstFrom(const GutterMap& first_map, const GutterMap& map, const Image& layer, Image& first) {
   const Field difference = smoothDifference(shrinkKnown(first, layer.width), layer);
   const float scale = float(layer.width) / float(first.width);

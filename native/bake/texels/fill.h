@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fills every texel of every layer before encoding (algorithms/texels.md): holes inside charts of layers >= 2 from
-// layer 1 plus the smooth difference of the two layers; holes of layer 1 likewise from the layers that have the
-// texel; texels that are empty in all layers by diffusion over the mesh, so that charts which are neighbours in UV
-// only do not bleed into each other; gutters with true content from across the chart seam, the rest by push-pull. The
-// smooth difference is that of the hole's border, so that a hole's content meets its surroundings without a step
+// Fills every texel of every layer before encoding (algorithms/texels.md). Holes inside charts: in layers >= 2 from
+// layer 1, in layer 1 from the layers that have the texel, plus the smooth difference of both layers; texels that are
+// empty in all layers by diffusion over the mesh, so that charts which are neighbours in UV only do not bleed into each
+// other. Gutters: true content from across the chart seam. All other texels: push-pull.
+// The smooth difference is that of the hole's border, so that a hole's content meets its surroundings without a step
 // where the two layers differ smoothly; where they differ in detail (a highlight, a misregistered stripe) a step of
-// that detail's size remains.
-// The gutter map depends on the UV topology only and is computed once.
+// that detail's size remains. The gutter map depends on the UV topology only and is computed once.
 #pragma once
 
 #include <array>
@@ -31,7 +30,7 @@ struct GutterMap {
   std::vector<uint8_t> inside;  // size × size: 1 where the texel's centre lies in a chart
   std::vector<GutterTexel> texels;
   // The surface under the charts, for holes that no camera sees.
-  std::vector<uint32_t> faces;                    // size × size: the face where inside
+  std::vector<uint32_t> faces;                    // size × size: the texel's face, where inside
   std::vector<std::array<glm::vec2, 3>> corners;  // per face, in texels
   std::vector<glm::uvec3> vertices;               // per face
   std::vector<std::pair<uint32_t, uint32_t>> edges;

@@ -14,8 +14,8 @@
 
 namespace fourdvt::bake {
 
-// Measures on the GPU the visible share of each face in each camera: tests seven sample points per face against depth
-// map, picture edge and matte.
+// Measures on the GPU the visible share of each face in each camera: tests seven sample points per face against the
+// depth map, the picture's border and the matte.
 class Visibility {
  public:
   // Errors: GpuFailure.

@@ -71,7 +71,8 @@ Result<GpuCapture> GpuCapture::create(gpu::Device& device, const std::vector<Pin
   return capture;
 }
 
-// Mipmaps mix pixels from around the region into it: remains of earlier frames would make a frame depend on them.
+// Uploads the crop and, with mipmaps, clears the earlier region: mipmaps mix in pixels around the crop, and remains of
+// earlier frames would make a frame depend on them.
 void GpuCapture::uploadPicture(gpu::Device& device, Camera& camera, const PictureCrop& crop) {
   const auto update = [&](const PictureRegion& r, const std::vector<uint8_t>& pixels) {
     device.updateTexture(camera.picture.id(), {.x = r.x, .y = r.y, .width = r.width, .height = r.height},

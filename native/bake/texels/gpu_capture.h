@@ -15,9 +15,9 @@ namespace fourdvt::bake {
 // Texels per row of table textures: wide, since visibility has the rows of all faces once for each camera.
 constexpr int kTableWidth = 2048;
 constexpr const char* kTableDefine = "TABLE_WIDTH 2048\n";
-// Depth bias for a person's surface, added to the depth range of its slope within one pixel.
+// Bias of the depth test for a person's surface, on top of the depth range that its slope spans within one pixel.
 constexpr float kDepthBias_m = 0.004f;
-constexpr float kMinCosine = 0.2f;  // between normal and ray; below, the depth test is too loose on this slope
+constexpr float kMinCosine = 0.2f;  // between normal and ray; below, depths vary too much within a pixel to be tested
 
 class GpuCapture {
  public:
@@ -42,7 +42,7 @@ class GpuCapture {
     gpu::Target target;
     glm::mat4 cam_from_world{1}, clip_from_world{1};
     glm::vec4 intrinsics{0}, size_near_far{0};
-    PictureRegion uploaded;  // part of the picture; with mipmaps, the rest is clear
+    PictureRegion uploaded;  // uploaded part of the picture; with mipmaps, the rest is clear
   };
   void uploadPicture(gpu::Device& device, Camera& camera, const PictureCrop& crop);
 

@@ -48,8 +48,8 @@ struct Surface {
   }
 };
 
-// Pairs faces at an edge, of which a non-manifold mesh has more than two: prefers the one with the same UVs, else the
-// first.
+// Pairs the faces at each edge. At a non-manifold edge with more than two faces, prefers a face with the same UVs, else
+// the first.
 void findPartners(const MeshTopology& topology, Surface& surface) {
   std::map<std::pair<uint32_t, uint32_t>, std::vector<EdgeOfFace>> by_vertices;
   const auto from = [&](EdgeOfFace e) { return topology.face_vertices[e.face][e.edge]; };
@@ -108,7 +108,7 @@ void rasterise(uint32_t face, GutterMap& map) {
 
 // A straight walk over the unfolded surface.
 struct Walk {
-  EdgeOfFace entry;  // the walk is in entry.face and came over this edge
+  EdgeOfFace entry;  // current face, and the edge over which the walk entered it
   glm::vec2 at, rest;
 };
 
@@ -154,7 +154,7 @@ struct Nearest {
   float x = 0, y = 0;  // source
 };
 
-// Assigns a border edge of a chart to the empty texels round it whose closest edge it is so far.
+// Assigns a chart's border edge to those empty texels around it to which no other edge is closer so far.
 void offerEdge(const Surface& surface, EdgeOfFace own, float gutter, const GutterMap& map,
                std::vector<Nearest>& nearest) {
   const glm::vec2 a = surface.begin(own), b = surface.end(own);

@@ -13,7 +13,7 @@
 
 namespace fourdvt::bake {
 
-constexpr uint8_t kOpaque = 250;  // minimum alpha of a pixel without the backdrop's colour
+constexpr uint8_t kOpaque = 250;  // minimum alpha of a pixel that is free of the backdrop's colour
 
 struct PictureCrop {
   PictureRegion region;                // bounds of the mesh; empty if it is out of sight
@@ -28,8 +28,8 @@ PictureCrop cropPicture(const PinholeCamera& camera, const Positions& positions,
 // structures too thin to have an inside.
 void replaceEdgeColours(Image& rgba);
 
-// Pixels of a camera's tile, from its picture: the tile's source, without the backdrop's colour in the matte's edge,
-// corrected by the map (null: uncorrected), and filled round the performer. RGB, cellsOf(tile.tile) in size. picture:
+// Pixels of a camera's tile, from its picture: the tile's source, without the backdrop's colour at the matte's edge,
+// corrected by the map (null: uncorrected), and filled outside the matte. RGB, cellsOf(tile.tile) in size. picture:
 // RGBA with straight alpha.
 Image drawCameraTile(const package::CameraTile& tile, const Image& picture, const ColourMap* map);
 

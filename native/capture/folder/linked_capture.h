@@ -17,7 +17,7 @@ inline constexpr const char* kMeshFolder = "mesh";  // name in a sequence's fold
 struct LinkOptions {
   std::vector<std::string> sequences;  // sequences to include
   bool own_meshes = false;             // "topology": "per-frame" at <sequence>/mesh/%06d.ply instead of the capture's
-  std::vector<std::string> leave_out;  // cameras; the new capture has its own calibration without them
+  std::vector<std::string> leave_out;  // cameras to remove; the new capture has its own calibration without them
   bool own_calibration = false;        // cameras as in `capture`, rather than as in its folder
   bool own_times = false;              // frames, first_frame and offset_frames as in `capture`
 };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Temporary location of a capture folder that a command writes, beside the target:
-//    CAPTURE2.part   the capture folder in progress
-//    CAPTURE2.work   its settings, and figures of finished frames
-// Nothing is put into place before finish().
+// CAPTURE2.part   the capture folder in progress
+// CAPTURE2.work   its settings, and figures of finished frames
+// The target is unchanged until place() or finish().
 #pragma once
 
 #include <string>
@@ -15,8 +15,8 @@ namespace fourdvt::capture {
 // Command that writes capture folders.
 struct FolderWriter {
   std::string command;   // "reconstruct"
-  std::string marker;    // a file in every folder of this command, "reconstruct.json"
-  std::string not_with;  // a file in no folder of this command, but in those of another command with the same marker
+  std::string marker;    // name of a file in every folder of this command, "reconstruct.json"
+  std::string not_with;  // name of a file never in this command's folders, but in another's with the same marker
 };
 
 // Absolute path without links. Errors: InvalidArgument if `folder` and the input capture contain one another, or if

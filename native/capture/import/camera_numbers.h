@@ -18,7 +18,7 @@ Error badCalibration(const std::string& where, const std::string& what);
 
 // Rotation about `vector` by its length in radians (Rodrigues).
 glm::dmat3 rotationOf(const glm::dvec3& vector);
-// Matrix from nine numbers, row by row; rotation from such nine, or from a vector of three.
+// Matrix from nine numbers, row by row; rotation from nine numbers, row by row, or from a rotation vector.
 glm::dmat3 rowByRow(std::span<const double> nine);
 glm::dmat3 rotationOfNumbers(std::span<const double> three_or_nine);
 

@@ -39,9 +39,9 @@ void setLens(const RelativeLens& lens, PinholeCamera& camera);
 
 struct ImportedCamera {
   CaptureCamera camera;  // width and height 0 if the file lacks them
-  std::string pictures;  // file or folder in the calibration, relative to it or absolute; mostly empty
+  std::string pictures;  // file or folder named by the calibration, relative to it or absolute; mostly empty
   std::string listed;    // fallback for `pictures` where nothing has the camera's name
-  std::string mattes;    // file or folder in the calibration
+  std::string mattes;    // file or folder named by the calibration
   // Candidate file names, best first; empty: the camera's name. importCapture keeps the one that exists, and names the
   // camera by it.
   std::vector<std::string> file_names;
@@ -57,7 +57,7 @@ struct ImportedCalibration {
   std::string path;  // file or folder that was read
   std::vector<ImportedCamera> cameras;
   std::optional<double> metres_per_unit;  // none: the format defines no unit
-  std::optional<WorldAxis> up;            // none: the format defines no axis
+  std::optional<WorldAxis> up;            // none: the format defines no up axis
   std::vector<std::string> warnings;      // one line each
   std::vector<std::string> details;       // skipped contents without effect, one line each
 };

@@ -13,7 +13,7 @@ namespace fourdvt::capture {
 namespace {
 
 constexpr double kDay_s = 24 * 3600;
-constexpr double kNotedOff = 0.1;  // steps that a picture deviates from its instant
+constexpr double kNotedOff = 0.1;  // steps: deviation of a picture from its instant that is noted
 
 std::string fileName(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 

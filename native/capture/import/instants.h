@@ -37,16 +37,16 @@ struct ClipNotes {
   std::vector<std::string> done, warnings;
 };
 
-// Sets the instants of all cameras' pictures. Videos begin together, or by their time codes where all have one and
-// `time_codes` is set. Errors: FileUnreadable (a variable rate, or one that differs from the first video's), with the
-// command that helps.
+// Sets the instants of all cameras' pictures. Aligns videos by time codes if all have one and `time_codes` is set;
+// otherwise by their first pictures. Errors: FileUnreadable (a variable rate, or one that differs from the first
+// video's), with the command that helps.
 Status setInstants(std::vector<Clip>& clips, bool time_codes, ClipNotes& notes);
 
 // Returns false if the offset between the first numbers of pictures and mattes differs between cameras.
 bool numberMattesAlike(const std::vector<Clip>& clips, const std::vector<Clip>& mattes);
 
-// Sets the instants of a camera's mattes from those of its pictures: by their numbers, or in order where all cameras
-// number their mattes `alike` and differently from their pictures.
+// Sets the instants of a camera's mattes from those of its pictures: by their numbers; in order if all cameras number
+// their mattes `alike` and differently from their pictures.
 void setMatteInstants(const Clip& pictures, Clip& mattes, bool alike, ClipNotes& notes);
 
 }  // namespace fourdvt::capture

@@ -195,7 +195,7 @@ void setTake(const std::vector<Camera>& cameras, const std::vector<int64_t>& str
   }
 }
 
-// Notes intervals above one frame within which no camera has a picture; pairs stay right.
+// Notes intervals above one frame within which no camera has a picture; the pairs stay correct.
 void noteJumps(const Camera& camera, const std::vector<int64_t>& stretch, const std::string& take, ClipNotes& notes) {
   std::string first;
   size_t more = 0;

@@ -14,7 +14,7 @@ constexpr size_t kDigitsOfFraction = 9;  // nanoseconds
 // Name cut into digits and the parts between them.
 struct NameParts {
   std::vector<std::string> digits;
-  std::vector<std::string> between;  // one more than digits
+  std::vector<std::string> between;  // one element more than digits
 };
 
 NameParts partsOf(const std::string& name) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calibrations of other programs: readCalibration (calibration_files.cpp) finds and reads the one of a file or folder
-// by one reader per format. `path` of readers is for messages and names; conventions are in CAPTURE.md, section
-// "Calibration". Common errors: FileUnreadable (another format), CameraModel, CameraPose.
+// Calibrations of other programs: readCalibration (calibration_files.cpp) finds the calibration in a file or folder and
+// reads it by the reader of its format. The readers' `path` is for messages and names; conventions are in CAPTURE.md,
+// section "Calibration". Common errors: FileUnreadable (another format), CameraModel, CameraPose.
 #pragma once
 
 #include "capture/import/imported.h"

@@ -19,7 +19,7 @@ class Storage {
   // Numbers of the first existing node: a matrix row by row, a list, or one number. Empty for missing nodes, other
   // contents, or more than 64 numbers.
   std::vector<double> numbers(const Names& names) const;
-  // Reason why the first existing node is no list of `wanted` numbers, behind ": "; empty if unknown.
+  // Reason why the first existing node is no list of `wanted` numbers, prefixed with ": "; empty if unknown.
   std::string problem(const Names& names, size_t wanted) const;
   bool has(const Names& names) const;
   std::string text(const Names& names) const;                // empty without one

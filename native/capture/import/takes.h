@@ -34,8 +34,8 @@ struct Take {
 // several candidates, keeps the existing one and names the camera by it.
 void findViews(ImportedCalibration& calibration, std::vector<Take>& takes);
 
-// Removes cameras without pictures in one of the takes, with a warning for each; warns of videos without a camera.
-// Errors: CameraMissingVideo (none is left).
+// Removes cameras that lack pictures in any take, with a warning for each; warns of videos without a camera. Errors:
+// CameraMissingVideo (none is left).
 Status keepSeenCameras(const std::vector<Take>& takes, ImportedCalibration& calibration,
                        std::vector<std::string>& warnings);
 
@@ -64,8 +64,8 @@ Result<PictureMarks> importedMarks(const Image& stored, const PictureMarks& mark
 // Pairs the pictures of a take's cameras by their instants: frames of the capture are the longest stretch of instants
 // at which no camera lacks a picture or a matte. `clips`: the take's cameras, with instants; `mattes`: cameras with
 // mattes. Sets frames, first_frame and offset_frames of the take, and removes pictures outside the frames from its
-// views. Notes missing pictures and what is left out because of them. Errors: VideoTooShort (no instant common to all
-// clips).
+// views. Notes missing pictures, and the pictures dropped because of them. Errors: VideoTooShort (no instant common to
+// all clips).
 Status pairPictures(const std::vector<Clip>& clips, const std::vector<Clip>& mattes, Take& take, ClipNotes& notes);
 
 enum class ImportedMeshes { None, ConstantTopology, PerFrame };

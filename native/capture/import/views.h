@@ -43,9 +43,9 @@ std::vector<std::string> videosBeside(const std::string& first);
 // Videos, and folders with numbered pictures, in the folders of findView that match none of `names`.
 std::vector<std::string> viewsWithoutCamera(const std::string& folder, const std::vector<std::string>& names);
 
-// Sort keys of a folder's pictures by name: the only number that differs between the names; seconds with a fraction
-// ("1700000000.88", "1700000000_880000000") as nanoseconds; all digits of a date and time. Else the last number in the
-// name; -1 without a number. Names have no extension.
+// Sort keys of a folder's pictures by name, without extension: the only number that differs between the names; seconds
+// with a fraction ("1700000000.88", "1700000000_880000000") as nanoseconds; all digits of a date and time. Otherwise
+// the last number in the name; -1 without a number.
 std::vector<int64_t> pictureNumbers(const std::vector<std::string>& names);
 
 }  // namespace fourdvt::capture

@@ -128,7 +128,7 @@ class ThreadedWorker final : public CameraWorker {
     return out;
   }
 
-  // Marks pixels beyond the filmed picture as performer: no background is visible there.
+  // Marks pixels outside the filmed picture as performer, so that they carve nothing.
   void hideUnseen() {
     for (size_t i = 0; i < reach_.pixels.size(); ++i)
       coverage_.pixels[i] = std::max(coverage_.pixels[i], uint8_t(255 - reach_.pixels[i]));

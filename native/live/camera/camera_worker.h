@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Processing of one camera: opens its source, keys each picture, simplifies its outline and passes both on as a
 // message. Runs on a thread of its own; if keying is slower than the source, the latest picture is keyed and older ones
-// are dropped. Independent of sockets.
+// are dropped. Has no sockets.
 #pragma once
 
 #include <functional>

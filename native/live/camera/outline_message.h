@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Conversion of a coverage to a camera's message: rings within the message limits, the bounding box of the performer,
-// and its picture as JPEG.
+// Conversion of a coverage to a camera's message: outline rings within the message limits, the performer's bounding
+// box, and the picture within it as JPEG.
 #pragma once
 
 #include <vector>
@@ -12,11 +12,11 @@ namespace fourdvt::live {
 
 constexpr int kCropMargin_px = 8;
 
-// Sets coverage outside the region to background; a region without width is the whole picture.
+// Sets coverage outside the region to background; a region of zero width stands for the whole picture.
 void keepRegion(const package::Rect& region, Image& coverage);
 
 // Bounding box of the performer plus kCropMargin_px, clipped to the region, on even pixels where the picture permits.
-// No width: no performer is visible.
+// Zero width: no performer is visible.
 package::Rect cropOf(const Image& coverage, const package::Rect& region);
 
 // Outline of the coverage in sixteenths of a pixel. Above kMaxRings, the smallest rings are dropped; above

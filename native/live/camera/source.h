@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of one camera in real time, with the lens's distortion. A file is played in a loop, locked to the machine's
-// clock, so that all processes of a stage show the same moment.
+// Pictures of one camera in real time, not undistorted. A file is played in a loop, locked to the machine's clock, so
+// that all processes of a stage show the same moment.
 #pragma once
 
 #include <atomic>
@@ -16,8 +16,8 @@ namespace fourdvt::live {
 
 int64_t systemNow_us();  // time since 1970
 
-// Slot of a file's picture by the clock: slot k begins k / fps seconds after 1970 and shows picture k modulo their
-// number.
+// Slot of a file's picture at a time: slot k begins k / fps seconds after 1970 and shows picture k modulo the number of
+// pictures.
 int64_t slotAt(int64_t now_us, double fps);
 int64_t slotBegin_us(int64_t slot, double fps);
 

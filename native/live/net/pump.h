@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A TCP connection (Wire) and a WebSocket of either side on top of it (Pump): handshake, reading within limits, a write
-// queue of shared buffers, closing. Connecting is the caller's.
+// queue of shared buffers, closing. The caller connects the socket.
 #pragma once
 
 #include <atomic>
@@ -52,7 +52,7 @@ class Pump {
   virtual ~Pump() = default;
   static std::shared_ptr<Pump> create(std::shared_ptr<asio::io_context> io, std::shared_ptr<Wire> wire,
                                       double handshake_s, double idle_s);
-  // request: as received, up to its empty line.
+  // request: bytes as received, including the empty line at its end.
   virtual void accept(const std::string& request, std::function<void(bool ok)> done) = 0;
   struct Answer {
     bool ok = false;

@@ -11,7 +11,7 @@
 #include "capture/capture.h"
 
 namespace fourdvt::live {
-// Input opened by FFmpeg. A file is played in a loop at its own rate, such that all cameras of a stage show the same
+// Input opened by FFmpeg. A file is played in a loop at its own rate, so that all cameras of a stage show the same
 // moment.
 struct SourcePlace {
   std::string url;                             // file (relative to the rig's folder), device or address
@@ -37,8 +37,7 @@ struct Rig {
   const RigCamera* find(const std::string& camera) const;
 };
 
-// Plates of the empty stage, reduced, with the lens's distortion. Errors: those of capture::readPlates, with
-// `otherwise` appended.
+// Plates of the empty stage, reduced, not undistorted. Errors: those of capture::readPlates, with `otherwise` appended.
 Result<std::vector<Image>> readRigPlates(const Rig& rig, const RigCamera& camera, const std::string& otherwise);
 
 // Errors: FileMissing, CaptureJson (a field of RIG.json), and those of readColmapCameras.

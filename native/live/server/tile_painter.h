@@ -37,9 +37,9 @@ class TilePainter {
  public:
   explicit TilePainter(const PackedSize& size);
   void clear();  // fills with grey, before a new layout
-  // Draws the performer inside of the outline, surrounded by its smoothed colours and then grey, which cost the codec
-  // almost nothing. planes: the camera's picture within `crop`; texels beyond are unknown. Converts BT.601 full →
-  // BT.709 limited.
+  // Draws the performer inside the outline; outside, the performer's smoothed colours fade to grey, which costs the
+  // codec almost nothing. planes: the camera's picture within `crop`; texels outside `crop` are unknown. Converts
+  // BT.601 full → BT.709 limited.
   void draw(const package::CameraTile& tile, const JpegPlanes& planes, const package::Rect& crop,
             const std::vector<Ring16>& rings);
   void drawBarcode(uint32_t number);

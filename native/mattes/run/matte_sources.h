@@ -17,7 +17,7 @@ namespace fourdvt::mattes {
 // One camera's plates, if any sequence lacks mattes.
 struct MatteSource {
   std::optional<PlateKey> key;               // plates of the capture
-  std::optional<BackgroundModel> from_clip;  // else
+  std::optional<BackgroundModel> from_clip;  // without `key`
   ClipCamera clip;                           // with `from_clip`, without its masks
   const char* name() const;                  // "plates", "colour key", "clips" or "none"
 };

@@ -17,8 +17,8 @@
 
 namespace fourdvt {
 
-// View of one frame of a GOP's decoded geometry: of a layered character frames of one mesh, of a character from cameras
-// a surface. Loading owns the data until the GOP leaves its cache.
+// View of one frame of a GOP's decoded geometry: for a layered character, a row of frames of one mesh; for a character
+// from cameras, a surface. Loading owns the data until the GOP leaves its cache.
 struct FrameGeometry {
   const package::ChunkFrames* frames = nullptr;  // null: not loaded, or `surfaces` in use
   const package::StreamIndex* index = nullptr;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cache of GOPs: those that playback needs next, and eviction of the least recently used ones above the budget. Pure
-// logic over encoded bytes and decoded geometry, without fetches.
+// Cache of GOPs: lists those that playback needs next, and evicts the least recently used above the budget. Pure logic
+// over encoded bytes and decoded geometry, without fetches.
 #pragma once
 
 #include <cstdint>
@@ -37,9 +37,9 @@ struct Gop {
   uint32_t row = kNoRow;                            // row requested last
   std::unique_ptr<package::ChunkDecoder> geometry;  // decoder of `chunk`, as far as requested
   bool damaged = false;                             // chunk does not decode
-  std::unique_ptr<package::SurfaceChunk> surfaces;  // likewise, for a character from cameras
+  std::unique_ptr<package::SurfaceChunk> surfaces;  // decoder of `chunk`, character from cameras
   uint32_t job = 0;   // decode job of `geometry` (Loading::decodeElsewhere); 0: decoded here
-  bool here = false;  // decoding elsewhere failed
+  bool here = false;  // decode here: decoding elsewhere failed
   uint64_t last_use = 0;
   uint64_t encodedBytes() const { return video.size() + chunk.size() + better.size() + fine.size(); }
   bool decoded() const { return geometry || surfaces; }
@@ -59,8 +59,8 @@ class GopCache {
   Gop& touch(GopKey key);  // creates on demand; marks as used
   Gop* find(GopKey key);   // null if not held
   const Gop* find(GopKey key) const;
-  // Evicts least recently used GOPs that are neither kept nor being fetched until the budget of encoded bytes holds,
-  // and the decoded geometry of unkept GOPs until its budget holds: a short loop is decoded once.
+  // Evicts least recently used GOPs that are neither kept nor being fetched, until the encoded bytes are within their
+  // budget; then decoded geometry of unkept GOPs, until that is within its own, so that a short loop is decoded once.
   void trim(const std::vector<GopKey>& keep);
   void dropSequence(int sequence);
   uint64_t encodedBytes() const;
@@ -78,8 +78,8 @@ class GopCache {
   std::map<GopKey, Gop> gops_;
 };
 
-// GOPs to hold for playback from `frame`, nearest first: its own and the next ones until they have `ahead` frames after
-// it, at least one, wrapping if looping.
+// GOPs to hold for playback from `frame`, nearest first: the frame's own, the next one, and more until they have
+// `ahead` frames from `frame` on; wraps if looping.
 std::vector<uint32_t> neededGops(const package::StreamIndex& index, uint32_t frame, bool loop, uint32_t ahead);
 
 }  // namespace fourdvt

@@ -15,7 +15,7 @@ constexpr double kUp = 0.7,
                  kKeep = 0.9;              // throughput shares for stepping up to a rendition, and for keeping it
 constexpr double kPlenty_s = 4, kTry = 2;  // buffer ahead, and throughput share, for trying a rendition
 constexpr double kLateHalfLife_s = 3;      // decay of late time
-constexpr double kTooLate_s = 0.4;         // steady state of a decoder that is late a tenth of the time
+constexpr double kTooLate_s = 0.4;         // steady-state late time of a decoder that is late a tenth of the time
 constexpr double kLongStep_s = 0.1;        // page was busy or suspended
 constexpr double kRest_s = 30;             // first pause before a too slow rendition is retried
 

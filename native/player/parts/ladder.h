@@ -26,9 +26,9 @@ class Ladder {
   // position.
   void miss(const package::Rendition& rendition) { missing_.push_back(&rendition); }
   void seekAgain(const package::Sequence& sequence);   // re-admits missed renditions
-  void forget() { missing_.clear(), rough_.clear(); }  // for another manifest
-  // Decodability reported by the edge: not decodable, or decodable but not smooth. The automatic choice then stays
-  // below the rendition. Ignored for the last one left.
+  void forget() { missing_.clear(), rough_.clear(); }  // reset for another manifest
+  // Excludes a rendition that the edge cannot decode, unless it is the last one left; plays: decodable but not smooth,
+  // the automatic choice stays below it.
   void judge(const package::Sequence& sequence, uint32_t rendition, bool plays);
   bool isOut(const package::Sequence& sequence, uint32_t rendition) const;
   bool allOut(const package::Sequence& sequence) const;
@@ -42,9 +42,9 @@ class Ladder {
 
   bool tooSlow(const package::Sequence& sequence, uint32_t rendition) const;
 
-  // present: previous choice, kept while the throughput fluctuates around a limit. ahead_s: time buffered or under way
-  // before the GOP to choose for. With enough of it the present rendition is kept whatever was measured, and the next
-  // one is tried: small responses measure latency more than throughput.
+  // Chooses a rendition. present: previous choice, kept while the throughput fluctuates around a limit. ahead_s: time
+  // buffered or under way before the GOP to choose for; if long enough, the present rendition is kept whatever was
+  // measured, and the next one is tried: small responses measure latency more than throughput.
   uint32_t choose(const package::Sequence& sequence, uint32_t present, double ahead_s = 0) const;
   void rest() { rest_left_s_ = kTryAgain_s; }  // after a step down: no trial for a while
   bool automatic() const { return quality_ == kAutomaticRendition; }
@@ -62,9 +62,9 @@ class Ladder {
   uint32_t left_out_ = 0;  // bit mask of renditions
   std::vector<const package::Rendition*> missing_, rough_;
   double bytes_ = 0, seconds_ = 0;   // decayed sums
-  double late_s_ = 0;                // likewise
+  double late_s_ = 0;                // decayed sum
   uint32_t too_slow_ = 0;            // lowest rendition not decoded in time; 0: none
-  double slow_left_s_ = 0, slow_s_;  // time to its next trial; the whole pause next time
+  double slow_left_s_ = 0, slow_s_;  // time to its next trial; length of the next pause
   double rest_left_s_ = 0;
 };
 

@@ -30,14 +30,14 @@ Status Loading::readManifest(const FlatJson& gltf, std::span<const uint8_t> star
   ladder_.forget();
   streams_.clear();
   streams_.resize(character_->sequences.size());
-  if (fromCameras()) mesh_state_ = PartState::Present;  // every GOP has its own
+  if (fromCameras()) mesh_state_ = PartState::Present;  // every GOP has meshes of its own
   const package::Start& s = character_->start;
   started_ = start.size() == s.bytes && !s.uri.empty() && fnv1a(start) == s.hash && takeStart(start).ok();
   fetches_.startProgress(mesh_state_ == PartState::Present ? 0 : character_->mesh_bytes);
   return {};
 }
 
-// Makes a sequence of its own from the first sequence's frame 0, with its one GOP complete.
+// Makes startSequence, frame 0 of the first sequence with its one GOP complete, from the start file.
 Status Loading::takeStart(std::span<const uint8_t> bytes) {
   FOURDVT_ASSIGN(package::StartFile file, package::readStartFile(bytes));
   start_ = character_->sequences[0];
@@ -236,7 +236,7 @@ void Loading::fetchAhead(std::span<const Landing> landings) {
   }
 }
 
-// Skips what is loaded, exceeds the budget or its sequence's limit.
+// Requests the GOP unless it is loaded, or exceeds the budget or its sequence's limit.
 void Loading::requestAhead(GopKey key) {
   if (std::find(ahead_.begin(), ahead_.end(), key) == ahead_.end()) {
     const auto of_sequence = [&](const GopKey& other) { return other.sequence == key.sequence; };
@@ -264,8 +264,8 @@ uint64_t Loading::bytesOf(const std::vector<GopKey>& keys) const {
   return total;
 }
 
-// A beginning in flight that has become a need stays; others are cancelled for an urgent need in flight after a seek or
-// for another motion. GOPs at the far end of the buffer load beside them.
+// Keeps a beginning in flight that has become a need. Cancels the others for an urgent need in flight, after a seek or
+// for another motion; GOPs at the far end of the buffer load beside them.
 void Loading::settleAhead(std::span<const Need> needs, int next_sequence, const std::vector<GopKey>& keep) {
   const auto needed = [&](const FetchPurpose& p) {
     if (p.ofGop()) return std::find(keep.begin(), keep.end(), GopKey{p.sequence, p.gop}) != keep.end();

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Loaded parts of a character: manifest, base mesh, motion graph, stream headers, and the GOPs that playback needs,
 // within a budget of encoded bytes. Requests missing parts, checks responses against the manifest, decodes geometry on
-// demand. The player supplies the needs of its tracks; errors are returned, and the player marks the sequence as
-// broken.
+// demand. The player supplies its tracks' needs, and marks a sequence as broken on a returned error.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +21,7 @@ namespace fourdvt {
 
 // Limits of geometry decoding per tick; see Player::sliceDecoding.
 struct DecodeSlice {
-  uint32_t steps = 1;           // at least 1; parts of rows of layered characters, whole rows of others
+  uint32_t steps = 1;           // at least 1; a step: one part of a row, or a whole row from cameras
   double seconds = 0;           // no further step begins after this; 3 to 8 times as long while seeking
   double (*now_s)() = nullptr;  // null: limit by steps alone
 };
@@ -57,7 +56,7 @@ struct Need {
 struct Arrival {
   enum class What { Nothing, Mesh, Header, Other, LeftOut } what = What::Nothing;
   int sequence = -1;
-  // Not ok: the sequence is broken, or with -1 the whole character; LeftOut: only a rendition of it is.
+  // Not ok: the sequence (-1: the whole character) is broken; with What::LeftOut only one of its renditions.
   Status status;
 };
 
@@ -67,14 +66,14 @@ class Loading {
   Loading(Outbox& outbox, uint64_t encoded_budget_bytes, uint32_t rendition = kHighestRendition)
       : ladder_(rendition), budget_bytes_(encoded_budget_bytes), cache_(encoded_budget_bytes), fetches_(outbox) {}
 
-  // start: bytes of the character's start file; ignored on a mismatch with the manifest's hash. Errors: as
-  // package::readManifest; the previous state is kept.
+  // start: bytes of the character's start file; ignored if its hash differs from the manifest's. On errors, those of
+  // package::readManifest, the previous state is kept.
   Status readManifest(const FlatJson& gltf, std::span<const uint8_t> start = {});
   const package::Character* character() const {
     return character_ ? &*character_ : nullptr;
   }  // null before readManifest
   int sequenceCount() const { return static_cast<int>(character_ ? character_->sequences.size() : 0); }
-  // Sequence of the manifest, or with a start file also startSequence: frame 0 of the first.
+  // Sequence of the manifest. With a start file, `index` may also be startSequence: frame 0 of the first sequence.
   const package::Sequence& sequence(int index) const {
     return index < sequenceCount() ? character_->sequences[static_cast<size_t>(index)] : start_;
   }
@@ -134,8 +133,8 @@ class Loading {
   bool slicing() const { return slice_.has_value(); }
   // Decodes within the limits of a tick: up to each need's frame, then what follows, nearest first.
   void decodeAhead(std::span<const Need> needs, bool seeking);
-  // On: for layered characters decodeAhead decodes only a GOP begun here that is due; the others become jobs. Off:
-  // partly decoded GOPs are decoded here from their first row. Requires sliceDecoding.
+  // On: decodeAhead turns layered characters' GOPs into jobs, except one that was begun here and is due. Off: partly
+  // decoded GOPs are decoded here from their first row. Requires sliceDecoding.
   void decodeElsewhere(bool on) { elsewhere_ = on; }
   // Jobs since the last decodeAhead, most urgent first; nullopt beyond the last one.
   std::optional<DecodeJob> decodeJob(size_t number);

@@ -12,8 +12,8 @@ namespace {
 
 constexpr uint32_t kRowsAhead = 12;  // beyond the shown or sought frame
 constexpr size_t kMaxJobs = 4;       // two tracks, present and next GOP each
-// Range, in slices, of a tick's decoding time while seeking, nominally half the tick: nothing moves until the frame is
-// decoded.
+// Limits, in slices, of a tick's decoding time while seeking, which is nominally half the tick: nothing moves until the
+// frame is decoded.
 constexpr double kMinSlices = 3, kMaxSlices = 8;
 
 }  // namespace
@@ -149,8 +149,8 @@ bool Loading::decodeAhead(const Ahead& at, bool urgent, SliceLeft& left) {
   return true;
 }
 
-// Makes a job of a GOP begun here that is not due: its rows are kept, and decoded again elsewhere before the following
-// ones.
+// Turns a GOP that was begun here and is not due into a job: its rows are kept, and decoded again elsewhere before the
+// following ones.
 void Loading::handOver(const Ahead& at) {
   Gop& gop = *at.gop;
   if (!gop.geometry || gop.job || gop.here || gop.damaged || gop.decodedRows() == at.row_count) return;
@@ -159,8 +159,8 @@ void Loading::handOver(const Ahead& at) {
   gop.job = ++last_job_;
 }
 
-// Turns a GOP not begun into a job, and lists each job until it is done: whole while memory allows it, else up to the
-// rows needed.
+// Turns a GOP that is not begun into a job, and lists each job until it is done: for all rows while memory allows it,
+// else up to the required rows.
 void Loading::giveAway(const Ahead& at, bool urgent) {
   Gop& gop = *at.gop;
   if (!elsewhere_ && gop.job && gop.decodedRows() < at.row_count) gop.dropDecoded();

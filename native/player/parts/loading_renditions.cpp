@@ -30,7 +30,7 @@ uint32_t Loading::choose(GopKey key, double ahead_s, bool stands) const {
   return stands ? chooseStill(key) : ladder_.choose(q, stream(key.sequence).rendition, ahead_s);
 }
 
-// Highest rendition whose bytes of the GOP arrive in time, regardless of the rest's bitrate.
+// Highest rendition whose bytes of this GOP arrive in time, regardless of the other GOPs' bitrate.
 uint32_t Loading::chooseStill(GopKey key) const {
   const package::Sequence& q = sequence(key.sequence);
   const package::StreamIndex& streamed = index(key.sequence);
@@ -95,7 +95,8 @@ bool Loading::takeSharper(int sequence_index, uint32_t gop_index, uint32_t rendi
   return true;
 }
 
-// Too slow a decoder: fetches the nearest held GOPs in a lower rendition; the held samples play until it arrives.
+// Fetches the nearest held GOPs in a lower rendition if the decoder is too slow; the held samples play until it
+// arrives.
 void Loading::lower(const std::vector<GopKey>& keys) {
   int under_way = 0;
   for (const GopKey& key : keys) {

@@ -157,7 +157,7 @@ class Fetches {
   // Settles a failed fetch known to `find`.
   Fetch drop(uint32_t id);
   bool empty() const { return fetches_.empty(); }  // nothing in flight
-  // Cancels obsolete fetches: `unneeded` settles each purpose that it returns true for.
+  // Cancels the fetches for which `unneeded(purpose)` returns true; `unneeded` also settles them.
   template <class Unneeded>
   void cancel(const Unneeded& unneeded) {
     std::erase_if(fetches_, [&](const Fetch& fetch) {

@@ -78,7 +78,7 @@ void Transitions::begin(int target, double now_s) {
 
 Transitions::Step Transitions::step(const TransitionView& view) {
   if (view.held) asked_s_ = view.now_s;
-  // The source plays on while the network is behind, without a limit.
+  // No timeout while the network is behind: the source plays on.
   if (view.held || !(view.target_fetched || view.target_prepared)) run_.patient_since_s = view.now_s;
   if (view.held || (run_.phase != Phase::Wanted && run_.phase != Phase::Preparing)) return Step::Nothing;
   if (view.graph_failed || view.now_s - run_.patient_since_s > kPatience_s) return Step::Select;
@@ -103,7 +103,7 @@ std::optional<Transitions::Entrance> Transitions::plan(const TransitionView& vie
   const double age_s = view.clock_s / view.clock_rate - static_cast<double>(view.k) / rate;
   motion::PlanOptions options;
   options.min_wait_s = lead_s_ + age_s;
-  // Accounts for a frame's display at the first tick after it is due.
+  // Reserves one tick: a frame is displayed at the first tick after it is due.
   options.max_latency_s = kMaxLatency_s - (view.now_s - asked_s_) - view.tick_s + age_s;
   const auto way = view.graph->plan({view.source, view.frame(), view.weights, rate}, run_.target, options);
   if (!way) return std::nullopt;

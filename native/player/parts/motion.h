@@ -116,13 +116,15 @@ class Transitions {
   // Null: the graph has no path to the target. `to`: the target's sequence.
   std::optional<Entrance> plan(const TransitionView& view, const package::Sequence& to, bool to_loops);
   void startFade() { run_.phase = Phase::Fading; }
-  // target_frames: the target's clock, in its frames. True: the fade advanced, which happens with a new picture on
-  // either track, and at the end.
+  // target_frames: position of the target's clock, in its frames. Returns true if the fade advanced: with a new picture
+  // on either track, and at the end.
   bool stepFade(double target_frames, bool new_picture);
-  // Replaces `left` by `entered` as the shown state; one that does not loop returns to one that does.
+  // Ends the transition; `entered` becomes the shown state. If it does not loop, it returns to `left`, or, if `left`
+  // does not loop either, to the state that `left` was to return to.
   void finish(int left, bool left_loops, bool entered_loops);
   void cancel(int current);  // discards the transition; the current state becomes the goal
-  // True: time to return, as late as the choice of an exit and the fade permit. Otherwise a cut follows at the end.
+  // Returns true when the return should begin: as late as the choice of an exit and the fade permit. A return that has
+  // not begun by the end becomes a cut.
   bool returnDue(const TransitionView& view, const package::Sequence& to) const;
 
  private:
@@ -140,7 +142,7 @@ class Transitions {
 
   Run run_;
   int goal_ = -1, return_to_ = -1;
-  double asked_s_ = 0;    // time of the request (the tick before it), or later, when playback resumed
+  double asked_s_ = 0;    // time of the request (the tick before it), or of a later resumption
   double lead_s_ = 0.12;  // estimated preparation time of a target
 };
 

@@ -125,7 +125,7 @@ void PictureSlots::show(int number) {
     if (slot.use == Slot::Use::Shown || (slot.use == Slot::Use::Ready && slot.k < k(number))) slot.setFree();
   at(number).use = Slot::Use::Shown;
   for (Stage& stage : stages_)
-    if (stage.slot == number) stage.slot = -1;  // its previous picture's
+    if (stage.slot == number) stage.slot = -1;  // the texture held the slot's previous picture
 }
 
 int PictureSlots::findReady(int64_t k) const { return newestReady(k, k); }

@@ -33,7 +33,7 @@ class PictureSlots {
   Status prepare(gpu::Device& device, int slot, const package::Rendition& rendition);
   // k: presentation, frames since the sequence's start, unwrapped over loops; rendition: as in `prepare`.
   void fill(int slot, int64_t k, uint32_t rendition);
-  // True while it is being filled for the present epoch.
+  // Returns true while the slot is being filled for the present epoch.
   bool awaits(int slot) const;
   void renumber(int slot, int64_t k) { at(slot).k = k; }  // corrects its presentation
   void hold(int slot, const I420View& picture, PictureBytes bytes);
@@ -43,8 +43,8 @@ class PictureSlots {
   void drop(int slot);  // discards its picture unless on screen
   // Puts a ready picture on screen; frees the previous one and the ready ones before it.
   void show(int slot);
-  // Uploads missing layers of these members (bit m: member m), or all of a picture without members, of the picture on
-  // screen. Errors: GpuFailure.
+  // Uploads missing layers of the picture on screen: those of these members (bit m: member m), or all of a picture
+  // without members. Errors: GpuFailure.
   Status stage(gpu::Device& device, int slot, const package::Rendition& rendition, size_t members, uint32_t wanted);
 
   int64_t k(int slot) const { return at(slot).k; }
@@ -55,7 +55,7 @@ class PictureSlots {
   int findReady(int64_t k) const;
   int newestReady(int64_t min_k, int64_t max_k) const;
 
-  void beginEpoch();  // frees ready pictures; those being filled are freed by commit
+  void beginEpoch();  // frees ready pictures; commit frees those being filled
   void close();       // frees all slots, and all textures but those being filled
 
  private:
@@ -84,7 +84,7 @@ class PictureSlots {
   render::PictureTextures::Kind kind_;
   std::vector<Slot> slots_;
   std::array<Stage, 2> stages_;
-  size_t stage_ = 0;  // last one used
+  size_t stage_ = 0;  // stage used last
   uint32_t epoch_ = 0;
 };
 
@@ -122,19 +122,20 @@ class Feeding {
 
   // Presentation of a decoded picture; nullopt: not awaited.
   std::optional<int64_t> presentationOf(int64_t timestamp_us);
-  // Removes it and all earlier ones from the awaited pictures: they come in presentation order, and a decoder may skip
+  // Ends the wait for this picture and all earlier ones: pictures come in presentation order, and a decoder may skip
   // some.
   void take(int64_t timestamp_us);
-  void awaitAgain(int64_t k);  // awaits a presentation again whose picture was another one's
+  void awaitAgain(int64_t k);  // awaits k again: the picture taken for it was another one
 
   // Handles the loss of the decoder and of its samples: stops until `restart`.
   void loseDecoder(DecoderFault fault);
-  // True after too many consecutive losses for another retry. A picture resets the count; after a fault of the samples,
-  // only one beyond those samples.
+  // Returns true after too many consecutive losses for another retry. A picture resets the count; after a fault of the
+  // samples, only a picture beyond those samples does.
   bool hopeless() const { return losses_ > kMaxLosses; }
   void close(Outbox& outbox);  // stops and frees the decoder until `restart`
 
-  // True with samples in the decoder and a picture since `restart`: the next picture depends on decoding speed only.
+  // Returns true if samples are in the decoder and a picture has come since `restart`: the next picture depends on
+  // decoding speed only.
   bool decoding() const { return active_ && gave_ && !in_flight_.empty(); }
   bool active() const { return active_; }
   bool lost() const { return lost_; }                           // stopped by a loss, or closed, until `restart`

@@ -76,13 +76,13 @@ class PlaybackClock {
 // Picture on screen.
 struct Presentation {
   int slot = -1;      // -1: none
-  int sequence = -1;  // differs from the requested one until that is ready
+  int sequence = -1;  // differs from the requested sequence until that is ready
   int64_t k = 0;
 };
 
 // Position of one track: its sequence, the requested presentation, the one on screen, and the clock in between. A
 // presentation k counts frames since the sequence's start, unwrapped over loops. Refers to pictures by their slots
-// (PictureSlots). Runs while it is set to.
+// (PictureSlots).
 class Playhead {
  public:
   bool used() const { return sequence_ >= 0; }

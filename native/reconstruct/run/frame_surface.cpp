@@ -67,8 +67,8 @@ Result<BoundingBox> roughBounds(std::span<const CarvingView> views, double spare
   return BoundingBox{glm::vec3(low - spare_m), glm::vec3(high + spare_m)};
 }
 
-// Polyhedral hull, or an error with the reason for falling back to the volumetric hull. `footprint_m`: size of a pixel
-// at the performer.
+// Returns the polyhedral hull, or an error with the reason for falling back to the volumetric hull. `footprint_m`: size
+// of a pixel at the performer.
 Result<TriangleMesh> checkedPolyhedron(const ReconstructOptions& options, std::span<const CarvingView> views,
                                        double footprint_m, FrameFigures& figures) {
   std::vector<SilhouetteCone> cones(views.size());

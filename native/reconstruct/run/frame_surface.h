@@ -54,7 +54,7 @@ class SurfaceMaker {
 
  private:
   SurfaceMaker(const ReconstructOptions& options, const std::vector<capture::CaptureCamera>& cameras);
-  // `pictures`: returns those for stereo; called only if it is used.
+  // `pictures` returns the pictures for stereo; called only if stereo is used.
   Status makeHull(std::span<const CarvingView> views, const std::function<std::vector<Image>()>& pictures,
                   FrameSurface& out);
 
@@ -66,7 +66,7 @@ class SurfaceMaker {
   ReconstructOptions options_;
   gpu::Device* device_ = nullptr;
   std::vector<PinholeCamera> cameras_;  // capture cameras
-  double seen_m3_ = 0;                  // volume seen by more than half of them
+  double seen_m3_ = 0;                  // volume seen by more than half of the cameras
   std::vector<PinholeCamera> working_;  // scene with a performer as thick as a person
   std::optional<SequenceScale> scale_;
   std::vector<Image>

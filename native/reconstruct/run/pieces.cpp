@@ -29,7 +29,7 @@ constexpr const char* kFrames = "frames";
 struct Part {
   std::string sequence;
   bool first = false;   // frame 0 alone
-  uint32_t window = 0;  // otherwise
+  uint32_t window = 0;  // without `first`
 };
 
 std::string idOf(const Part& part) {

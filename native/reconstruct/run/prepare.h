@@ -63,7 +63,7 @@ class Threads {
 
 // Prepared reconstruction without frames.
 struct Prepared {
-  ReconstructOptions options;         // with absolute folders and named sequences
+  ReconstructOptions options;         // options with absolute folders and named sequences
   std::string settings_key;           // one line: settings that determine the frames
   std::vector<std::string> warnings;  // one line each
   std::string name;                   // input capture

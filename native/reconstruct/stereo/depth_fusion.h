@@ -57,7 +57,8 @@ class BlockIndex {
   size_t mask_ = 0;
 };
 
-// Trilinear interpolation; minus the band outside the blocks. Borrows both, which have the same blocks and no `inside`.
+// Interpolates distances trilinearly; -band_m outside the blocks. Borrows distance and index, which have the same
+// blocks; requires an empty `inside`.
 class DistanceSampler {
  public:
   DistanceSampler(const SparseDistance& distance, const BlockIndex& index)

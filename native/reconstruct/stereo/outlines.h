@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Restores silhouettes of the hull: surface removed by stereo although a camera's silhouette requires it is added
-// again, at the point of the ray with the minimum removal. Raises the distance up to the hull, and only around rays
-// that miss the surface.
+// Restores silhouettes of the hull: where stereo removed surface that a camera's silhouette requires, adds it again at
+// the point of the ray with the minimum removal. Raises the distance, at most up to the hull, and only around rays that
+// miss the surface.
 #pragma once
 
 #include <span>
@@ -13,7 +13,7 @@ namespace fourdvt::reconstruct {
 struct OutlineOptions {
   int rounds = 3;             // iterations of finding rays that miss the surface; 0: off
   double tolerance_px = 0.1;  // permitted gap between the surface's outline and the hull's
-  double depth_voxels = 1;    // required depth of a ray in the surface, where it is as deep in the hull
+  double depth_voxels = 1;    // minimum depth of a ray in the surface, if it is that deep in the hull
   double reach_voxels = 2.5;  // fall-off radius of an added distance, in addition to the gap
   double rim_px = 6;          // within this distance of the outline every pixel has a ray, beyond every `stride_px`-th
   int stride_px = 2;          // stride of rays beyond `rim_px`
@@ -21,9 +21,9 @@ struct OutlineOptions {
 
 // Ray counts over all cameras.
 struct OutlineFigures {
-  size_t rays = 0;     // meet the hull
-  size_t missing = 0;  // missed the surface before
-  size_t left = 0;     // still miss it
+  size_t rays = 0;     // rays that meet the hull
+  size_t missing = 0;  // rays that missed the surface before
+  size_t left = 0;     // rays that still miss the surface
 };
 
 // `hull` has values in all blocks (withValuesInside), `distance` has the same blocks. `views`: those that the hull was

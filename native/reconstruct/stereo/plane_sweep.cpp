@@ -272,7 +272,7 @@ void scan(const CostVolume& volume, const SemiGlobalOptions& options, bool down,
 
 // Costs of a pixel, summed over all directions.
 struct Sums {
-  const uint8_t* costs = nullptr;  // without aggregation
+  const uint8_t* costs = nullptr;  // costs without aggregation
   std::vector<int> sums;
 
   bool candidate(int label) const { return costs[label] != CostVolume::kOutside; }
@@ -340,7 +340,7 @@ namespace {
 constexpr float kSlopeReach = 2;                 // pixels, for the slope estimate
 constexpr float kOtherSurface_m = 0.1f;          // minimum difference between depths of separate surfaces
 constexpr double kChance = 0.78, kSound = 0.92;  // shares of confirmed depths: by chance; with correct calibration
-constexpr float kEdgeCosine = 0.2f;              // at such a discontinuity
+constexpr float kEdgeCosine = 0.2f;              // cosine assumed at such a discontinuity
 
 // Squared cosine between normal and ray at a pixel, from neighbouring depths.
 float facing(const DepthMap& map, int x, int y) {

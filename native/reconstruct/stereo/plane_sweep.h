@@ -51,7 +51,7 @@ struct PlaneSweepOptions {
 
 class PlaneSweep {
  public:
-  // Cameras of the reduced pictures. `device` is borrowed. Errors: GpuFailure.
+  // Takes the reduced pictures' cameras; borrows `device`. Errors: GpuFailure.
   static Result<PlaneSweep> create(gpu::Device& device, std::span<const PinholeCamera> cameras,
                                    const PlaneSweepOptions& options);
   // RGBA of the cameras' sizes, alpha = matte. Errors: GpuFailure.
@@ -77,8 +77,8 @@ class PlaneSweep {
 };
 
 struct SemiGlobalOptions {
-  int step_penalty = 12;  // neighbour one plane away; costs are 0 … 254
-  int jump_penalty = 60;  // neighbour further away
+  int step_penalty = 12;  // penalty for a neighbour one plane away; costs are 0 … 254
+  int jump_penalty = 60;  // penalty for a neighbour further away
   int front_bias = 12;    // per plane, in the sum over eight directions: untextured surfaces stay at the hull
 };
 

@@ -14,7 +14,7 @@ namespace fourdvt::reconstruct {
 namespace {
 
 constexpr double kSameAngle_deg = 1e-6;
-constexpr float kBelieved = 0.05f;  // weight of a valid depth: five of these are too few to move the surface
+constexpr float kBelieved = 0.05f;  // minimum weight of a valid depth; five of these are too few to move the surface
 
 double believedShare(const DepthMap& map) {
   size_t hull = 0, believed = 0;

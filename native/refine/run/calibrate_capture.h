@@ -27,8 +27,8 @@ struct CalibrateOptions {
 Result<Calibration> calibrateCapture(const CalibrateOptions& options, const OpenVideo& open_video,
                                      const std::function<bool(const std::string& what, double share)>& on_progress);
 
-// One line per camera that is off, e.g. "cam03 is off by −2.08 ± 0.01 frames in "walk"", or one line that none is or
-// that nothing changed; without the warnings.
+// One line for each change of a camera's time or pose, e.g. "cam03 is off by −2.08 ± 0.01 frames in "walk""; without
+// changes, one line that reports this. Excludes the warnings.
 std::vector<std::string> calibrationLines(const Calibration& calibration);
 
 // Errors: WriteFailed. `name`: capture name for the title.

@@ -26,7 +26,7 @@ constexpr double kMaxNear_deg = 0.1, kAsGood = 1.2;  // cameras that stay as giv
 constexpr double kFarShare = 0.1;                    // share of a camera's outline; above, the camera is inconsistent
 constexpr size_t kDrawnPoints = 2000;                // outline points in the report's picture
 constexpr float kDrawnReachPixels = 30;
-constexpr double kCulprit = 0.5;  // without that camera, the others' error falls below this share
+constexpr double kCulprit = 0.5;  // without the culprit, the others' error falls below this share
 
 Error interrupted() { return {ErrorId::Interrupted, "stopped; nothing was saved, run the same command again"}; }
 

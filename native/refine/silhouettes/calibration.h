@@ -24,7 +24,7 @@ struct CameraCalibration {
   std::vector<CameraTime> times;   // [sequence] relative to the capture's offsets
   std::vector<char> time_changed;  // [sequence]
   bool turned = false;
-  glm::dvec3 turn_deg{0}, turn_deviation_deg{0};  // about its own axes
+  glm::dvec3 turn_deg{0}, turn_deviation_deg{0};  // rotation about the camera's own axes
   std::optional<CameraShift> shift;               // best change, pixels of the full pictures; none: unknown
   StickOut before, after;                         // pixels of the full pictures
   bool unexplained = false;                       // no pose makes its silhouettes consistent with the others'
@@ -42,7 +42,7 @@ struct Calibration {
   std::vector<CameraCalibration> by_camera;
   std::vector<PinholeCamera> cameras;  // full pictures
   std::vector<std::string> warnings;   // one line each
-  uint32_t frames = 0;                 // used
+  uint32_t frames = 0;                 // frames used
   std::optional<CalibrationPicture> worst;
   bool changed() const;
 };

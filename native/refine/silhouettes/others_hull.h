@@ -23,8 +23,8 @@ struct RigState {
   bool ignores(size_t camera) const { return camera < ignored.size() && ignored[camera]; }
 };
 
-// Performer's centre at an instant, the point nearest to the rays through the silhouettes' centres, and the maximum
-// distance from it.
+// Performer at an instant: the centre, which is the point nearest to the rays through the silhouettes' centres, and the
+// maximum distance from it.
 struct Extent {
   glm::dvec3 middle_in_world{0};
   double radius_m = 0;
@@ -34,7 +34,7 @@ Extent extentOf(const SilhouetteClip& clip, const RigState& rig, double instant)
 
 class OthersHull {
  public:
-  // Hull of all cameras but `camera` at the instant of its picture `frame`. A point is inside although up to
+  // Hull of all cameras but `camera` at the instant of its picture `frame`. A point counts as inside if at most
   // `tolerated` cameras contradict it. Borrows `clip` and `rig`.
   OthersHull(const SilhouetteClip& clip, const RigState& rig, size_t camera, size_t frame, size_t tolerated);
   // False if fewer than two other cameras have a silhouette of this instant.
@@ -48,8 +48,8 @@ class OthersHull {
   // Deepest point in the hull along a pixel's ray.
   Deepest alongRay(const glm::vec2& pixel) const;
 
-  // Point of the hull's outline along the silhouette's normal; none if they are further apart than `reach_pixels`, or
-  // the hull exceeds the silhouette by more than kMaxSlackPixels.
+  // Point of the hull's outline along the silhouette's normal; none if it is further away than `reach_pixels`, or the
+  // hull exceeds the silhouette by more than kMaxSlackPixels.
   static constexpr float kMaxSlackPixels = 8;
   std::optional<OutlinePoint> outlineAt(const EdgePoint& edge, float reach_pixels) const;
 
@@ -58,7 +58,7 @@ class OthersHull {
     SilhouetteClip::Instant instant;
     glm::dvec3 at_centre{0}, per_metre{0};  // homogeneous pixel along this ray: at_centre + depth · per_metre
     glm::dmat3 per_pixel{1};                // per_metre = per_pixel · (x, y, 1)
-    double scale = 1;                       // this camera's pixels per pixel and metre of depth
+    double scale = 1;                       // ratio of focal lengths, this camera's to the other's
   };
   float insideAt(const std::vector<Other>& others, double depth_m) const;
 
@@ -73,7 +73,7 @@ class OthersHull {
 struct StickOut {
   size_t points = 0;       // on outlines
   double mean_pixels = 0;  // in the clip's pictures; a point counts at most kMaxOutsidePixels
-  double far_share = 0;    // share of points that exceed it by more than two pixels
+  double far_share = 0;    // share of points that exceed the hull by more than two pixels
 };
 constexpr float kMaxOutsidePixels = 8;
 // Uses about `per_picture` points in each of at most `frames` frames.

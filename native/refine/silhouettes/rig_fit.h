@@ -16,14 +16,15 @@ struct TimedClip {
   std::vector<double> offset_frames;
 };
 
-// Refits cameras [camera] with the clips, all of cameras `given`. Changes one camera at a time, the one whose residuals
-// shrink most, until no change is significant. `ignored`: cameras that are neither changed nor compared; may be empty.
-// `go_on` returns false to stop early.
+// Refits the cameras `given`, which all clips share, and returns [camera]. Changes one camera at a time, the one whose
+// residuals shrink most, until no change is significant. `ignored`: cameras that are neither changed nor compared; may
+// be empty. `go_on` returns false to stop early.
 std::vector<CameraRefit> fitRig(const std::vector<TimedClip>& clips, const std::vector<PinholeCamera>& given,
                                 const std::vector<char>& ignored, const std::function<bool()>& go_on);
 
 // Rigs that differ by a shift of the performer's position fit equally well. Returns the one with the minimum sum of
-// rotation angles, with cameras within `near_deg` [camera] of it as given. `middle_in_world`: performer's centre.
+// rotation angles; cameras within `near_deg` [camera] of their given pose are returned as given. `middle_in_world`:
+// performer's centre.
 std::vector<PinholeCamera> minTurned(const std::vector<PinholeCamera>& given, const std::vector<PinholeCamera>& found,
                                      const glm::dvec3& middle_in_world, const std::vector<double>& near_deg);
 

@@ -57,9 +57,9 @@ class SilhouetteClip {
   std::vector<std::vector<std::vector<glm::vec2>>> outlines_;        // [frame][camera] pixels beside the outline
 };
 
-// Reads the middle of a sequence: at most `max_frames` frames, with pictures reduced such that the distances of
-// `clips` such clips take at most about 300 MB. The clip is a loop only if it has all frames of one. `on_frame`
-// receives the finished share and returns false to stop (error Interrupted). Other errors: those of FrameReader.
+// Reads the middle of a sequence: at most `max_frames` frames, with pictures reduced such that the distances of all
+// `clips` clips take at most about 300 MB. The clip is a loop only if it has all frames of one. `on_frame` receives the
+// finished share and returns false to stop (error Interrupted). Other errors: those of FrameReader.
 Result<SilhouetteClip> readSilhouetteClip(const capture::Capture& capture, const capture::CaptureSequence& sequence,
                                           const OpenVideo& open_video, uint32_t max_frames, size_t clips,
                                           const std::function<bool(double share)>& on_frame);

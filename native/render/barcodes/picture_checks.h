@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the frame numbers of pictures that exist on the GPU only: draws the cells of a picture's barcode into a row of
-// pixels and reads them back asynchronously. For pictures that platform code uploads into a slot's RGBA texture itself.
-// The player validates the numbers.
+// Reads the frame numbers of pictures that exist on the GPU only, where platform code uploads them into a slot's RGBA
+// texture: draws the cells of a picture's barcode into a row of pixels and reads them back asynchronously. The player
+// validates the numbers.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// State shared by draws with camera_blend.glsl: the cameras, their centres, pictures and depth maps; and the fill of
-// unseen surface. Pictures and programs are borrowed.
+// State shared by draws with camera_blend.glsl: the cameras, their centres, pictures and depth maps; and colours for
+// surface that no camera sees. Pictures and programs are borrowed.
 #pragma once
 
 #include <array>
@@ -18,8 +18,8 @@ namespace fourdvt::render {
 // Maximum cameras of one draw: WebGL2 guarantees 224 uniform vectors.
 constexpr int kMaxBlendedCameras = 20;
 
-// Returns the `closest` cameras in angle to the view's axis, nearest first; 0: all. A camera's direction is the ray
-// through the middle of its picture, which a shifted lens turns off the optical axis.
+// Returns the `closest` cameras (0: all) whose directions are nearest in angle to the view's axis, nearest first. A
+// camera's direction is the ray through the middle of its picture, which a shifted lens turns off the optical axis.
 std::vector<size_t> camerasTowards(std::span<const PinholeCamera> cameras, const glm::vec3& view_axis, int closest);
 
 // Camera pictures: layers of an array texture, indexed by camera, or tiles of a decoded picture.
@@ -37,7 +37,7 @@ class CameraUniforms {
   CameraUniforms(std::span<const PinholeCamera> cameras, std::span<const size_t> chosen, const DepthMaps& maps,
                  const BlendPictures& pictures, float min_cosine, float length_scale);
   void addTo(gpu::Draw& draw) const;
-  // Returns the defines of programs for such draws.
+  // Returns the defines of programs that draw with these uniforms.
   static std::string defines(size_t camera_count, const BlendPictures& pictures);
 
  private:

@@ -15,7 +15,7 @@ namespace {
 enum class ShaderCameras {
   None,     // the surface alone
   Chosen,   // blends the cameras chosen by the options (camera_shade.glsl)
-  Bounded,  // the same, with one more camera that bounds the weights (camera_lumigraph.glsl)
+  Bounded,  // like Chosen, with one more camera that bounds the weights (camera_lumigraph.glsl)
 };
 
 // Draws the surface once, with a method's own fragment shader.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Methods for figures from cameras, by name. The simple ones are a fragment shader that computes a camera's blend
+// Methods for figures from cameras, by name. A simple method is one fragment shader that computes a camera's blend
 // weight at a point (camera_shade.glsl). All share camera selection, depth maps and colours of unseen surface
 // (figure_cameras.h), and pictures and visibility test (camera_blend.h).
 #pragma once

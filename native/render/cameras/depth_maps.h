@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth maps of a surface from its cameras, for the visibility test of fragments. A map is redrawn only when the
-// surface changes. The number of maps is that of cameras in use at a time. Offset multi-draw (LVDT 2, step 2): the mesh
-// is drawn into a camera's depth buffer five times, unmoved and moved by one texel along the four diagonals, which
-// dilates occluders by a texel and keeps their texture off the surface beside their outline. The depth test's tolerance
-// grows with the slope by the same amount against self-occlusion.
+// Depth maps of a surface from its cameras, for the visibility test of fragments: one map per camera in use, redrawn
+// only when the surface changes. Offset multi-draw (LVDT 2, step 2): the mesh is drawn into a camera's depth buffer
+// five times, unmoved and moved by one texel along the four diagonals, which dilates occluders by a texel and keeps
+// their texture off the surface beside their outline. The depth test's bias grows with the slope by the same amount,
+// against self-occlusion.
 #pragma once
 
 #include <span>
@@ -36,7 +36,7 @@ class DepthMaps {
   int rows() const { return height_; }                      // rows of a layer
   int layerOf(size_t camera) const { return cameras_[camera].layer; }
   glm::vec2 texelsPerPixel(size_t camera) const;
-  // Returns the depth tolerance of the depth test, texels; negative: no test.
+  // Slope-scaled bias of the depth test, map texels; negative: no test.
   float reach() const;
   // Near and far plane of the camera's map, metres.
   glm::vec2 nearFar(size_t camera) const { return {cameras_[camera].region.near_m, cameras_[camera].region.far_m}; }

@@ -74,19 +74,19 @@ enum class FloatingFlow {
   Pictures,      // two cameras' pictures of the view
   KeptPictures,  // two cameras' pictures in the view of one of them, kept for other views (floating.h)
   EarlyMean,     // the mean of the pictures, still blurred, and one of them: first round of the mean form
-  LastMean,      // the same in the second round, with a nearly sharp mean between the pictures
+  LastMean,      // the same in the second round, where the mean is nearly sharp
 };
 
 // Returns the method and settings with the best score (algorithms/floating.md). octaves: halvings of the flow's size
 // against the pictures'; the finest patches keep their size.
 FlowOptions floatingFlow(FloatingFlow between, int octaves);
 
-// Maximum displacement (FlowSum's `most`) between two pictures and from their mean: shares of the view's height, in
-// still mode of the camera picture's.
+// Maximum displacement (FlowSum's `most`) between two pictures and from their mean, as shares of the view's height; of
+// the camera picture's height in still mode.
 constexpr float kMaxBetweenPictures = 0.0125f, kMaxFromMean = 0.006f;
 
-// Sum of flow fields, each weighted by one camera's share of the pixel (FT Eq. 6), in pixels of the weights. Flow and
-// target may differ in size; the flow is then sampled.
+// Sums flow fields, each weighted by one camera's share of the pixel (FT Eq. 6), in pixels of the weights. A flow that
+// differs in size from the target is sampled.
 class FlowSum {
  public:
   struct Term {
@@ -111,7 +111,8 @@ class PictureBlend {
     gpu::TextureId weights = 0;                        // FloatingPictures::weights
     std::vector<gpu::TextureId> pictures, flows = {};  // by rank; flows RG16F, in pixels of the weights, empty for None
   };
-  // Draws into pictures that, like flows and target, may be smaller than the weights. Errors: GpuFailure.
+  // Draws into the textures of `target`, which, like pictures and flows, may be smaller than the weights. Errors:
+  // GpuFailure.
   Status draw(gpu::Device& device, const Sources& sources, Warp warp, const PictureGroup& target);
 
  private:
@@ -119,8 +120,8 @@ class PictureBlend {
 };
 
 // Mean form of Floating Textures: flow from the mean of a view's pictures to each of them, n flows a round. The first
-// round, at a quarter of the view's size, displaces the pictures by its flow; the second, at half the size, starts from
-// their sharper mean. Cameras are chosen and the surface is drawn by floating.cpp.
+// round, at a quarter of the view's size, displaces the pictures by its flow, which sharpens their mean; the second, at
+// half the size, starts from that mean. floating.cpp chooses the cameras and draws the surface.
 class MeanFlows {
  public:
   // Errors: Unsupported: no half-float targets.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Free-viewpoint video rendering, the benchmark of LVDT (2, 4; "FVVR"): the mesh is textured at render time from all
+// Free-viewpoint video rendering, the benchmark of LVDT (2, 4; "FVVR"): the mesh is textured at render time from all N
 // camera pictures, each with a depth map of the mesh from that camera; the M cameras closest to the view are blended by
 // LVDT Eq. 3-4. Native evaluation only; excluded from the wasm player. A coarse depth map lets an occluder's texture
 // leak onto the surface behind its outline ("shadow leak", OVH03 5.2.2; depth_maps.h). Matte edges are used as given.
-// Every camera's picture of the frame is in GPU memory, the cost that layers avoid. With M < N cameras per frame, only
+// Every camera's picture of the frame is in GPU memory, a cost that layers avoid. With M < N cameras per frame, only
 // their pictures are uploaded and their depth maps drawn; textures for all N stay allocated for later views. Characters
 // from cameras are drawn by a Method (camera_method.h). Order of calls: setFrame (or its three parts) → draw….
 #pragma once
@@ -26,7 +26,7 @@ struct FvvrOptions {
   int closest = 0;          // M of N: cameras nearest in angle to the view (camerasTowards); 0: all
   glm::vec4 background{0};  // premultiplied
   int samples = 4;
-  bool fills = true;  // fills surface that no camera sees; otherwise it is transparent
+  bool fills = true;  // fills surface that no camera sees; false: leaves it transparent
 };
 
 class Fvvr {
@@ -77,7 +77,7 @@ class Fvvr {
   gpu::Device& device_;
   const std::vector<PinholeCamera> pinholes_;
   std::vector<Camera> cameras_;
-  std::vector<PictureRegion> regions_;  // per camera: part of its picture that the current mesh covers
+  std::vector<PictureRegion> regions_;  // [camera] part of its picture that the current mesh covers
   CharacterModel model_;
   std::optional<DepthMaps> maps_;
   // Size of the largest camera's picture; smaller ones use part of their layers.

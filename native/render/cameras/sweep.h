@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Refines the surface along every ray of the view within a band about the given one: a plane sweep over the chosen
+// Refines the surface along every view ray within a band about the given surface: a plane sweep over the chosen
 // cameras, semi-global matching on short paths, then the cameras' blend at the points found. Outlines are unchanged:
 // rays that miss the given surface show nothing. Requires no float targets.
 #pragma once

@@ -17,8 +17,8 @@ class SurfaceNeighbours {
  public:
   // Errors: GpuFailure.
   Status update(gpu::Device& device, const CharacterModel& model);
-  // R32UI: [vertex] start of its list, followed by the end of the last list; then the lists: the two other vertices of
-  // each face at the vertex, in the face's order. A neighbour appears once for each face that has both vertices.
+  // R32UI: [vertex] start of its list, and the end of the last list; then the lists: for each face at the vertex its
+  // two other vertices, in the face's order. A neighbour appears once for each face that has both vertices.
   gpu::TextureId texture() const { return table_.id(); }
 
  private:
@@ -58,11 +58,10 @@ class SurfaceFields {
                          int steps = kFieldSteps);
   FieldTables distances() const { return distances_[0].tables(); }  // RGBA16F
 
-  // Smooths the fields in time (M4D Eq. 5), independent of frame rate: they move towards `aims` (RGBA16F) by the share
-  // 1 - exp(-elapsed_s / settling_s); at the first call, after an infinite time and with settling_s = 0 they equal the
-  // aims. A slot with a new camera starts from 0. After a topology change each vertex starts from the nearest vertex of
-  // the previous surface (from the second such change on, and only within reach; otherwise from the aims). Errors:
-  // GpuFailure.
+  // Smooths the fields in time (M4D Eq. 5), independent of frame rate: moves them towards `aims` (RGBA16F) by the share
+  // 1 - exp(-elapsed_s / settling_s). They equal the aims at the first call, after an infinite time and with settling_s
+  // = 0. A slot with a new camera starts from 0. After a topology change each vertex starts from the nearest vertex of
+  // the previous surface; from the aims at the first such change, or if none is within reach. Errors: GpuFailure.
   Status follow(gpu::Device& device, const CharacterModel& model, FieldTables aims,
                 std::span<const size_t> cameras_of_slots, float elapsed_s, float settling_s);
   FieldTables fields() const { return fields_[current_].tables(); }  // RGBA16F

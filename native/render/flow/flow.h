@@ -27,8 +27,9 @@ enum class FlowMethod { Farneback, Dis };
 struct FlowOptions {
   FlowMethod method = FlowMethod::Farneback;
   int finest = 2;  // Dis: octaves of the finest patches below width × height
-  // Share of the difference's variance round the pixel that a displacement must remove to count in full; below it the
-  // weight falls in proportion. 0: every displacement counts in full. OpenCV's flow has neither this nor `finest`.
+  // Share of the variance of the pictures' difference round the pixel that a displacement must remove to have full
+  // weight; below it the weight falls in proportion. 0: full weight always. OpenCV's flow has neither this nor
+  // `finest`.
   double must_explain = 0;
   // Displacements of at least this many pixels of the flow are exempt from must_explain, from half of it gradually:
   // short ones are mostly sampling noise. 0: no exemption. OpenCV's flow lacks this option.

@@ -73,7 +73,7 @@ Status FlowPictures::prepare(gpu::Device& device, gpu::TextureId a, gpu::Texture
 Status ShrunkPair::resize(gpu::Device& device, const FlowSize& pictures, const FlowSize& level, double scale) {
   const double sigma = (1 / scale - 1) / 2;
   const int side = std::max(static_cast<int>(std::lrint(sigma * 5)) | 1, 3) / 2;
-  const double fall = sigma > 0 ? 1 / (2 * sigma * sigma) : std::log(2.0);  // at full size (1, 2, 1) / 4
+  const double fall = sigma > 0 ? 1 / (2 * sigma * sigma) : std::log(2.0);  // at full size (1, 2, 1) / 4: sigma is 0
   blur_x_ = glm::vec3(double(pictures.width) / level.width, side, fall);
   blur_y_ = glm::vec3(double(pictures.height) / level.height, side, fall);
   FOURDVT_TRY(makeFlowBuffer(device, level.width, pictures.height, {gpu::PixelFormat::RG16F}, rows_));

@@ -13,13 +13,13 @@ std::string_view montageShaderText(std::string_view name);  // embedded; see CMa
 
 namespace {
 
-// Tuned on the walk of the sample, held-out cameras: 24.41 dB / .8145 against 24.38 / .8110 of the plain blend with
-// powers 1 and 1, and 24.42 / .8148 of the plain blend with the same powers (algorithms/montage.md); M4D's own aims,
-// independent of surface orientation, with (0, 2) and 5 cm: 24.33 / .8131.
+// Tuned on held-out cameras of the sample capture's walk: 24.41 dB / .8145 against 24.38 / .8110 of the plain blend
+// with powers 1 and 1, and 24.42 / .8148 of the plain blend with the same powers (algorithms/montage.md); M4D's own
+// aims, independent of surface orientation, with (0, 2) and 5 cm: 24.33 / .8131.
 constexpr glm::vec2 kPowers(2, 4);     // exponents of the aims: surface and ray, view and ray
 constexpr int kVaryingsOfDevice = 15;  // maximum guaranteed by WebGL2
-// Fields are dropped when there are more than kMaxFields and they have not been prepared for kKept prepares. No
-// picture has that many parts: all of them are prepared before the first is drawn.
+// Fields that the last kKept prepares did not use are dropped once there are more than kMaxFields. No picture has that
+// many parts, all of which are prepared before the first is drawn.
 constexpr size_t kMaxFields = 16;
 constexpr uint64_t kKept = 256;
 
