@@ -6,7 +6,7 @@
 
 namespace fourdvt::lab {
 
-// bake::TexelRule: layer l of a texel is the l-th camera of the face's order in which this texel is visible. Draws
+// bake::TexelRule: layer l of a texel is taken from the l-th camera of the face's order that sees this texel. Draws
 // every camera for every layer size: slow.
 Result<std::vector<Image>> resamplePerTexel(bake::Resampler& resampler, gpu::Device& device,
                                             const bake::GpuCapture& capture, const std::vector<uint8_t>& order);

@@ -32,7 +32,7 @@ Result<std::vector<std::vector<std::vector<uint8_t>>>> readCharacterLabels(const
                                                                            const std::string& sequence, uint32_t first,
                                                                            uint32_t count);
 
-// Stream of a sequence or class, read as by the player.
+// Stream of a sequence or class, read as the player reads it.
 struct CharacterStream {
   package::Character character;
   const package::Sequence* sequence = nullptr;  // in `character`

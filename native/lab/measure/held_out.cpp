@@ -92,7 +92,7 @@ class Evaluation {
     return {};
   }
 
-  // Rotates the mesh before the camera, equivalent to moving the camera round the mesh.
+  // Rotates the mesh in front of a fixed camera, equivalent to moving the camera round the mesh.
   Status flickerOnOrbit(const capture::CaptureSequence& sequence, const Positions& mesh) {
     const PinholeCamera& start = bakedCamera(0);
     const glm::dvec3 middle = boundsOf(mesh).middle();

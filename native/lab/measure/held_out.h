@@ -43,11 +43,12 @@ struct WorstView {
   Image truth, character, yardstick;  // yardstick may be empty
 };
 
-// Flicker between two consecutive pictures drawn a frame period apart, so that temporal filters run. At an input
-// camera: change of the error against that camera's pictures on the surface (flickerLevels); the same picture is in the
-// layers, at both ends. On the orbit, whose camera is kOrbit: change of the surface colours of frame 0 while the camera
-// turns by 1 degree per picture, kOrbitPictures of them from the first input camera on; no camera has pictures there.
-// NaN if the surface is not visible in both.
+// Flicker between two consecutive pictures, drawn a frame period apart so that temporal filters run. NaN if no part of
+// the surface is visible in both.
+// At an input camera: change, on the surface, of the error against that camera's pictures (flickerLevels); these
+// pictures are also in the layers.
+// On the orbit, whose camera is kOrbit: change of the surface colours of frame 0 while the view turns by 1 degree per
+// picture, kOrbitPictures of them, starting at the first input camera. Without a captured picture to compare with.
 inline constexpr const char* kOrbit = "orbit";
 inline constexpr uint32_t kOrbitPictures = 46;     // beyond one camera spacing of a ring of eight
 inline constexpr uint32_t kMaxFlickerFrames = 64;  // per sequence, from frame 0
@@ -56,7 +57,7 @@ struct FlickerScore {
   uint32_t frame = 0;  // frame or picture of the orbit: the later of the two
   double levels = 0;
 };
-// Mean over the sequence's and camera's scores, excluding NaN; NaN without scores.
+// Mean of the scores of this sequence and camera, excluding NaN; NaN without scores.
 double meanFlicker(const std::vector<FlickerScore>& scores, const std::string& sequence, const std::string& camera);
 
 struct HeldOutReport {
@@ -66,7 +67,7 @@ struct HeldOutReport {
 };
 
 // Requires a current GL context behind `character`. Calls `on_frame`, if set, after each finished frame of the capture.
-// Errors: InvalidArgument (a sequence that one of them lacks), and those of the capture and of the character.
+// Errors: InvalidArgument (a sequence that capture or character lacks), and those of the capture and of the character.
 Result<HeldOutReport> evaluateHeldOut(
     const capture::Capture& capture, const OpenVideo& open_video, edge::CharacterPlayer& character,
     const HeldOutOptions& options,

@@ -8,7 +8,7 @@
 namespace fourdvt::measure {
 namespace {
 
-// 255 inside.
+// Mask of the matte: 255 at half coverage or more.
 cv::Mat insideOf(const Image& picture) {
   cv::Mat out(picture.height, picture.width, CV_8U);
   const size_t pixels = size_t(picture.width) * picture.height, channels = size_t(picture.channels);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Agreement of mattes with the truth, over any number of pictures of one size. A pixel is inside a matte from half
-// coverage on.
+// Agreement of mattes with true mattes, over any number of pictures of one size. Pixels of at least half coverage are
+// inside.
 #pragma once
 
 #include "base/image.h"
@@ -9,9 +9,9 @@ namespace fourdvt::measure {
 
 class MatteAgreement {
  public:
-  static constexpr double kBand_pixels = 2;  // on either side of the truth's edge
+  static constexpr double kBand_pixels = 2;  // on either side of the true matte's edge
 
-  // The last channel of each is the matte. Of one size.
+  // Both of one size; the last channel of each is the matte.
   void add(const Image& picture, const Image& truth);
   void add(const MatteAgreement& other);
 

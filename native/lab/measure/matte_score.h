@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scores of a capture's mattes as returned by its reader, keyed or read, against the true ones of a virtual studio,
-// stored in FOLDER/SEQUENCE/maskNN like a capture's mattes. Needs no meshes.
+// Scores of a capture's mattes, keyed or read from files, against the true mattes of a virtual studio, stored in
+// FOLDER/SEQUENCE/maskNN like a capture's mattes. Needs no meshes.
 #pragma once
 
 #include <functional>

@@ -21,8 +21,8 @@ struct ChartSeam {
 std::vector<ChartSeam> chartSeams(const MeshTopology& topology);
 
 // Sampled every pixel along the visible seams. The contrast at a point with unit normal n across the edge and luma L
-// (0..255): |L(1.5n) - L(-1.5n)| + |L(0) - (L(1.5n) + L(-1.5n)) / 2|, a step and a line. Controls are measured likewise
-// along parallel lines 6 pixels to either side, on the same surface.
+// (0..255): |L(1.5n) - L(-1.5n)| + |L(0) - (L(1.5n) + L(-1.5n)) / 2|, a step and a line. Controls: the same along
+// parallel lines 6 pixels to either side, on the same surface.
 struct SeamContrast {
   double seam = 0, control = 0;  // means, levels
   size_t samples = 0;

@@ -9,7 +9,6 @@ namespace fourdvt::measure {
 namespace {
 
 // Squared distance of p to the triangle a, b, c (Ericson, Real-Time Collision Detection, 5.1.5).
-// 2005, section 5.1.5).
 double squaredDistance(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
   const glm::dvec3 ab = b - a, ac = c - a, ap = p - a;
   const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);

@@ -30,7 +30,7 @@ std::optional<glm::ivec2> counterPlace(const Image& matte, int cell_px) {
   const cv::Moments moments = cv::moments(performer, true);
   if (!(moments.m00 > 0)) return std::nullopt;
   const double from_x = moments.m10 / moments.m00 - width / 2.0, from_y = moments.m01 / moments.m00 - height / 2.0;
-  cv::Mat room;  // valid corners of a counter with its border
+  cv::Mat room;  // valid corners of a counter including its margin
   cv::erode(performer, room, cv::Mat::ones(height, width, CV_8U), {0, 0}, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
   std::optional<glm::ivec2> best;
   double least2 = 0;

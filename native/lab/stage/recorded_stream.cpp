@@ -69,8 +69,8 @@ Image sourcePixels(const I420View& picture, const package::Rendition& rendition,
   return out;
 }
 
-// Reads a number at each frame's corner; rejects numbers of another frame, as picture i shows frame i modulo the
-// corners' count.
+// Reads a number at each frame's corner; rejects numbers of other frames: picture i shows frame i modulo the number of
+// corners.
 std::optional<uint32_t> readAtAnyFrame(const Image& luma, const package::Rect& source,
                                        const std::vector<Corner>& corners, int cell_px) {
   std::optional<uint32_t> found;

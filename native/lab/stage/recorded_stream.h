@@ -15,9 +15,9 @@
 namespace fourdvt::stage {
 
 struct RecordedFrame {
-  uint32_t number = 0;  // message's
+  uint32_t number = 0;  // from the message
   bool key = false;
-  int64_t captured_us = 0;  // message's
+  int64_t captured_us = 0;  // from the message
   size_t bytes = 0, surface_bytes = 0, picture_bytes = 0;
   size_t triangles = 0;
   std::optional<uint32_t> barcode;  // in the decoded picture: `number` modulo 4096

@@ -27,7 +27,7 @@ class Bystander {
 
   std::unique_ptr<Actor> actor_;
   std::unique_ptr<Renderer> renderer_;
-  glm::dvec3 place_{0}, sideways_{0};  // position; horizontal unit vector across the line to the middle
+  glm::dvec3 place_{0}, sideways_{0};  // position; horizontal unit vector, perpendicular to the line to the middle
   double near_m_ = 0, far_m_ = 0;
   Positions positions_;
 };

@@ -18,7 +18,7 @@ glm::dvec2 throughPinhole(const PinholeCamera& c, const glm::dvec2& pixel) {
 
 }  // namespace
 
-// Radii on the plane at distance 1.
+// Distorted radius of a pinhole radius; both on the plane at distance 1.
 double Lens::imagedAt(double r) const {
   const double r2 = r * r;
   return r * (1 + r2 * (k_[0] + r2 * (k_[1] + r2 * k_[2])));
@@ -29,7 +29,7 @@ double Lens::slopeAt(double r) const {
   return 1 + r2 * (3 * k_[0] + r2 * (5 * k_[1] + r2 * 7 * k_[2]));
 }
 
-// Solves by Newton's method.
+// Inverts imagedAt() by Newton's method.
 double Lens::radiusOf(double imaged) const {
   double r = imaged;
   for (int i = 0; i < kMaxNewtonSteps && std::abs(imagedAt(r) - imaged) > kRadiusAccuracy; ++i)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Furnished room round the actor, in place of the green studio: textured floor and walls, partly in the actor's own
-// colours, and the actor's shadow on them under one lamp at infinity. Drawn on the CPU, four samples a pixel. Without
-// shadows on the actor, reflections and a ceiling.
+// colours, and the actor's shadow on them under one lamp at infinity. Drawn on the CPU, four samples a pixel. No
+// shadows on the actor, no reflections, no ceiling.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -20,11 +20,11 @@ namespace fourdvt::studio {
 class Room {
  public:
   // Walls stand behind the ring's cameras; `seed` chooses textures, furniture and the lamp's direction. `size_m`:
-  // length of a wall, at least leastSize_m; 0: a quarter more than that. `penumbra_m`: radius of the shadow's soft
-  // edge; 0: hard. `lens`: of all cameras.
+  // length of a wall, at least leastSize_m; 0: 1.25 times leastSize_m. `penumbra_m`: radius of the shadow's soft edge;
+  // 0: hard. `lens`: of all cameras.
   Room(uint32_t seed, const Rig& rig, double ground_y_m, const Actor& actor, double size_m = 0, double penumbra_m = 0,
        const Lens& lens = {});
-  // Length of a wall that touches the ring's outermost camera.
+  // Smallest side of a square room that holds all ring cameras.
   static double leastSize_m(const Rig& rig);
 
   // Sets the shadow caster's pose, world coordinates. Faces are the actor's surface.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shadow of one posed surface under a lamp at infinity, independent of the receiver: its outline on a plane across the
-// light. Hard, or with a penumbra of constant width, that of a disc.
+// Shadow of one posed surface under a lamp at infinity, independent of the receiver: the surface's outline on a plane
+// perpendicular to the light. The edge is hard, or a penumbra of constant width, as from a disc-shaped lamp.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -13,7 +13,8 @@ namespace fourdvt::studio {
 
 class Shadow {
  public:
-  // `light`: direction, unit, not vertical. `penumbra_m`: radius of the disc, across the light; 0: a hard edge.
+  // `light`: direction, unit, not vertical. `penumbra_m`: half the penumbra's width, perpendicular to the light; 0: a
+  // hard edge.
   Shadow(const glm::dvec3& light, std::vector<glm::uvec3> faces, double penumbra_m);
   void setPose(const Positions& pose);  // world coordinates
   // Occlusion of the lamp at a point behind the surface, 0…1; 0 before the first pose, and for points in front of the

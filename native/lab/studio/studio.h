@@ -7,7 +7,7 @@
 // noise, and the capture has no mattes of its own; the true ones lie in mattes_true/SEQUENCE/maskNN.
 //
 // Order of calls: options.check() → runStudio. Motion blur, shadows on the actor and rolling shutter are not modelled;
-// held-out pictures and truth are a pinhole's.
+// held-out pictures and truth have no lens distortion.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ namespace fourdvt::studio {
 struct StudioKnobs {
   uint32_t seed = 1;
   // The actor.
-  double drift_mm = 0;  // maximum slide of appearance over the tracked mesh, a class's first to last member
+  double drift_mm = 0;   // maximum slide of appearance over the tracked mesh, a class's first to last member
   double wrinkles = 0;   // 0…1: contrast of cloth folds whose position depends on the motion and its phase
   double specular = 0;   // 0…1: strength of a view-dependent highlight
   double shading = 0.5;  // 0…1: strength of the studio's fixed lights; 0: unshaded texture

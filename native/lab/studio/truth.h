@@ -7,10 +7,10 @@
 //   wNNN/CAMERA/%04d.png  straight alpha, no noise, no gain; NNN: 100 × position among the members (000 the first, 100
 //                         the last); the file's number: the phase
 //   wNNN/mesh/positions.i16   the exact tracked mesh, packed as a sequence's, one frame per phase
-//   alignment/MEMBER/%04d.bin at that phase, per vertex of mesh_topology.obj: face (uint32), shares of the
-//                         face's second and third corner (2 × float32), little-endian: the point of the mesh at
-//                         which MEMBER has the first member's appearance at the vertex. Independent of the pose: on a mesh P
-//                         the displacement is Σ share_k P[corner_k] - P[vertex].
+//   alignment/MEMBER/%04d.bin for each phase, per vertex of mesh_topology.obj: face (uint32), barycentric shares of its
+//                         second and third corner (2 × float32), little-endian: the point of the mesh at which MEMBER
+//                         has the first member's appearance at the vertex. Independent of the pose: on a mesh P the
+//                         displacement is Σ share_k P[corner_k] - P[vertex].
 #pragma once
 
 #include "lab/studio/set.h"

@@ -34,9 +34,8 @@ class Actor {
   virtual const RestMesh& surface() const = 0;  // drawn surface; its UVs lie in texture()
   virtual const RestMesh& tracked() const = 0;  // captured mesh
   virtual const Image& texture() const = 0;     // RGB, sRGB
-  // Sets `out` to the surface's vertices for these shares of all motions (sum 1) at their common phase 0…1; a motion's
-  // phase is the elapsed share of its duration. Between motions this is the exact intermediate motion, not a blend of
-  // vertices.
+  // Sets `out` to the surface's vertices at phase 0…1 (elapsed share of a motion's duration) of the motion with these
+  // `shares` of all motions (sum 1). Between motions this is the exact intermediate motion, not a blend of vertices.
   virtual void pose(std::span<const double> shares, double phase, Positions& out) = 0;
 };
 

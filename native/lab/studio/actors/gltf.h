@@ -37,7 +37,7 @@ struct GltfAnimation {
   std::vector<GltfChannel> channels;
 };
 
-// Joint of a vertex; up to four per vertex.
+// Joint of the skeleton; a vertex refers to up to four.
 struct GltfJoint {
   int node = 0;
   glm::dmat4 bind{1};  // joint from mesh

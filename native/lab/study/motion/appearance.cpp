@@ -106,7 +106,7 @@ class TruthPart {
   const MotionSubject& subject_;
   const MotionTruth& truth_;
   measure::ScoreLane lane_;
-  std::map<double, measure::ErrorSamples> apart_;  // by w: from the true mesh to the blended one
+  std::map<double, measure::ErrorSamples> apart_;  // by w: distance of the blended mesh from the true one
 };
 
 struct RatioSum {

@@ -24,7 +24,8 @@ measure::FlowField stillField(const PinholeCamera& camera) {
   return {camera.width, camera.height, std::vector<glm::vec2>(size_t(camera.width) * camera.height, glm::vec2(0))};
 }
 
-// Baked displacement of each face corner on the mesh set: along the face, following the texture coordinates.
+// Displacement of each face corner by the baked alignment, on the current mesh: along the face, as texture coordinates
+// move.
 std::vector<glm::vec3> bakedCorners(const MotionStage& stage, const SurfaceFrames& frames) {
   const MeshTopology& topology = stage.mesh().topology;
   const Positions& p = stage.positions();

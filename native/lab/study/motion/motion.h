@@ -20,7 +20,7 @@ struct MotionSubject {
   bool quick() const { return context.options.quick; }
   // Evenly spread phases of the class.
   std::vector<uint32_t> phases(size_t count) const;
-  // The product's kAlign…, in the tables' order; baked only if the stream is aligned.
+  // The product's kAlign… methods among `wanted`, in the tables' order; kAlignBaked only if the stream is aligned.
   std::vector<AlignMethod> methods(const std::vector<AlignMethod>& wanted) const;
 };
 

@@ -38,7 +38,7 @@ class MotionStage {
   // Selects the phase of pictures, labels and meshes, and sets its mesh at equal weights.
   Status show(uint32_t phase);
   std::vector<Positions> members() const;  // meshes of the phase
-  Positions blended(double w) const;       // as blended by the player: w of the second member
+  Positions blended(double w) const;       // as the player blends: w of the second member
   // Blend between two phases, as for a class of more frames; a loop wraps to its start.
   Result<Positions> blendedAt(double w, double phase);
   const std::vector<glm::vec2>& alignment() const { return alignment_; }  // [member - 1][vertex], metres
@@ -47,12 +47,13 @@ class MotionStage {
 
   // Premultiplied, into a target of the view's size.
   Status drawInto(const render::View& view, double w, const AlignMethod& method, gpu::TargetId target);
-  // Draws `count` figures in the same place, each slightly nearer than the one before, so that each is shaded.
+  // Draws `count` figures in the same place, each slightly nearer than the previous one, so that the depth test
+  // discards none.
   Status drawMany(const render::View& view, int count, const AlignMethod& method, gpu::TargetId target);
-  // RGBA straight alpha, top row first. w: 0 and 1 are one member's own appearance. Accepts kFlowGpuDetail too: the
-  // flow's picture with the contrast gain of a baked blend of the same weights.
+  // RGBA straight alpha, top row first. w = 0 and w = 1 show one member's own appearance. Also accepts kFlowGpuDetail:
+  // the picture by flow, with the contrast gain of a baked blend of the same weights.
   Result<Image> draw(const PinholeCamera& camera, double w, const AlignMethod& method);
-  // Flow from the first member's appearance to the second's, on the mesh set; one of the flow methods.
+  // Flow from the first member's appearance to the second's, on the current mesh; `method`: one of the flow methods.
   Result<measure::FlowField> flow(const PinholeCamera& camera, const AlignMethod& method);
 
   // Orbit camera at the minimum distance that keeps the whole motion inside the picture.

@@ -32,8 +32,8 @@ class MotionTruth {
     package::EncodedBaseMesh mesh;
     std::vector<std::vector<double>> passed;  // [member][frame of the class], see commonFrame
   };
-  // Returns null if the capture has none, or if the class has more than two members. Errors: FileUnreadable (a damaged
-  // truth).
+  // Returns null if the capture has no truth, or if the class has more than two members. Errors: FileUnreadable (a
+  // damaged truth).
   static Result<std::unique_ptr<MotionTruth>> open(const StudyContext& context, const package::Sequence& motion,
                                                    Baked baked);
   const std::vector<Step>& steps() const { return steps_; }

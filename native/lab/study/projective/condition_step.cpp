@@ -40,7 +40,7 @@ double mean(const std::vector<double>& values) {
   return count ? sum / double(count) : std::nan("");
 }
 
-// Median: other load of the machine lengthens single frames.
+// Median, since other load of the machine lengthens single frames.
 double usual(const std::vector<double>& values) { return median(values, std::nan("")); }
 
 class ConditionPart {
@@ -56,7 +56,7 @@ class ConditionPart {
   }
 
  private:
-  // Returns true if the method is chosen on it.
+  // True if the method is chosen by this condition.
   bool isJudged() const {
     const auto& judged = judgedProxies();
     return condition_.axis == kAxisProxy && std::find(judged.begin(), judged.end(), condition_.at) != judged.end();

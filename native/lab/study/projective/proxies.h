@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The surfaces that methods texture in this study, by name:
 //   given           the capture's own
-//   given-2000 …    the same with about so many faces (bake::simplified)
+//   given-2000 …    the capture's own, simplified to about this many faces (bake::simplified)
 //   hull            from the mattes alone: polyhedral, outlines to 1 px; hull-2px, hull-4px: coarser outlines
 //   refined         the hull with its surface found by stereo: what `fourdvt reconstruct` makes by default
 //   plane           a plane through the body's middle that faces the view (for light fields)

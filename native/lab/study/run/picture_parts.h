@@ -19,7 +19,7 @@ constexpr int kCell = 320, kBodyHeight = 520;  // pixels of a sheet's cells
 
 // Azimuths midway between neighbouring cameras, degrees, as in OrbitView.
 std::vector<double> middleAzimuths_deg(const std::vector<PinholeCamera>& cameras);
-// Blend weight of layer l, from the three weights of DebugView::Weights; layer 3 has the rest.
+// Blend weight of layer l, from the three weights of DebugView::Weights; layer 3 takes the remainder.
 std::vector<uint8_t> shareOf(const Image& shares, int layer);
 // Crops a body picture to the box (x, y, width, height), scaled to fit a cell.
 Image bodyCell(const Image& rgb, const std::array<int, 4>& box);

@@ -40,7 +40,7 @@ Result<Rows> publishSteps(const StudyContext& context, std::span<const StudyStep
 Status addPart(const StudyContext& context, const std::string& name, const std::function<Result<Rows>()>& measure,
                Rows& out);
 
-// Writes a file of the report's pictures and appends its row: `shown` without table and "file=…".
+// Writes a file into the report's pictures and appends its row: `shown` with the table and "file=…" added.
 Status addPicture(const StudyContext& context, const std::string& file, const Image& picture, Row shown, Rows& out,
                   int quality = 90);
 std::string sizeSetting(const Image& picture);  // "width=640 height=480"

@@ -25,7 +25,7 @@ std::string viewSetting(const PinholeCamera& camera, uint32_t frame);
 std::vector<PinholeCamera> captureCameras(const StudyContext& context);
 // The sequences of this study, in the capture's order.
 std::vector<const capture::CaptureSequence*> studySequences(const StudyContext& context);
-// Sequence with the minimum number of frames, for measures on one sequence only.
+// Sequence with the fewest frames, for measures on one sequence only.
 const capture::CaptureSequence& shortestSequence(const StudyContext& context);
 
 // Views of a sequence in this study: 36, or 8 with `quick`. Reads all meshes for their bounds.
@@ -35,7 +35,7 @@ Result<std::vector<RingView>> studyRing(const StudyContext& context, const captu
 std::string referencePath(const StudyContext& context, const std::string& sequence, const RingView& view);
 std::string referencePath(const StudyContext& context, const std::string& sequence, const std::string& camera,
                           uint32_t frame);
-// Reads such a picture. The error for a missing one suggests deleting the report folder.
+// Reads a picture of runReference. The error for a missing one suggests deleting the report folder.
 Result<Image> readReference(const std::string& path);
 
 // Returns capture::readTestCameras; empty if no sequence of the study has held-out frames.

@@ -238,8 +238,8 @@ Result<Rows> MethodStudy::run() {
   return std::move(out_);
 }
 
-// Quality measure at the held-out cameras: quantity names of FVVR's bytes at that quality, and of a method's share of
-// them.
+// Quality measure at the held-out cameras, with the names of the quantities "bytes of FVVR's videos at equal quality"
+// and "a method's share of these".
 struct EqualQuality {
   const char *theirs, *ours;     // quantities: multi-view videos, held-out table
   const char *percent, *beyond;  // quantities of table1

@@ -33,7 +33,8 @@ struct CodecSetting {
 struct Group {
   LayerSetting layers;
   std::vector<CodecSetting> codecs;
-  // True if the step "rate" covers a group of the same layers, with their points without a codec and as chosen.
+  // True if the step "rate" covers a group of the same layers, including its points without a codec and at the default
+  // setting.
   bool again = false;
 };
 

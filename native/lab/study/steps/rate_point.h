@@ -26,7 +26,7 @@ struct RateClip {
   std::string pictures_path;               // concatenated frames of tiled I420
   std::vector<uint32_t> gop_first_frames;  // ascending, starts with 0
   std::vector<Positions> positions;  // per frame, in the decoded mesh's order; may be empty for frames without views
-  std::vector<std::vector<uint8_t>> labels;  // per frame, [layer][face]; may be empty likewise
+  std::vector<std::vector<uint8_t>> labels;  // per frame, [layer][face]; may be empty without views
   package::Character character;              // cameras, counts, bounds
   const package::BaseMesh* mesh = nullptr;   // borrowed
 };

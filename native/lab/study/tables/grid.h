@@ -36,7 +36,7 @@ struct Cell {
   std::string sequence = {};     // "": over all sequences
   // Replaces `quantity`: computed from several quantities.
   std::function<double(const StudyValues& values, const Cell& cell)> value = {};
-  // Replaces all of these by words; a row of words alone is empty.
+  // Replaces all of the above by words; a row of words alone counts as empty.
   std::function<std::string(const StudyValues& values, const Cell& cell)> words = {};
 };
 using Cells = std::vector<Cell>;

@@ -38,7 +38,7 @@ class StudyValues {
   const Rows& rows() const { return rows_; }
 
  private:
-  // Values that mean and sum are of.
+  // Values over which mean and sum are taken.
   std::vector<double> each(const std::string& table, const std::string& method, const std::string& filter,
                            const std::string& quantity) const;
 

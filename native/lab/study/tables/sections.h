@@ -12,7 +12,7 @@ namespace fourdvt::study {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  // not measured
 
-// Section of a report, in the report's list.
+// Entry in a report's list of sections.
 struct SectionPlan {
   const char *id, *title, *text;
   void (*fill)(Section& section, const StudyValues& values);  // may be null: pictures only
