@@ -14,7 +14,7 @@ const LIST = fileURLToPath(new URL('abi.txt', import.meta.url));
 const NOTE = `// SPDX-License-Identifier: Apache-2.0
 // Made by wasm/abi.mjs from wasm/abi.txt during the build. Edit the list instead.`;
 
-// `c`: C++ type, `ts`: TypeScript type; `size` in wasm32, bytes, also the alignment unless `align` is given.
+// Types of fields. `c`: C++ type; `ts`: TypeScript type; `size`: bytes in wasm32, also the alignment without `align`.
 const FIELDS = {
   i32: { c: 'int32_t', size: 4, ts: 'number' },
   u32: { c: 'uint32_t', size: 4, ts: 'number' },
@@ -36,7 +36,7 @@ const roundUp = (value, step) => Math.ceil(value / step) * step;
 
 // ---- list ----
 
-/** The list as { enums, records, functions }, maps by name. Throws an Error with the line. */
+/** Parses the list to { enums, records, functions }, maps by name. Throws an Error with the line. */
 export function parseAbi(text) {
   const abi = { enums: new Map(), records: new Map(), functions: new Map(), module: '', record: null };
   text.split('\n').forEach((line, index) => {
@@ -87,7 +87,7 @@ function addField({ record, ...abi }, typeName, name) {
   record.size = roundUp(record.end, record.align);
 }
 
-// `access`: name of the field's methods in Reader and Writer (web/src/wasm/records.ts).
+// Returns a field's type. `access`: name of its methods in Reader and Writer (web/src/wasm/records.ts).
 function fieldType({ enums, records }, name) {
   const camel = upperCamel(name);
   if (records.has(name)) return { ...records.get(name), c: camel, ts: `${camel}Record`, record: camel };
@@ -173,7 +173,7 @@ export function exportList(abi, module) {
 
 const listName = (enumeration) => `${enumeration.toUpperCase()}S`.replace(/YS$/, 'IES');
 
-/** The page's half; it imports web/src/wasm/records.ts from the folder above its own. */
+/** Makes the TypeScript module for the page; it imports records.ts of web/src/wasm from the folder above its own. */
 export function typeScript(abi) {
   const given = new Set([...abi.functions.values()].flatMap((f) => f.parameters.map(([type]) => type)));
   const modules = new Set([...abi.functions.values()].map((f) => f.module));
@@ -235,7 +235,7 @@ function tsDeclaration([name, { result, parameters }]) {
 
 // ---- stamps ----
 
-/** Hash of texts or bytes, 8 digits. */
+/** Hashes texts or bytes to 8 hexadecimal digits. */
 export function stampOf(...parts) {
   const hash = createHash('sha256');
   for (const part of parts) hash.update(part);
@@ -255,7 +255,7 @@ function write(file, make) {
   writeFileSync(file, make(parseAbi(readFileSync(LIST, 'utf8'))));
 }
 
-/** Writes the page's half of abi.txt for web/build.mjs and the tests. */
+/** Writes the TypeScript module for web/build.mjs and the tests. */
 export function writeTypeScript(file) {
   write(file, typeScript);
 }

@@ -23,7 +23,7 @@ Status solveOnPage(const uint8_t* a, const uint8_t* b, int width, int height, fl
   return Error{ErrorId::Unsupported, "the page has no optical flow: load the OpenCV module first"};
 }
 
-// mode: one of the flows. Errors: Unsupported: no such flow on the device; GpuFailure.
+// Creates the flow of an align mode that uses one. Errors: Unsupported: the device lacks that flow; GpuFailure.
 Result<std::unique_ptr<render::FlowSource>> makeFlow(gpu::Device& device, abi::AlignMode mode) {
   if (mode == abi::AlignMode::FlowOpencv) return render::createReadBackFlow(device, solveOnPage);
   render::FlowOptions options;

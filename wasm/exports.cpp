@@ -51,7 +51,7 @@ struct FillRequest {
   static abi::Bytes bytes(std::span<const uint8_t> s) { return {s.data(), static_cast<uint32_t>(s.size())}; }
 };
 
-// Device of a context, shared by all its canvases together with the programs.
+// Returns the device of a context; all canvases of the context share it with its programs.
 Result<std::shared_ptr<gpu::Device>> deviceOf(int32_t context) {
   static int32_t known = 0;
   static std::weak_ptr<gpu::Device> shared;
@@ -115,7 +115,7 @@ static_assert(static_cast<int>(abi::Visibility::Plain) == static_cast<int>(rende
 static_assert(static_cast<int>(abi::DecoderFault::Unsupported) == static_cast<int>(DecoderFault::Unsupported) &&
               static_cast<int>(abi::DecoderFault::TakenAway) == static_cast<int>(DecoderFault::TakenAway));
 
-// Pool of returned blocks, at most as many as one decoder uses at a time.
+// Pool of freed blocks, at most as many as one decoder uses at a time.
 class PlaneBlocks {
  public:
   void* take(uint32_t size) {
@@ -127,7 +127,7 @@ class PlaneBlocks {
       free_.erase(free_.begin() + static_cast<ptrdiff_t>(best));
       return found;
     }
-    // Frees one that is too small to make room.
+    // Replaces a block that is too small.
     if (!free_.empty()) release(0);
     auto* block = static_cast<uint8_t*>(std::malloc(kHead + size));
     *reinterpret_cast<uint32_t*>(block) = size;

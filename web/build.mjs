@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Builds dist/ from src/, the list of the ABI (wasm/abi.txt) and the wasm modules: the player (an ES module, its .wasm
-// and its types), its second part, which a page loads after the first picture, the worker that decodes geometry, and OpenCV's
-// optical flow, which it loads when it is asked for. Prints the sizes and writes them to sizes.json; there is a budget for what comes before the first
-// picture and one for the rest.
+// and its types), its second part, which a page loads after the first picture, the worker that decodes geometry, and
+// OpenCV's optical flow, loaded on demand. Prints the sizes and writes them to sizes.json. Sizes have one budget for the
+// files before the first picture and one for the rest.
 //   node build.mjs [--wasm FOLDER: the build of wasm/, default build/wasm/wasm]
 //                  [--opencv FOLDER with fourdvt-opencv.js and .wasm, default opencv/ in there] [--out FOLDER]
 import { execFileSync } from 'node:child_process';
@@ -37,7 +37,7 @@ await bundlePlayer({ wasmFolder, opencvFolder: hasOpencv ? opencvFolder : undefi
 execFileSync(process.execPath, [join(here, 'node_modules/typescript/bin/tsc'), '-p', here, '--emitDeclarationOnly',
   '--outDir', join(out, 'types')], { stdio: 'inherit' });
 
-// A part of the player: files that a page loads at the same time. No limit: null.
+// Sizes of one part of the player, the files that a page loads at the same time. limit_gzip_bytes: null: no limit.
 function sizesOf(title, names, limit_gzip_bytes) {
   const files = names.map((name) => {
     const bytes = readFileSync(join(out, name));

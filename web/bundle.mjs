@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bundles src/ with the wasm modules of a build into a folder of scripts and modules that fit together. Does not check types
-// and sizes.
+// Bundles src/ and the wasm modules of a build into one folder of matching scripts and modules. Checks neither types nor
+// sizes.
 import { existsSync, mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -26,12 +26,11 @@ function checkModules(wasmFolder, opencvFolder) {
   }
 }
 
-// Emscripten's script defines every export of the module by a function of its own, which its first call replaces by the
-// export, and gives it its long name. Here the module's own short names do: the bundles call them by these. The script, and
-// the short names by the long ones.
+// Removes the stub function that Emscripten's script defines for every export under its long name; bundles call exports
+// by the module's short names instead. Returns the script, and the short names by long name.
 function shortenExports(script) {
   const stub = /var (\w+)=Module\["\1"\]=function\(\)\{return\(\1=Module\["\1"\]=Module\["asm"\]\["([\w$]+)"\]\)\.apply\(null,arguments\)\};/g;
-  const isUsed = (name) => script.split(new RegExp(`\\b${name}\\b`)).length > 6; // five times in its own definition
+  const isUsed = (name) => script.split(new RegExp(`\\b${name}\\b`)).length > 6; // its own definition has it five times
   const names = {};
   const rest = script.replace(stub, (definition, name, short) => {
     if (isUsed(name)) return definition;
@@ -46,7 +45,7 @@ function shortenExports(script) {
   return [shortened, names];
 }
 
-// Leaves out how Emscripten's script fetches the module: the page does it.
+// Removes the code by which Emscripten's script fetches the module: the page fetches it.
 function leaveOutFetching(script) {
   const cuts = [['var read_,readAsync,', 'var out='], ['var dataURIPrefix=', 'function createWasm('],
     ['function receiveInstantiationResult(', 'if(Module["instantiateWasm"])'], ['instantiateAsync().catch(readyPromiseReject);', 'return{}}']];
@@ -73,8 +72,9 @@ const minifiedStyles = {
 };
 
 /**
- * Empties `out` and writes the player into it. wasmFolder: the build of wasm/; opencvFolder: none leaves OpenCV out. develop: the
- * modules are of the preset wasm-dev; scripts keep their names and have source maps. Errors: an Error with one message; esbuild's, with `errors`.
+ * Empties `out` and writes the player into it. wasmFolder: the build of wasm/; opencvFolder: the build of OpenCV, left
+ * out if undefined. develop: modules of the preset wasm-dev, names kept in scripts, source maps. Errors: an Error with
+ * one message, or esbuild's with `errors`.
  */
 export async function bundlePlayer({ wasmFolder, opencvFolder, out, develop = false, logLevel = 'warning' }) {
   checkModules(wasmFolder, opencvFolder);
@@ -94,7 +94,7 @@ export async function bundlePlayer({ wasmFolder, opencvFolder, out, develop = fa
   });
   rmSync(out, { recursive: true, force: true });
   mkdirSync(out, { recursive: true });
-  // Emscripten's script is part of the stamp: it and the module share short names, which differ from build to build.
+  // The stamp includes Emscripten's script: it shares short names with the module, which differ from build to build.
   const stamp = stampOf(...['abi.ts', 'fourdvt.js'].map((name) => readFileSync(join(wasmFolder, name))));
   const copyWasm = (from, to) => writeFileSync(join(out, to), stampWasm(withoutNames(readFileSync(from)), stamp));
   copyWasm(join(wasmFolder, 'fourdvt.wasm'), 'fourdvt-viewer.wasm');
@@ -122,12 +122,12 @@ export async function bundlePlayer({ wasmFolder, opencvFolder, out, develop = fa
     define: { FOURDVT_STAMP: `"${stamp}"`, FOURDVT_VERSION: `"?v=${version}"`, FOURDVT_OPENCV: String(Boolean(opencvFolder)) },
   });
   rmSync(script);
-  // Bundlers would take the second part's script for one of theirs; the minifier drops the comments that prevent it.
+  // Keeps the page's bundler from bundling the second part's script; the minifier drops such comments from the source.
   const viewer = join(out, 'fourdvt-viewer.js'), parts = readFileSync(viewer, 'utf8').split(/(?<=\bimport\()(?=\w+\))/);
   if (parts.length !== 2) throw new Error(`${viewer} has ${parts.length - 1} dynamic imports, not one`);
   writeFileSync(viewer, parts.join('/* webpackIgnore: true *//* @vite-ignore */'));
   if (develop) return;
-  // For wasm/sizes.mjs: the lengths of the page's modules in the script.
+  // Lengths of the page's modules in the script, for wasm/sizes.mjs.
   const modules = Object.entries(Object.values(metafile.outputs)[0].inputs).map(([path, { bytesInOutput }]) => [path.replace(/^.*\/(src|dist)\//, ''), bytesInOutput]);
   writeFileSync(join(wasmFolder, 'modules.json'), JSON.stringify({ script: viewer, modules: Object.fromEntries(modules) }));
   // Links for the page's <head>, which begin the downloads before the script requests them.

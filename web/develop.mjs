@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Serves the site to the one who works on it: what is saved is seen in open pages within seconds.
+// Serves the site during development: open pages show each saved change within seconds.
 //   node web/develop.mjs [--port 8080] [--site build/site]
-// SITE: an assembled site, which site/demo.sh makes; it stays as it is. What is built here goes into build/develop and is served
-// in front of it. A save of
-//   shaders/gles        reloads pages, which draw with the saved texts: only the browser compiles them
-//   web/src             is bundled; types are checked afterwards
-//   native, wasm        builds build/wasm-dev (CMake preset wasm-dev: quick to link, neither small nor split), then bundles
-//   site, web/examples  is copied
+// SITE: a site assembled by site/demo.sh, not modified. This script builds into build/develop, whose files take
+// precedence over SITE's. After a save in
+//   shaders/gles        pages reload and draw with the saved texts: only the browser compiles them
+//   web/src             it bundles; types are checked afterwards
+//   native, wasm        it builds build/wasm-dev (CMake preset wasm-dev: quick to link, neither small nor split), then bundles
+//   site, web/examples  it copies the files
 // Mistakes are printed and shown on the pages until they have been corrected.
 import { execFileSync, spawn } from 'node:child_process';
 import { copyFileSync, existsSync, mkdirSync, readdirSync, readFileSync, renameSync, rmSync, statSync, watch, writeFileSync } from 'node:fs';
@@ -42,9 +42,9 @@ if (!existsSync(join(site, 'character/character.gltf'))) fail(`${site} has no ch
 
 // --- messages to open pages ---
 
-const problems = new Map(); // by step
+const problems = new Map(); // messages by step
 const pages = new Set();
-let builds = 0, embedded = new Map(); // shaders of the player that is served
+let builds = 0, embedded = new Map(); // shader texts in the served player
 const version = () => `${process.pid}.${builds}`;
 
 const send = (page) => page.write(`data: ${JSON.stringify({ version: version(), problems: [...problems.values()] })}\n\n`);
@@ -60,7 +60,7 @@ function complain(step, text) {
   pages.forEach(send);
 }
 
-// The script of every page, with the shaders as they are now.
+// Script for every page, with the shaders' present texts.
 function pageScript() {
   const texts = readShaders(kShaders);
   const shaders = [...embedded].filter(([name]) => texts.has(name)).map(([name, text]) => ({ name, embedded: text, text: texts.get(name) }));
@@ -91,7 +91,7 @@ function handle(request, response) {
 
 // --- steps ---
 
-// Runs work one at a time. Calls that come while it waits for its turn are one.
+// Wraps `work` so that one run at a time is active; calls during a run share one further run.
 function serially(work) {
   let last = Promise.resolve(), waiting = null;
   return () => (waiting ??= last = last.then(() => {
@@ -100,7 +100,8 @@ function serially(work) {
   }));
 }
 
-// True if the work was done; else its error is shown as the step's problem. The work returns false where there was nothing to do.
+// Runs a step's work; if it fails, shows the error as the step's problem and returns false. The work returns false if it
+// had nothing to do.
 async function step(name, work) {
   const began = performance.now();
   try {
@@ -114,25 +115,25 @@ async function step(name, work) {
   }
 }
 
-// Errors: one with the command's output. onOutput: called with each part of it.
+// Runs a command; calls onOutput with each part of its output. Errors: an Error with the whole output.
 function run(command, args, onOutput = () => undefined) {
   return new Promise((done, failed) => {
     let output = '';
-    const child = spawn(command, args, { cwd: kRoot, env: { NODE_PATH: '/usr/share/nodejs', ...process.env } }); // Debian's Emscripten
+    const child = spawn(command, args, { cwd: kRoot, env: { NODE_PATH: '/usr/share/nodejs', ...process.env } }); // for Debian's Emscripten
     for (const stream of [child.stdout, child.stderr]) stream.on('data', (part) => { output += part; onOutput(String(part)); });
     child.on('error', (reason) => failed(new Error(`${command} does not start: ${reason.message}`)));
     child.on('close', (code) => (code ? failed(new Error(output.trim())) : done(output)));
   });
 }
 
-// The wasm modules that are bundled: copies, because the next build may begin before they are read.
+// Folder of copies of the wasm modules to bundle: the next build may begin before the bundler has read them.
 let modules = '';
 function takeModules(buildFolder) {
   const from = join(buildFolder, 'wasm'), taken = join(kOut, modules.endsWith('0') ? 'modules1' : 'modules0');
   rmSync(taken, { recursive: true, force: true });
   mkdirSync(join(taken, 'worker'), { recursive: true });
   for (const name of kModules) copyFileSync(join(from, name), join(taken, name));
-  const more = join(from, 'fourdvt-more.wasm'); // what wasm-dev builds is not split
+  const more = join(from, 'fourdvt-more.wasm'); // absent in wasm-dev, which is not split
   if (existsSync(more)) copyFileSync(more, join(taken, 'fourdvt-more.wasm'));
   else writeFileSync(join(taken, 'fourdvt-more.wasm'), kEmptyModule);
   writeFileSync(join(taken, 'shaders.json'), JSON.stringify([...embeddedShaders(buildFolder)]));
@@ -158,7 +159,7 @@ const checkTypes = serially(() => run(process.execPath, [join(kRoot, 'web/node_m
 
 const stateOf = (folder) => kModules.map((name) => statSync(join(folder, 'wasm', name), { throwIfNoEntry: false })?.mtimeMs).join();
 
-// Prints now and then how far a long build is.
+// Returns a function that prints a long build's progress now and then.
 function progress() {
   let printed = performance.now();
   return (text) => {
@@ -169,13 +170,13 @@ function progress() {
   };
 }
 
-const kNoise = /^\[\d+\/\d+\]|^FAILED: |^ninja: |em\+\+/; // steps that were done, and commands
+const kNoise = /^\[\d+\/\d+\]|^FAILED: |^ninja: |em\+\+/; // lines of finished build steps and of commands
 
 async function buildModules() {
   const before = stateOf(kBuild);
   if (!existsSync(join(kBuild, 'build.ninja'))) {
     console.log('C++: build/wasm-dev is built for the first time, which takes minutes; every later save takes seconds');
-    const quick = { ...process.env, DRACO_WASM_FLAGS: '-O2 -msimd128' }; // without -flto, which each link would pay for
+    const quick = { ...process.env, DRACO_WASM_FLAGS: '-O2 -msimd128' }; // without -flto, which slows each link down
     const draco = execFileSync('bash', [join(kRoot, 'wasm/build_draco.sh')], { env: quick, encoding: 'utf8', stdio: ['ignore', 'pipe', 'inherit'] }).trim();
     await run('cmake', ['--preset', 'wasm-dev', `-DDRACO_WASM_DIR=${draco}`]);
   }
@@ -211,7 +212,7 @@ const kSteps = [
   { folder: 'site', files: /\.(html|css|js|jpg|webp|json)$/, build: copyPages },
   { folder: 'web/examples', files: /\.html$/, build: copyPages },
 ];
-const kLeftOut = /(^|\/)(generated|sample|docs|lab)(\/|$)/; // made here, or of no page
+const kLeftOut = /(^|\/)(generated|sample|docs|lab)(\/|$)/; // generated by this script, or not part of a page
 
 function watchAll() {
   const touched = new Set();
@@ -251,4 +252,4 @@ const { url } = await serveOnNextFreePort(site, Number(options.port), {
   edit: (html) => html.replace([/<head>/i, /<html[^>]*>/i, /^/].find((mark) => mark.test(html)), '$&<script src="/develop/page.js"></script>'),
 });
 console.log(url);
-if (built === kBuild) compile(); // what has been saved since it was built
+if (built === kBuild) compile(); // bundles changes saved after that build

@@ -16,7 +16,8 @@ const float kDiagonal = 0.70710678;
 const vec2 kRing[8] = vec2[8](vec2(1, 0), vec2(kDiagonal, kDiagonal), vec2(0, 1), vec2(-kDiagonal, kDiagonal),
                               vec2(-1, 0), vec2(-kDiagonal, -kDiagonal), vec2(0, -1), vec2(kDiagonal, -kDiagonal));
 
-// Dilated depth: the nearest surface on a ring, and on half of it where the ring is wide.
+// Returns true near the contour of an occluder. Depth is dilated: nearest surface on a ring round the pixel, and on one
+// of half its radius if the ring is wide.
 bool isNearContour(vec2 pixel, float depth, float slope_per_pixel) {
   float nearest = mappedDepth(pixel);
   for (int k = 0; k < 8; ++k) {

@@ -12,8 +12,8 @@ uniform vec2 u_picture_size;                // texels of a layer
 #endif
 uniform highp sampler2DArray u_depth_maps;  // drawn y up: row 0 is the bottom row
 uniform int u_depth_rows;                   // rows of a depth map
-uniform float u_reach;                      // depth tolerance, texels of a depth map; negative: no depth test
-uniform float u_depth_bias;                 // bias of the depth test, metres
+uniform float u_reach;                      // slope-scaled bias of the depth test, depth map texels; negative: no test
+uniform float u_depth_bias;                 // constant bias of the depth test, metres
 uniform float u_least_cosine;               // cosine of surface normal and ray below which a camera is rejected
 uniform mat4 u_pixel_from_character[CAMERAS];  // → (pixel · depth, depth along the optical axis, unused)
 uniform vec4 u_centres[CAMERAS];            // xyz character's frame; w layer of the depth maps

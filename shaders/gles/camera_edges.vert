@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Edges of a camera's depth map as wide lines that overlap the contour (OVH03 5.2.2; Ming Li, Marcus Magnor, Hans-Peter
-// Seidel: Online Accelerated Rendering of Visual Hulls in Real Scenes. Journal of WSCG 11, 2003). They lie behind the
-// adjacent faces by the face's slope times half the line width. Draw 18 * face_count vertices.
+// Seidel: Online Accelerated Rendering of Visual Hulls in Real Scenes. Journal of WSCG 11, 2003). A face's lines lie
+// behind it by its slope times half the line width. Draw 18 * face_count vertices.
 #include "character_vertex.glsl"
 uniform mat4 u_clip_from_character;
 uniform vec3 u_centre;          // camera centre, world

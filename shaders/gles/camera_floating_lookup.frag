@@ -61,9 +61,9 @@ void findOffsets(vec3 normal, vec3 right, vec3 up, vec4 shares, out vec2 offsets
   for (int i = 0; i < CAMERAS; ++i) offsets[i] /= max(sum, kMinSum);
 }
 
-// Weights here. They were drawn with one sample a pixel: 0 where no camera sees the surface, but also where the surface
-// misses the pixel centre. Both cases use the fill colour; without fill (u_fills is false), the neighbouring pixels'
-// weights are added.
+// Returns the weights at this pixel. They were drawn with one sample a pixel: 0 where no camera sees the surface, and
+// where the surface misses the pixel centre. Both cases use the fill colour; without fill (u_fills is false), the
+// neighbouring pixels' weights are added.
 vec4 weightsHere() {
   ivec2 here = ivec2(gl_FragCoord.xy), last = textureSize(u_weights, 0) - 1;
   vec4 weights = texelFetch(u_weights, here, 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Montage4D: blends the slots' cameras by their fields, interpolated over the triangle (M4D Eq. 1). A camera that does
-// not see the fragment is excluded whatever its field; without any left, normal weights (M4D Eq. 2) alone are used.
+// not see the fragment is excluded whatever its field; if all are excluded, normal weights (M4D Eq. 2) are used.
 #include "camera_unseen.glsl"
 #include "camera_slots.glsl"
 centroid in vec4 v_low;   // fields

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sums over a table, in 1/256: each row, or the single column of such row sums.
+// Sums over a table, in units of 1/256: of each row, or of the single column of row sums.
 uniform sampler2D u_before_low;
 uniform sampler2D u_before_high;
 uniform int u_rows;  // rows in use

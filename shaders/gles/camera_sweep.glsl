@@ -2,7 +2,7 @@
 uniform sampler2D u_normals;         // surface normals, 0…1 for -1…1; alpha 0: no surface
 uniform highp sampler2D u_depths;    // drawn y up, like the normals
 uniform mat4 u_character_from_clip;
-uniform float u_length_scale;        // scale of lengths given for a person
+uniform float u_length_scale;        // factor of lengths that are tuned for a person
 
 bool isSurface(ivec2 at) { return texelFetch(u_normals, at, 0).a > 0.0; }
 

@@ -4,7 +4,7 @@ in vec2 v_uv;
 out vec4 o_filled;  // luma of a, luma of b, unused, confidence
 uniform sampler2D u_luma;
 const float kNoise = 2.0 / 255.0;  // standard deviation of luma from compression alone
-const int kEmptyLevel = 4;         // nine texels round a pixel cover the reach of finer levels and of confidence
+const int kEmptyLevel = 4;         // mipmap level: nine texels cover the reach of finer levels and of confidence
 
 // Confidence: falls to 0 within 10 pixels of the character, starting where coverage is below 0.4, and where a's luma is
 // constant.

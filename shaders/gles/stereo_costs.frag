@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plane sweep: photo-consistency cost of a surface at four depths per fragment. The target holds blocks of the
 // reference's region one above another; block b has the depths 4 b … 4 b + 3, counted from the plane just before the
-// hull's front. 1: outside the hull, where a camera that sees the point sees background.
+// hull's front. Cost 1: the point lies outside the hull, as a camera that sees it sees background.
 out vec4 o_costs;
 uniform highp sampler2DArray u_pictures;          // straight RGBA, alpha = matte
 uniform highp sampler2D u_front;                  // metres, 0: no hull

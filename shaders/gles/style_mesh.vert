@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A figure's mesh of either kind (INDEXED: surfaces), with the same coverage as its own draw.
+// A figure's mesh of either kind (INDEXED: surfaces), with the same coverage as the figure's unstyled draw.
 #include "character_vertex.glsl"
 uniform mat4 u_clip_from_character;
 centroid out vec3 v_normal;  // character's frame

@@ -14,7 +14,7 @@ export { FourdvtCharacter, FourdvtViewer };
 export type { Align, ErrorDetail, LiveState, Orbit, ParameterInfo, PictureMetadata, Placement, RenderOptions, SceneMesh, SequenceInfo, Snapshot, UploadPath, ViewerStats };
 
 for (const [name, element] of Object.entries({ 'fourdvt-viewer': FourdvtViewer, 'fourdvt-character': FourdvtCharacter })) {
-  if (globalThis.customElements?.get(name) === undefined) globalThis.customElements?.define(name, element); // not on a server
+  if (globalThis.customElements?.get(name) === undefined) globalThis.customElements?.define(name, element); // neither exists on a server
 }
 
 declare global {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// fourdvt-more.js: the page's side of what the player's second part has.
+// fourdvt-more.js: the TypeScript that goes with the second part of the wasm player.
 export { Companions } from './more/companions.js';
 export { useFlow, useLook, useRoom } from './more/effects.js';
 export { complete } from './more/completion.js';

@@ -1,30 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-// The orbit of the visitor's camera: its goal, the pose that glides towards the goal, and limits from the character's
-// bounding box. Does not touch the DOM. Degrees and metres; azimuth 0 looks at the performer's front, a positive one
-// moves the camera towards +x.
+// Orbit of the view's camera: a goal, the present pose, which approaches the goal smoothly, and limits from the
+// character's bounding box. Does not touch the DOM. Degrees and metres; azimuth 0 shows the performer's front, positive
+// azimuths move the camera towards +x.
 import type { CharacterInfo, OrbitPose } from '../player/wasm-player.js';
 
 export interface OrbitText {
   azimuth: number;
   elevation: number;
-  /** Null: the distance that shows the whole character. */
+  /** Metres; null: the distance that shows the whole character. */
   distance: number | null;
 }
 
 const DEFAULT: OrbitText = { azimuth: 0, elevation: 6, distance: null };
 const DAMPING_S = 0.09;        // time constant of the glide towards the goal
-const FOLLOW_S = 0.12;         // time constants of following a travelling character: place and heading
+const FOLLOW_S = 0.12;         // time constants of following a travelling character, here its place, below its heading
 const FOLLOW_TURN_S = 0.5;
-const FOLLOW_JUMP_M = 3;       // the camera jumps after a character that was put this far away,
-const FOLLOW_JUMP_HEIGHTS = 2; // or so many of its heights, whichever is nearer
+const FOLLOW_JUMP_M = 3;       // the camera jumps instead of gliding if the character is further away than this
+const FOLLOW_JUMP_HEIGHTS = 2; // or than this many of its heights, whichever is less
 const MAX_ELEVATION = 85;
-const GROUND_CLEARANCE_M = 0.05; // or this share of its height, whichever is lower
+const GROUND_CLEARANCE_M = 0.05; // of the camera above the ground, at most 5 % of the character's height
 const GROUND_CLEARANCE = 0.05;
-const MARGIN = 1.08;           // room around the character at the automatic distance
+const MARGIN = 1.08;           // factor of the automatic distance, for free space around the character
 const MIN_DISTANCE = 0.35;     // in automatic distances
 const MAX_DISTANCE = 3;
 
-// Reads up to three quantities, angles in degrees and lengths in metres; `fallback` has those that are missing.
+// Reads up to three quantities: angles in degrees, lengths in metres. Missing or unreadable ones are `fallback`.
 const quantities = (text: string | null, fallback: number): number[] => {
   const tokens = (text ?? '').trim().split(/\s+/);
   return [0, 1, 2].map((i) => {
@@ -34,7 +34,7 @@ const quantities = (text: string | null, fallback: number): number[] => {
   });
 };
 
-/** Reads "30deg 10deg 3m": azimuth, elevation, distance. "auto" keeps the default of a part. */
+/** Reads azimuth, elevation and distance, such as "30deg 10deg 3m". "auto" in one of the three places: its default. */
 export function parseOrbit(text: string | null): OrbitText {
   const [azimuth = NaN, elevation = NaN, distance = NaN] = quantities(text, NaN);
   return {
@@ -44,7 +44,7 @@ export function parseOrbit(text: string | null): OrbitText {
   };
 }
 
-/** Reads "0m 0.9m 0m"; null if the text is something else. */
+/** Reads a point in metres, such as "0m 0.9m 0m"; null if the text is not three numbers. */
 export function parseTarget(text: string | null): [number, number, number] | null {
   const values = (text ?? '').trim().split(/\s+/).map(parseFloat);
   return values.length === 3 && values.every(Number.isFinite) ? (values as [number, number, number]) : null;
@@ -61,14 +61,14 @@ export class OrbitCamera {
   #goal: OrbitText = { ...DEFAULT };
   #now = { azimuth: DEFAULT.azimuth, elevation: DEFAULT.elevation, distance: 3 };
   #target: [number, number, number] = [0, 0.9, 0];
-  #half: [number, number] = [0.5, 0.9]; // of the bounding box, metres: half its width from any azimuth, half its height
+  #half: [number, number] = [0.5, 0.9]; // bounding box, metres: half the diagonal of its base, half its height
   #groundY = 0;
   #aspect = 1;
   #fixedTarget: [number, number, number] | null = null;
   #place = { x: 0, z: 0, heading: 0 };
-  #seen = { x: 0, z: 0, heading: 0 }; // the place that the camera has followed it to
+  #seen = { x: 0, z: 0, heading: 0 }; // place and heading that the camera has reached in following
   #following: Follow = 'none';
-  #min: number[] = []; // azimuth, elevation, distance
+  #min: number[] = []; // limits of azimuth, elevation, distance
   #max: number[] = [];
   fov = 35;
 
@@ -77,7 +77,7 @@ export class OrbitCamera {
     this.#home = orbit;
     this.#goal = { ...orbit };
   }
-  /** Limits of what the visitor may turn and zoom to, as parseOrbit reads an orbit; "auto" has none of its own. */
+  /** Sets lower and upper limits of the orbit, in parseOrbit's format; "auto": no limit of the page's own. */
   setLimits(min: string | null, max: string | null): void {
     this.#min = quantities(min, -Infinity);
     this.#max = quantities(max, Infinity);
@@ -101,7 +101,7 @@ export class OrbitCamera {
     this.#following = follow;
     if (follow === 'none') this.#seen = { x: 0, z: 0, heading: 0 };
   }
-  /** Place of the character now: metres, degrees. */
+  /** Sets the character's present place, metres, and heading, degrees. */
   follow(place: { x: number; z: number; heading: number }): void {
     this.#place = { x: place.x, z: place.z, heading: place.heading };
   }
@@ -124,7 +124,7 @@ export class OrbitCamera {
     this.#goal.elevation += elevation;
     this.#limit();
   }
-  /** A factor below 1 comes closer. */
+  /** Multiplies the distance by `factor`. */
   zoom(factor: number): void {
     this.#goal.distance = (this.#goal.distance ?? this.#fit()) * factor;
     this.#limit();
@@ -138,7 +138,7 @@ export class OrbitCamera {
     if (this.#following !== 'none') this.#seen = { ...this.#place };
   }
 
-  /** Moves towards the goal; true until it has arrived. */
+  /** Advances the pose towards the goal by `dtS` seconds; true while the pose changes. */
   update(dtS: number): boolean {
     const following = this.#updateFollow(dtS);
     return this.#updateOrbit(dtS) || following;
@@ -177,7 +177,7 @@ export class OrbitCamera {
     return true;
   }
 
-  // The distance at which the whole bounding box is in the picture from every azimuth; the poster's, too (native/base/camera.cpp).
+  // Distance from which the picture contains the whole bounding box at every azimuth; equal to native/base/camera.cpp's.
   #fit(): number {
     const tan = Math.tan(radians(this.fov / 2));
     const [width, height] = this.#half;

@@ -10,10 +10,10 @@ const KEY_ZOOM = 1.15;
 const DRAG_DEG_PER_HEIGHT = 240;
 
 export interface ControlsHost {
-  /** False if only the key for play and pause works. */
+  /** Returns false if the visitor cannot turn the orbit: then only the key for play and pause works. */
   orbits(): boolean;
   wheelZooms(): boolean;
-  /** Factors of what a drag turns, and of what wheel, pinch and keys zoom; 0: nothing. */
+  /** Factors on a drag's rotation, and on the zoom by wheel, pinch and keys; 0: disabled. */
   sensitivity(): { orbit: number; zoom: number };
   onInteract(): void;
   togglePlay(): void;
@@ -25,10 +25,10 @@ export class OrbitControls {
   readonly #picture: PictureBox;
   readonly #host: ControlsHost;
   readonly #abort = new AbortController();
-  readonly #pointers = new Map<number, Point>(); // heights of the picture
-  #corners: Corners | null = null; // when the first of them came down
+  readonly #pointers = new Map<number, Point>(); // positions in heights of the picture, by pointer id
+  #corners: Corners | null = null; // of the picture when the first pointer came down
   #pinch = 0;
-  #engaged = false; // clicked into, until the pointer leaves it
+  #engaged = false; // the element has been clicked, and the pointer has not left it since
 
   constructor(stage: HTMLElement, camera: OrbitCamera, picture: PictureBox, host: ControlsHost) {
     this.#stage = stage;
@@ -63,7 +63,7 @@ export class OrbitControls {
     try {
       this.#stage.setPointerCapture(e.pointerId);
     } catch {
-      // the pointer has been lifted already; moves inside the element still count
+      // the pointer is up already: without capture, moves inside the element still count
     }
     this.#pinch = this.#spread();
     this.#host.onInteract();
@@ -102,7 +102,7 @@ export class OrbitControls {
   }
   #zoom(factor: number): void {
     const { zoom } = this.#host.sensitivity();
-    if (zoom) this.#camera.zoom(factor ** zoom); // else an automatic distance stays automatic
+    if (zoom) this.#camera.zoom(factor ** zoom); // at 0 no call: it would fix an automatic distance
   }
 
   #spread(): number {

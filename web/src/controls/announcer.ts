@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Live region for screen readers while the viewer has the focus: playing or paused, and the side that is seen. Part of fourdvt-more.js.
+// Live region for screen readers: while the viewer has the focus, announces play and pause, and which side of the
+// performer is in view. Part of fourdvt-more.js.
 import { fill } from '../report/strings-more.js';
 
-const QUIET_MS = 700; // after the last change: a held key is one change
+const QUIET_MS = 700; // without a change before an announcement: a held key is announced once
 const SIDES = ['front', 'frontLeft', 'left', 'backLeft', 'back', 'backRight', 'right', 'frontRight'];
 const HIGH_DEG = 25, LOW_DEG = -5;
 
@@ -10,12 +11,12 @@ export interface Announced extends HTMLElement {
   readonly sequence: string;
   readonly paused: boolean;
   readonly ended: boolean;
-  /** Degrees, from +z towards +x. */
+  /** Heading of the character, degrees from +z towards +x. */
   readonly heading: number;
   getCameraOrbit(): { azimuth: number; elevation: number };
 }
 
-/** The side that an azimuth looks at, by the name of its text: 0 is the front, a positive one turns towards the performer's left. */
+/** Returns the name of the side in view at an azimuth in degrees: 0 is the front, 90 the performer's left. */
 export function sideOf(azimuth: number): string {
   return SIDES[((Math.round(azimuth / 45) % 8) + 8) % 8]!;
 }
@@ -25,7 +26,7 @@ export class Announcer {
   readonly #live: HTMLParagraphElement;
   readonly #abort = new AbortController();
   #strings: Record<string, string> = {};
-  readonly #timers = new Map<() => string, ReturnType<typeof setTimeout>>(); // a change of the one does not silence the other
+  readonly #timers = new Map<() => string, ReturnType<typeof setTimeout>>(); // one each for state and view
 
   constructor(viewer: Announced, root: ShadowRoot) {
     this.#viewer = viewer;
@@ -45,7 +46,7 @@ export class Announcer {
     this.#live.remove();
   }
 
-  // said: the text since the last change; a camera that still glides makes another one.
+  // Announces text() after QUIET_MS, and repeats while it differs from `said`, the last text: a camera may still glide.
   #later(text: () => string, said = ''): void {
     clearTimeout(this.#timers.get(text));
     this.#timers.set(text, setTimeout(() => {

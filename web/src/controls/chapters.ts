@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chapters of a viewer's motions, from <track kind="chapters"> elements in it: WebVTT, which a <video> that never plays reads. Part of
-// fourdvt-more.js.
+// Reads the chapters of a viewer's motions from its <track kind="chapters"> children (WebVTT), through a hidden <video>
+// that never plays. Part of fourdvt-more.js.
 export interface Chapter {
   startS: number;
   endS: number;
@@ -12,9 +12,9 @@ export class Chapters {
   readonly #video = document.createElement('video');
   readonly #changed: () => void;
   readonly #children: MutationObserver;
-  readonly #copies = new Map<HTMLTrackElement, HTMLTrackElement>(); // by the page's own
+  readonly #copies = new Map<HTMLTrackElement, HTMLTrackElement>(); // in the <video>, by the page's elements
 
-  /** root: of the viewer's shadow tree. The viewer's `textTracks` are those of this part. */
+  /** Puts the <video> into `root`, the viewer's shadow tree, and defines the viewer's property `textTracks`. */
   constructor(viewer: HTMLElement, root: ShadowRoot, changed: () => void) {
     this.#viewer = viewer;
     this.#changed = changed;
@@ -31,7 +31,7 @@ export class Chapters {
     this.#read();
   }
 
-  /** Chapters of a motion, in the order of their time. A track without `data-sequence` is for every motion. */
+  /** Chapters of a motion, by start time. A track without `data-sequence` applies to every motion. */
   of(motion: string): Chapter[] {
     const found: Chapter[] = [];
     for (const [given, { track }] of this.#copies) {
@@ -61,7 +61,7 @@ export class Chapters {
       copy.addEventListener('error', () => console.warn(`fourdvt-viewer: ${copy.src}: the chapters cannot be loaded; check the address, and that it is WebVTT`));
       this.#copies.set(own, copy);
       this.#video.append(copy);
-      if (copy.kind === 'chapters') copy.track.mode = 'hidden'; // is loaded, not shown
+      if (copy.kind === 'chapters') copy.track.mode = 'hidden'; // loads the cues without showing them
     }
     this.#changed();
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Buttons of a viewer: one that pauses and plays; with the attribute `controls` a bar with play, time, sound and full screen. Part of
-// fourdvt-more.js.
+// Buttons of a viewer: a pause button; with the attribute `controls`, a bar with play, time, sound and full screen
+// instead. Part of fourdvt-more.js.
 import { isOn } from '../page/attributes.js';
 import { adopt } from '../page/documents.js';
 import { fill } from '../report/strings-more.js';
@@ -44,14 +44,14 @@ export interface Controlled extends HTMLElement {
   pause(): void;
 }
 
-/** Sound of the motion that is shown. */
+/** State of the shown motion's sound. */
 export interface SoundState {
   readonly present: boolean;
-  /** The browser waits for the visitor's first touch. */
+  /** True while the browser blocks sound until the visitor's first input. */
   readonly blocked: boolean;
 }
 
-/** Minutes and seconds. */
+/** Formats seconds as minutes and seconds. */
 export function clockTime(seconds: number): string {
   const whole = Math.max(0, Math.floor(seconds || 0));
   return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, '0')}`;
@@ -82,14 +82,14 @@ export class Controls {
   readonly #mute: HTMLButtonElement;
   readonly #full: HTMLButtonElement;
   readonly #sound: SoundState;
-  readonly #offer: HTMLElement | null; // the large play button
+  readonly #offer: HTMLElement | null; // the overlay's large play button
   readonly #abort = new AbortController();
   #strings: Record<string, string> = {};
-  #chapters: Chapter[] = []; // of the motion
+  #chapters: Chapter[] = []; // of the shown motion
   #marked = ''; // chapters that the slider marks
-  #shown = ''; // state that the controls show
+  #shown = ''; // key of the state that the controls show
 
-  /** content: fills the viewer's content box. */
+  /** content: element that fills the viewer's content box, and gets the controls. */
   constructor(viewer: Controlled, content: HTMLElement, sound: SoundState, chaptersOf: (motion: string) => Chapter[]) {
     this.#chaptersOf = chaptersOf;
     this.#viewer = viewer;
@@ -127,7 +127,7 @@ export class Controls {
     for (const type of ['pointerdown', 'keydown']) this.#mute.addEventListener(type, () => (silent = isSilent()), { signal: this.#abort.signal });
     this.#full = make('button', 'fullscreen', () => {
       const change = viewer.matches(':fullscreen') ? viewer.ownerDocument.exitFullscreen() : viewer.requestFullscreen();
-      change.catch((reason: unknown) => console.warn('fourdvt-viewer:', reason)); // the browser may refuse it
+      change.catch((reason: unknown) => console.warn('fourdvt-viewer:', reason)); // full screen is refused
     });
     const slot = document.createElement('slot');
     slot.name = 'controls';
@@ -141,13 +141,13 @@ export class Controls {
     slot.addEventListener('slotchange', () => this.#show(), { signal: this.#abort.signal });
   }
 
-  /** Shows the present state. */
+  /** Updates the controls to the viewer's state. */
   show(): void { this.#show(); }
   update(strings: Record<string, string>): void {
     this.#strings = strings;
     this.#show(true);
   }
-  /** A turn of the page's loop: the slider moves with the picture. */
+  /** Called per turn of the page's loop: moves the slider with the picture. */
   turn(): void {
     if (!this.#time.hidden && !this.#viewer.paused) this.#showTime();
   }
@@ -161,7 +161,7 @@ export class Controls {
     const own = viewer.querySelector(':scope > [slot=controls]') !== null;
     const whole = own || (isOn(viewer, 'controls') && mode !== 'none'), timed = viewer.duration > 0 && viewer.duration < Infinity;
     const full = viewer.ownerDocument.fullscreenEnabled === true, isFull = viewer.matches(':fullscreen');
-    const offered = !whole && this.#offer?.hidden === false; // one button is enough
+    const offered = !whole && this.#offer?.hidden === false; // the large button replaces the small one
     const silent = viewer.muted || this.#sound.blocked;
     const state = [this.#sound.present, silent, viewer.paused, mode, own, timed, isFull, viewer.readyState > 0, offered].join();
     if (always || state !== this.#shown) {
@@ -174,7 +174,7 @@ export class Controls {
       if (whole) this.#box.setAttribute('role', 'group');
       else this.#box.removeAttribute('role');
       this.#box.ariaLabel = whole ? s['controls']! : null;
-      this.#clock.textContent = ''; // its value text may be in another language
+      this.#clock.textContent = ''; // forces a new text: the language may have changed
       this.#time.hidden = this.#clock.hidden = !whole || !timed;
       this.#chapter.hidden = true; // until its time is shown
       this.#chapter.textContent = '';

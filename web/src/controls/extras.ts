@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Buttons, announcements, hotspots, sound, and the prompt that invites the visitor to turn the view, of one viewer. Part of fourdvt-more.js.
+// Parts of one viewer that come with fourdvt-more.js: buttons, announcements, hotspots, sound, and the prompt to turn
+// the view.
 import { isOn } from '../page/attributes.js';
 import { adopt } from '../page/documents.js';
 import { addStrings } from '../report/strings-more.js';
@@ -10,7 +11,7 @@ import { Chapters } from './chapters.js';
 import { Controls, type Controlled } from './controls.js';
 import { Hotspots, type HotspotScene } from './hotspots.js';
 
-const PROMPT_MS = 3000; // without an input, before it is shown
+const PROMPT_MS = 3000; // without an input before the prompt is shown
 const CSS = `
 .prompt { position: absolute; left: 0; right: 0; bottom: 72px; width: fit-content; max-width: 90%; margin: 0 auto; padding: 6px 14px; border-radius: 16px;
   font: 14px/1.4 system-ui, sans-serif; color: #fff; background: rgba(20,20,24,.75); pointer-events: none; transition: opacity .4s; }
@@ -29,10 +30,10 @@ export class Extras {
   readonly #sound: Sound;
   readonly #chapters: Chapters;
   readonly #abort = new AbortController();
-  #timer: ReturnType<typeof setTimeout> | undefined; // to the prompt
+  #timer: ReturnType<typeof setTimeout> | undefined; // until the prompt
   #prompts = true; // the visitor has not turned the view yet
 
-  /** stage: of the viewer's shadow tree. languages: gets the texts of this part. */
+  /** stage: element of the viewer's shadow tree. Adds the second part's texts to `languages`. */
   constructor(viewer: Controlled & Announced & Audible, stage: HTMLElement, languages: Languages, scene: HotspotScene & { source(): SoundSource }) {
     const root = stage.getRootNode() as ShadowRoot, content = stage.parentElement!;
     addStrings(languages);
@@ -53,7 +54,7 @@ export class Extras {
     this.update();
   }
 
-  /** Texts or attributes have changed. */
+  /** Called when texts or attributes have changed. */
   update(): void {
     const strings = stringsOf(this.#viewer, this.#languages);
     this.#prompt.textContent = strings['prompt']!;

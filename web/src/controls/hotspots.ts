@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hotspots: elements of the page that stay on a vertex of the character, <button slot="hotspot-…" data-vertex="…">. Part of fourdvt-more.js.
+// Hotspots: elements of the page, <button slot="hotspot-…" data-vertex="…">, each placed over a vertex of the character.
+// Part of fourdvt-more.js.
 import type { SidePlayer } from '../more/session-side.js';
 import { pointInBox, type PictureBox } from '../page/picture-box.js';
 import { bytesOfView, readSurfacePoint, type ViewRecord } from '../wasm/generated/abi.js';
@@ -7,11 +8,11 @@ import type { WasmModule } from '../wasm/wasm-abi.js';
 
 const MARK = '[slot^=hotspot]';
 
-/** Player and view of the canvas, as they are now. */
+/** Access to the present player and view of the canvas. */
 export interface HotspotScene {
-  /** Null until the second part is there. */
+  /** Null until the second part is loaded. */
   player(): SidePlayer | null;
-  /** Null before there is a character. */
+  /** True for a character from layers; null before a character is loaded. */
   layered(): boolean | null;
   pose(): Omit<ViewRecord, 'width' | 'height'>;
   readonly picture: Pick<PictureBox, 'size' | 'canvas' | 'corners'>;
@@ -30,7 +31,7 @@ export class Hotspots {
   readonly #slots = new Map<HTMLElement, HTMLSlotElement>();
   #refused = false; // the console has the reason
 
-  /** content: fills the viewer's content box. */
+  /** content: element that fills the viewer's content box, and gets the hotspots' slots. */
   constructor(viewer: HTMLElement, content: HTMLElement, scene: HotspotScene) {
     this.#viewer = viewer;
     this.#content = content;
@@ -44,7 +45,7 @@ export class Hotspots {
     this.#slots.clear();
   }
 
-  /** A turn of the page's loop: puts them where their vertices are. `data-visible` is there while the surface faces the camera. */
+  /** Moves the hotspots to their vertices, once per turn; sets `data-visible` where the surface faces the camera. */
   turn(): void {
     if (!this.#slots.size) return;
     const scene = this.#scene, layered = scene.layered();
@@ -69,7 +70,7 @@ export class Hotspots {
     }
   }
 
-  /** The vertex nearest to a point of the page, CSS pixels; null where no surface is. */
+  /** Returns the vertex nearest to a point of the window, CSS pixels; null outside of the surface. */
   vertexAt(x: number, y: number): number | null {
     const { picture } = this.#scene, { width, height } = picture.canvas, at = pointInBox(picture.corners(), { x, y });
     const isInside = at.x >= 0 && at.x <= 1 && at.y >= 0 && at.y <= 1;

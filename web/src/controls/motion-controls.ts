@@ -18,7 +18,7 @@ const CSS = `
 const DEAD_ZONE = 0.12; // share of the joystick's radius
 
 export interface MotionHost {
-  /** True if keys and joystick steer; then the arrow keys do not turn the orbit. */
+  /** Returns true if keys and joystick steer the character; then the arrow keys do not turn the orbit. */
   steers(): boolean;
   /** Called for Space and for a tap on the joystick. */
   act(): void;
@@ -26,11 +26,11 @@ export interface MotionHost {
 }
 
 export interface Steering {
-  /** -1 left … 1 right. */
+  /** Turn: -1 left … 1 right. */
   turn: number;
-  /** By held keys: -1 slower … 1 faster. */
+  /** Change of the parameter by held keys: -1 down … 1 up. */
   change: number;
-  /** By the joystick: 0 … 1 of the parameter's range; null while it is not held. */
+  /** Goal of the parameter by the joystick, 0 … 1 of its range; null while the joystick is not held. */
   level: number | null;
 }
 
@@ -42,7 +42,7 @@ export class MotionControls {
   readonly #held = new Set<string>();
   #stick: { id: number; x: number; y: number; moved: boolean } | null = null;
 
-  /** The joystick is put behind the stage, into the same shadow tree. */
+  /** Inserts the joystick after `stage` in its shadow tree. */
   constructor(stage: HTMLElement, host: MotionHost) {
     this.#host = host;
     const joystick = this.#joystick;
@@ -66,7 +66,7 @@ export class MotionControls {
     }
   }
 
-  /** Shows the joystick where it steers. */
+  /** Shows the joystick if it can steer, else hides it. */
   update(): void { this.#joystick.hidden = !this.#host.steers(); }
 
   dispose(): void {
@@ -121,7 +121,7 @@ export class MotionControls {
     if (length > 1) [x, y] = [x / length, y / length];
     const moved = this.#stick.moved || length > DEAD_ZONE;
     this.#stick = { id: e.pointerId, x, y, moved };
-    const reachPx = 0.3 * joystick.offsetWidth; // before transforms of the page, unlike the box
+    const reachPx = 0.3 * joystick.offsetWidth; // layout size: the page's transforms apply to the translation, too
     this.#knob.style.transform = `translate(${x * reachPx}px, ${y * reachPx}px)`;
     this.#host.onInteract();
     e.stopPropagation();

@@ -6,7 +6,7 @@ import { MotionControls } from './motion-controls.js';
 const STEER_DEG = 60;            // a held key sets a heading this far from the present one
 const PARAMETER_RANGES_S = 0.7;  // share of the parameter's range that a held key crosses per second
 
-/** The viewer: the members that are used here. */
+/** Members of the viewer that this file uses. */
 export interface Steered extends HTMLElement {
   readonly paused: boolean;
   readonly state: string;
@@ -25,7 +25,7 @@ export class Steering {
   readonly #requested: (name: string) => number | undefined;
   #turns = false; // by keys or joystick
 
-  /** requested: the last value that was set for a parameter; wake: requests a turn of the frame loop. */
+  /** requested: returns the value last set for a parameter; wake: requests a turn of the frame loop. */
   constructor(stage: HTMLElement, viewer: Steered, requested: (name: string) => number | undefined, wake: () => void) {
     this.#viewer = viewer;
     this.#requested = requested;
@@ -33,17 +33,17 @@ export class Steering {
       steers: () => isOn(viewer, 'motion-controls'),
       act: () => this.#act(),
       onInteract: () => {
-        this.#stopTurning(); // at once: a frame later the character has turned on by some degrees
+        this.#stopTurning(); // not in the next step(): the character would turn on for a frame
         wake();
       },
     });
   }
 
   dispose(): void { this.#controls.dispose(); }
-  /** Shows the joystick, if it steers now. */
+  /** Shows the joystick if it can steer, else hides it. */
   update(): void { this.#controls.update(); }
 
-  /** A turn of the frame loop. True while something is held. */
+  /** Called per turn of the frame loop; true while a key or the joystick is held. */
   step(dtS: number): boolean {
     const viewer = this.#viewer, input = this.#controls.steering;
     if (!input || viewer.paused) return false;
@@ -64,7 +64,7 @@ export class Steering {
     return input.turn !== 0 || input.change !== 0 || input.level !== null;
   }
 
-  // The goal of the heading lies ahead: after the release of keys and joystick it is the present heading.
+  // Ends a turn once keys and joystick are released: sets the heading's goal, which lies ahead, to the present heading.
   #stopTurning(): void {
     if (!this.#turns || this.#controls.steering?.turn) return;
     this.#turns = false;
@@ -72,7 +72,7 @@ export class Steering {
     this.#viewer.heading = heading;
   }
 
-  // Space plays the motion named by the attribute `action`, or else the first one that does not loop.
+  // Plays the motion that the attribute `action` names, else the first one that does not loop.
   #act(): void {
     const viewer = this.#viewer;
     if (viewer.paused) return void viewer.play();

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Carries out the player's decode requests with WebCodecs. Holds a bounded number of pictures, in presentation order,
-// until the player has a slot for them, and closes a VideoFrame as soon as its pixels are copied.
-// Upload path 'i420' copies the pixels (I420 or NV12 planes) into the player's memory; on path 'rgba' the VideoFrame itself
-// is held.
+// until the player has a slot for them. Upload path 'i420' copies the pixels (I420 or NV12 planes) into the player's
+// memory and then closes the VideoFrame; path 'rgba' holds the VideoFrame itself.
 import type { DecoderFault, PictureKind } from '../wasm/generated/abi.js';
 
-const MAX_HELD = 1;   // pictures that wait for a slot; the decoder is not fed while there is one
-const MAX_QUEUED = 6; // samples inside the decoder
+const MAX_HELD = 1;   // pictures that wait for a slot; while there are so many the decoder gets no samples
+const MAX_QUEUED = 6; // samples queued in the decoder
 
 export interface Planes {
   width: number;
@@ -20,33 +19,33 @@ export type Picture =
   | { kind: 'rgba'; timestampUs: number; frame: VideoFrame }
   | { kind: 'video'; timestampUs: number; video: HTMLVideoElement };
 
-/** The player's memory. */
+/** Access to the player's memory. */
 export interface Heap {
-  /** 0: the player has trapped, for example without memory, and its session ends. */
+  /** Returns a block's address; 0 if the player has trapped, for example out of memory: its session ends. */
   allocate(bytes: number): number;
   free(block: number): void;
-  /** Valid until the memory grows. */
+  /** Returns a view of a block, valid until the memory grows. */
   bytes(block: number, length: number): Uint8Array;
 }
 
 /** Carries out the decode requests of one of the player's decoders. */
 export interface PictureDecoder {
   configure(codec: string, description: Uint8Array, width: number, height: number): void;
-  /** wanted: false if nothing waits for its picture, which later ones may refer to. */
+  /** Queues a sample. wanted: false if it is decoded only as a reference of later pictures: its own is dropped. */
   decode(bytes: Uint8Array, timestampUs: number, key: boolean, wanted: boolean): void;
   flush(): void;
   reset(): void;
   dispose(): void;
-  /** Goes on with what is queued. pace: pictures a second that the player takes now; 0: none but one that it seeks. */
+  /** Feeds queued samples on. pace: pictures a second that the player takes at present; 0: only a sought one. */
   feed(pace: number): void;
-  /** The earliest of the waiting pictures. */
+  /** Returns the earliest of the waiting pictures. */
   peek(): Picture | undefined;
-  /** Drops the earliest waiting picture. taken: the player has it, and frees its block if it has one. */
+  /** Removes the earliest waiting picture. taken: the player has it, and frees its block if it has one. */
   shift(taken: boolean): void;
   readonly busy: boolean;
-  /** Step that the next picture waits for; null: none of the decoder's. */
+  /** Step of the decoder that the next picture waits for; null: none. */
   readonly missing: 'decoder' | 'upload' | null;
-  /** Pictures that have come so far. */
+  /** Number of pictures decoded so far. */
   readonly given: number;
 }
 
@@ -73,7 +72,7 @@ export class FrameDecoder implements PictureDecoder {
   #pictures: Picture[] = [];
   readonly #unwanted = new Set<number>(); // timestamps of pictures that nothing waits for
   #copying: object | null = null; // the copy under way
-  #inside = 0; // samples that the decoder has given no picture of
+  #inside = 0; // samples in the decoder without a picture yet
   given = 0;
 
   constructor(path: PictureKind, heap: Heap, callbacks: DecoderCallbacks) {
@@ -126,7 +125,7 @@ export class FrameDecoder implements PictureDecoder {
     this.#decoder = null;
   }
 
-  /** Hands samples to the decoder as long as its pictures can be held. */
+  /** Passes samples to the decoder while there is room for their pictures. */
   feed(): void {
     const decoder = this.#decoder;
     while (decoder && decoder.state === 'configured' && this.#commands.length) {
@@ -193,7 +192,7 @@ export class FrameDecoder implements PictureDecoder {
     const pixels = this.#heap.bytes(block, size);
     copyPlanes(frame, pixels).then(
       (layout) => {
-        // Memory that has grown meanwhile is elsewhere: once more.
+        // Memory that has grown meanwhile has another buffer: copies again.
         const moved = pixels.buffer !== this.#heap.bytes(block, size).buffer;
         if (moved) this.#heap.free(block);
         this.#copied(copy, frame, moved ? 0 : block, layout);
@@ -207,7 +206,7 @@ export class FrameDecoder implements PictureDecoder {
     );
   }
 
-  // block: 0 if the copy is lost.
+  // Ends a copy, and begins the next. block: address of the pixels; 0: the copy failed and is repeated.
   #copied(copy: object, frame: VideoFrame, block: number, layout: PlaneLayout[]): void {
     if (this.#copying !== copy) {
       if (block) this.#heap.free(block);
@@ -257,5 +256,5 @@ export class FrameDecoder implements PictureDecoder {
   }
 }
 
-// Rejects where some browsers throw.
+// Copies the planes; async, so that a browser's synchronous exception is a rejection, too.
 const copyPlanes = async (frame: VideoFrame, pixels: Uint8Array): Promise<PlaneLayout[]> => frame.copyTo(pixels);

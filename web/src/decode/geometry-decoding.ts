@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decoding of layered characters' geometry in a worker: one for all viewers of a page. Players list after each
-// tick the GOPs that are wanted; frames come back before a later tick. Where there is no worker (a policy forbids it, it fails or falls
-// silent), the players decode in slices of the main thread as before. Part of fourdvt-more.js.
+// Decodes the geometry of layered characters in a worker, one for all viewers of a page. After each tick a player lists
+// the GOPs that it needs; decoded frames are handed to it before a later tick. Without a worker (forbidden by a policy,
+// failed or unresponsive) the players decode in slices on the main thread. Part of fourdvt-more.js.
 import type { PlayerFiles } from '../wasm/files.js';
 import { readDecodeJob, readGeometryMesh } from '../wasm/generated/abi.js';
 import type { TurnHook, WasmModule } from '../wasm/wasm-abi.js';
 import type { FromWorker, ToWorker, WantedJob } from './geometry-messages.js';
 
-const SILENCE_MS = 2000; // of turns during which a frame is awaited
-const LONGEST_TURN_MS = 100; // that counts: a page that stands still awaits nothing
-const ASLEEP_MS = 250; // without a turn: the page draws nothing now
+const SILENCE_MS = 2000; // timeout of an awaited frame, in time of turns
+const LONGEST_TURN_MS = 100; // a longer turn counts as this towards the timeout: the page was suspended
+const ASLEEP_MS = 250; // without a turn for as long, a frame wakes the frame loop
 
-/** Owner of a player's turns, with one hook. */
+/** Owner of a player and its frame loop; holds one hook. */
 export interface Turning {
   setHook(hook: TurnHook): void;
   wake(): void;
@@ -25,21 +25,21 @@ interface TrustedTypes {
 }
 let policy: ReturnType<TrustedTypes['createPolicy']> | undefined;
 
-// The address of the worker's script, which bundlers rename, or of a copy, for pages that require trusted types. Their policy must allow
-// the name `fourdvt`; it is used in this file alone.
+// Converts the address of the worker's script, or of its copy, for pages that require trusted types. Their policy must
+// allow the name `fourdvt`, which only this file uses.
 function trusted(script: string): string {
   const { trustedTypes } = globalThis as { trustedTypes?: TrustedTypes };
   try {
     policy ??= trustedTypes?.createPolicy('fourdvt', { createScriptURL: (url) => url });
   } catch {
-    return script; // the name is not allowed, but it may not be needed
+    return script; // the name is not allowed; the page may not require trusted types, though
   }
   return policy?.createScriptURL(script) ?? script;
 }
 
 class GeometryWorker {
   readonly #files: Files;
-  readonly #opening = new AbortController(); // until it is ready, or has failed
+  readonly #opening = new AbortController(); // aborted once the worker is ready or has failed
   readonly #joined = new Map<number, Joined>();
   #worker: Worker | null = null;
   #last = 0;
@@ -66,11 +66,12 @@ class GeometryWorker {
     this.#worker.onerror = (event) => {
       event.preventDefault();
       if (event.message) this.fail(event.message);
-      else setTimeout(onUnloaded); // the browser reports what the policy blocks in a task of its own
+      else setTimeout(onUnloaded); // after the task in which the browser reports a policy violation
     };
     this.post({ kind: 'start', wasm: this.#files.workerWasm });
   }
-  // Another origin's script cannot be a worker, nor can one without the header that a cross-origin isolated page demands. A copy can.
+  // Opens a copy of the script, for a script of another origin, or one without the header that a cross-origin isolated
+  // page requires.
   async #openCopy(): Promise<void> {
     const { worker } = this.#files;
     try {
@@ -112,15 +113,15 @@ class GeometryWorker {
   }
 }
 
-// A character's side.
+// Hook of one character: passes its jobs to the worker, and decoded frames to its player.
 class Joined implements TurnHook {
   readonly #worker: GeometryWorker;
   readonly #number: number;
   readonly #actor: Turning;
   #on = false;
-  readonly #frames: Frame[] = []; // that the player is yet to get
-  #posted = new Map<number, number>(); // wanted frames, by job
-  readonly #next = new Map<number, number>(); // frame to come, by job
+  readonly #frames: Frame[] = []; // decoded, not handed to the player yet
+  #posted = new Map<number, number>(); // number of wanted frames, by job
+  readonly #next = new Map<number, number>(); // next frame from the worker, by job
   #turnMs = 0; // time of the last turn
   #silentMs = 0;
 
@@ -174,7 +175,7 @@ class Joined implements TurnHook {
     if (this.#on && !this.#worker.failed) this.#worker.post({ kind: 'leave', character: this.#number });
   }
 
-  // False: the player has no mesh yet.
+  // Posts the mesh and turns the player's own decoding off; false while the player has no mesh.
   #begin(module: WasmModule, handle: number): boolean {
     const at = module._fdvt_geometry_mesh(handle);
     if (!at) return false;
@@ -185,7 +186,7 @@ class Joined implements TurnHook {
     return true;
   }
 
-  // Measures the time without an awaited frame.
+  // Adds up the time for which an awaited frame has not come; after the timeout the worker counts as failed.
   #listen(): void {
     const nowMs = performance.now();
     const awaited = [...this.#posted].some(([id, wanted]) => (this.#next.get(id) ?? 0) < wanted);
@@ -198,7 +199,7 @@ class Joined implements TurnHook {
 
 let worker: GeometryWorker | undefined;
 
-/** Decodes the actor's geometry in the page's worker from now on, if there is one. */
+/** Decodes the actor's geometry in the page's worker from now on, unless that has failed. */
 export function decodeBeside(actor: Turning, files: Files): void {
   worker ??= new GeometryWorker(files);
   if (!worker.failed) worker.join(actor);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// fourdvt-worker.js: decodes geometry of a page's characters beside its main thread, one frame after the other, those
-// that are wanted first before the others. Has no players: chunks come in, decoded frames go out.
+// fourdvt-worker.js: decodes geometry of a page's characters off the main thread, frame by frame, the most urgent jobs
+// first. Receives chunks and returns decoded frames; contains no player.
 import { readDecodedFrame, type WorkerExports } from '../wasm/generated/abi.js';
 import type { FromWorker, Opening, ToWorker, WantedJob } from './geometry-messages.js';
 
-// The module has no script of Emscripten's, so its functions are exported by their own names.
+// Exports of the module, by C names: without Emscripten's script they have no underscore in front.
 type Exports = {
   [Name in keyof WorkerExports as Name extends `_${infer Plain}` ? Plain : never]: WorkerExports[Name];
 } & { memory: WebAssembly.Memory; _initialize(): void };
@@ -17,9 +17,9 @@ interface Scope {
 interface Job {
   id: number;
   wanted: number;
-  decoder: number; // 0: it does not decode
-  chunk: number; // address of its bytes
-  next: number; // frame
+  decoder: number; // handle; 0: the chunk cannot be decoded
+  chunk: number; // address of the chunk's bytes
+  next: number; // frame to decode next
 }
 
 interface Character {
@@ -35,7 +35,7 @@ let running = false;
 
 const bytesAt = (): Uint8Array => new Uint8Array(wasm!.memory.buffer);
 
-// A block of the module's memory, to be freed.
+// Copies bytes into a new block of the module's memory, which the caller frees.
 function put(bytes: ArrayBuffer): number {
   const at = wasm!.fdvt_worker_alloc(bytes.byteLength || 1);
   if (!at) throw new RangeError('no memory');
@@ -96,7 +96,7 @@ function leave(number: number): void {
   characters.delete(number);
 }
 
-// The most urgent job of any character, before the second of any.
+// Returns the job to go on with: the first unfinished one in rounds over all characters by rank of urgency.
 function nextJob(): [number, Job] | null {
   for (let rank = 0, more = true; more; ++rank) {
     more = false;
@@ -109,7 +109,7 @@ function nextJob(): [number, Job] | null {
   return null;
 }
 
-// Decodes one frame, and comes again after the messages that wait.
+// Decodes one frame and schedules the next turn behind waiting messages.
 function turn(): void {
   const found = nextJob();
   running = !!found;
@@ -144,7 +144,7 @@ function serve(message: ToWorker): void {
 scope.onmessage = ({ data }) => {
   try {
     serve(data);
-  } catch (reason) { // a trap in wasm, or no memory
+  } catch (reason) { // a trap in wasm, or out of memory
     scope.postMessage({ kind: 'failed', reason: String(reason) });
   }
 };

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes one video track as the segments that Media Source Extensions take (ISO/IEC 14496-12, byte stream format "ISO
-// BMFF"): an initialization segment per decoder configuration, a media segment per run of samples. Every frame lasts the
-// same. Does not look into the samples.
+// Writes one video track as segments for Media Source Extensions (ISO/IEC 14496-12, byte stream format "ISO BMFF"): one
+// initialization segment per decoder configuration, one media segment per run of samples. All frames have the same
+// duration. Does not parse the samples.
 
 export interface TrackConfig {
-  /** RFC 6381, as manifests have it: avc1, vp09 or av01. */
+  /** Codec string by RFC 6381, from the manifest: avc1, vp09 or av01. */
   codec: string;
-  /** avcC; empty for the others. */
+  /** Content of the avcC box; empty for VP9 and AV1. */
   description: Uint8Array;
   width: number;
   height: number;
 }
 
-/** In decoding order. */
+/** One coded picture; samples come in decoding order. */
 export interface TrackSample {
   bytes: Uint8Array;
   timestampUs: number;
@@ -22,7 +22,7 @@ export interface TrackSample {
 const TIMESCALE = 1_000_000; // microseconds
 const KEY_FLAGS = 0x02000000; // depends on no other sample
 const DELTA_FLAGS = 0x01010000; // depends on others, and is no sync sample
-// Decoding times precede presentation by so many frames: more than any encoder reorders.
+// Frames by which decoding times precede presentation times: more than any encoder reorders.
 const REORDERED_FRAMES = 16;
 
 type Part = number[] | Uint8Array;
@@ -49,7 +49,7 @@ function box(type: string, ...parts: Part[]): Uint8Array {
 const full = (type: string, version: number, flags: number, ...parts: Part[]): Uint8Array =>
   box(type, u32(version * 2 ** 24 + flags), ...parts);
 
-// The box that configures the decoder, from the codec's string; the samples have the rest.
+// Box with the decoder's configuration, derived from the codec string; the samples contain the rest.
 function configBox({ codec, description }: TrackConfig): Uint8Array {
   const [name, ...fields] = codec.split('.');
   if (name === 'vp09') {
@@ -72,7 +72,7 @@ function sampleEntry(track: TrackConfig): Uint8Array {
     zeros(4), u16(1), zeros(32), u16(24), u16(0xffff), configBox(track));
 }
 
-/** The type of such a file, for MediaSource. */
+/** MIME type of a track with this codec, for MediaSource. */
 export const mediaType = (codec: string): string => `video/mp4; codecs="${codec}"`;
 
 export function initSegment(track: TrackConfig): Uint8Array {
@@ -90,7 +90,7 @@ export function initSegment(track: TrackConfig): Uint8Array {
   return concat([ftyp, moov]);
 }
 
-/** Numbers the fragments of a track, and gives samples the decoding times that their order needs. */
+/** Writes media segments of one track: numbers the fragments, and assigns decoding times by the samples' order. */
 export class SegmentWriter {
   readonly #frameUs: number;
   readonly #startUs: number;
@@ -98,13 +98,13 @@ export class SegmentWriter {
   #keyUs = 0;
   #sinceKey = 0;
 
-  /** Timestamps are multiples of frameUs; on the media's timeline they begin at startUs. */
+  /** frameUs: a frame's duration; timestamps are multiples of it. startUs: media time of timestamp 0. */
   constructor(frameUs: number, startUs: number) {
     this.#frameUs = frameUs;
     this.#startUs = startUs;
   }
 
-  /** samples: at least one; the first ever is a key, and a key comes first. */
+  /** Writes one segment. samples: at least one; the track's first sample is a key, and a key begins a segment. */
   segment(samples: readonly TrackSample[]): Uint8Array {
     const rows: number[] = [];
     let firstUs = 0;

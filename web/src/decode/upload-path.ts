@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Upload paths of decoded pictures into textures. 'i420' copies its planes and converts colours with the player's own
-// matrix, the same on every machine; 'rgba' and 'rgba-sub' let the browser upload the VideoFrame, into a new storage of
-// the texture or into that which it has: which of them is several times as fast depends on the browser. Measured once
-// per tab, with a decoded frame of the character. 'video' uploads what a <video> element shows, where there is no
-// VideoDecoder.
+// Upload paths of decoded pictures into textures. 'i420' copies the planes and converts colours with the player's own
+// matrix, the same on every machine. 'rgba' and 'rgba-sub' let the browser upload the VideoFrame, into a new storage of
+// the texture or into its present one; one may be several times as fast, depending on the browser. The choice is
+// measured once per tab, with a decoded frame of the character. 'video' uploads the picture of a <video> element, in
+// browsers without VideoDecoder.
 import { ViewerError } from '../report/errors.js';
 import type { PictureKind } from '../wasm/generated/abi.js';
 
@@ -21,7 +21,7 @@ export function rememberedPath(): UploadPath | null {
     return null;
   }
 }
-/** The path to begin on. Errors: ViewerError 'insecure-context', 'decoder-unsupported' if there is none. */
+/** Returns the path to begin with. Errors: ViewerError 'insecure-context', 'decoder-unsupported' if there is none. */
 export function choosePath(wanted: UploadChoice, live: boolean): UploadPath {
   if (typeof VideoDecoder !== 'undefined') return asPath(wanted) ?? rememberedPath() ?? 'i420';
   if (!live && ('MediaSource' in globalThis || 'ManagedMediaSource' in globalThis)) return 'video';
@@ -35,13 +35,13 @@ export function rememberPath(path: UploadPath): void {
   try {
     sessionStorage.setItem(KEY, path);
   } catch {
-    return; // storage is blocked: it is measured again next time
+    return; // storage is blocked: the next page measures again
   }
 }
 
 /**
- * Uploads a picture into an RGBA texture. sub: into its storage, which has the picture's size; otherwise it gets a new
- * one, and must be mutable. Leaves it bound, and the default unpack state behind.
+ * Uploads a picture into an RGBA texture. sub: into the present storage, which has the picture's size; otherwise into a
+ * new one, for which the texture must be mutable. Leaves the texture bound and the unpack state at its defaults.
  */
 export function uploadPicture(gl: WebGL2RenderingContext, texture: WebGLTexture,
                               picture: VideoFrame | HTMLVideoElement | ImageBitmap, sub: boolean): void {

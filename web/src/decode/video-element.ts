@@ -1,32 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// Carries out the player's decode requests with a <video> element, where there is no VideoDecoder (Firefox for Android,
-// pages of plain http): samples become media segments on one timeline that never turns back, so that loops, seeks and
-// renditions are only more of it. The element keeps time: it runs at the pace at which the player takes pictures, and may leave
-// some out. The player reads a picture's frame from its barcode; the element's media time is a first guess.
-// requestVideoFrameCallback announces new ones; without it the element's time is polled.
+// Carries out the player's decode requests with a <video> element, for pages without VideoDecoder (Firefox for Android,
+// plain http). Samples become media segments on one timeline that only grows: loops, seeks and other renditions append to
+// it. The element plays at the pace at which the player takes pictures, and may skip some. The player reads a picture's
+// frame index from its barcode; the element's media time is a first guess. New pictures are announced by
+// requestVideoFrameCallback; without it the element's time is polled.
 import type { DecoderFault } from '../wasm/generated/abi.js';
 import type { DecoderCallbacks, Picture, PictureDecoder } from './frame-decoder.js';
 import { initSegment, mediaType, SegmentWriter, type TrackConfig, type TrackSample } from './media-segments.js';
 
-const FRAME_US = 40_000; // between timestamps of the player, whatever the sequence's frame rate
-const START_US = 1_000_000; // of the timeline: decoding times before the first frame must not be negative
-const INSIDE_US = FRAME_US / 4; // seeks lead into a frame, not onto its edge
-const NEAR_S = 0.1; // from the goal: the element plays into it
-const TRY_MS = 80; // between offers of a sought picture
+const FRAME_US = 40_000; // between the player's timestamps, at any frame rate of the sequence
+const START_US = 1_000_000; // media time of timestamp 0, so that no decoding time is negative
+const INSIDE_US = FRAME_US / 4; // offset of a seek from the beginning of a frame
+const NEAR_S = 0.1; // within this distance of the goal the element plays on instead of seeking
+const TRY_MS = 80; // between repeated offers of a sought picture
 const MAX_TRIES = 25;
 const KEPT_BEHIND_S = 4;
 const MAX_BEHIND_S = 12;
 const HAVE_CURRENT_DATA = 2; // readyState
-const MIN_RATE = 0.0625; // the range that browsers play at
+const MIN_RATE = 0.0625; // range of playback rates that browsers support
 const MAX_RATE = 16;
-const RATE_STEP = 0.03; // smaller changes are not worth an adjustment
-const STUCK_MS = 2000; // of turns without what is awaited, before the element is sent there; twice as long each further time
-const SEEK_MS = 6000; // likewise, while it seeks: a slow machine may be on the way
-const LONGEST_TURN_MS = 100; // that counts: a page that stands still awaits nothing
+const RATE_STEP = 0.03; // relative; smaller changes of the rate are left out
+const STUCK_MS = 2000; // timeout of an awaited picture, in time of turns; then the element seeks it. Doubles per seek
+const SEEK_MS = 6000; // the same timeout while the element seeks, which takes long on slow machines
+const LONGEST_TURN_MS = 100; // a longer turn counts as this towards the timeouts: the page was suspended
 const MAX_NUDGES = 2;
-const HELD_BACK_US = 30 * FRAME_US; // browsers keep the last pictures to themselves until more samples come, or their end
-const MAX_SKIPPED = 8; // frames
-const REFUSED_MS = 1000; // before a refused play() is tried again
+const HELD_BACK_US = 30 * FRAME_US; // browsers hold the last pictures back until more samples come or the stream ends
+const MAX_SKIPPED = 8; // frames per seek while play() is refused
+const REFUSED_MS = 1000; // pause before the next play() after a refused one
 
 type MediaSourceClass = typeof MediaSource;
 const sourceClass = (): MediaSourceClass | undefined =>
@@ -40,25 +40,25 @@ class VideoElementDecoder implements PictureDecoder {
   #buffer: SourceBuffer | null = null;
   #url = '';
   #track: TrackConfig | null = null;
-  #pending: (() => void)[] = []; // operations on the buffer, one after the other
+  #pending: (() => void)[] = []; // queued operations on the buffer; the first is active
   #samples: TrackSample[] = [];
-  #ended = false; // no more samples come before the next key
-  #goal = -1; // timestamp of the first picture that is wanted; -1: it is there
-  #sought = false; // the element has been sent to the goal
+  #ended = false; // the player has flushed: the next sample, if any, is a key
+  #goal = -1; // timestamp of the picture to seek; Infinity: the next wanted one's; -1: none
+  #sought = false; // the element seeks the goal, or has reached it
   #picture: Picture | null = null;
-  #taken = -1; // timestamp of the picture that was taken last
-  #takenMs = 0; // time of that
+  #taken = -1; // timestamp of the picture that the player removed last
+  #takenMs = 0; // time of that removal
   given = 0;
-  #again = -1; // timestamp of the picture that was sought last
+  #again = -1; // timestamp of the last sought picture
   #timer = 0;
-  #last = -1; // the greatest timestamp so far
+  #last = -1; // greatest timestamp of a sample
   #pace = 0;
   #polls = false;
   #callback = 0;
   #turnMs = 0; // time of the last feed
-  #stuckMs = 0; // since something came of what is awaited
-  #nudges = 0; // since then
-  #refusedMs = -Infinity; // time at which the browser refused to play
+  #stuckMs = 0; // time of turns without an awaited picture or operation
+  #nudges = 0; // seeks after timeouts, since the last progress
+  #refusedMs = -Infinity; // time of the last refused play()
 
   constructor(callbacks: DecoderCallbacks) {
     this.#callbacks = callbacks;
@@ -85,7 +85,7 @@ class VideoElementDecoder implements PictureDecoder {
       this.#goal = timestampUs;
       this.#sought = false;
     }
-    // Samples come in decoding order: one that is presented earlier may follow.
+    // Samples come in decoding order: one with an earlier presentation time may follow.
     if (wanted && !this.#sought && timestampUs < this.#goal) this.#goal = timestampUs;
     this.#last = Math.max(this.#last, timestampUs);
     this.#samples.push({ bytes: bytes.slice(), timestampUs, key });
@@ -122,7 +122,7 @@ class VideoElementDecoder implements PictureDecoder {
     this.#appendSamples();
     this.#steer();
     this.#watch();
-    // The element's time may be of the next frame already when that cannot be copied yet: name the one a little before.
+    // Reads the time slightly early: the element's time may reach the next frame before that can be copied.
     if (this.#polls) this.#onFrame((this.#video?.currentTime ?? 0) * 1e6 - START_US - INSIDE_US);
   }
   peek(): Picture | undefined { return this.#picture ?? undefined; }
@@ -139,7 +139,7 @@ class VideoElementDecoder implements PictureDecoder {
   #forget(): void {
     this.#samples = [];
     this.#picture = null;
-    this.#goal = Infinity; // the next one that is wanted
+    this.#goal = Infinity; // the next wanted sample sets it
     this.#sought = this.#ended = false;
     this.#moved();
   }
@@ -177,7 +177,8 @@ class VideoElementDecoder implements PictureDecoder {
     });
   }
 
-  // The element shows this frame, or one near it: the first one after a seek counts as the one that was sought.
+  // Offers the picture of this frame time, which may be off by some frames. The first picture after a seek gets the
+  // timestamp of the goal.
   #onFrame(timeUs: number): void {
     const video = this.#video;
     if (!video || video.seeking || video.readyState < HAVE_CURRENT_DATA) return;
@@ -199,8 +200,8 @@ class VideoElementDecoder implements PictureDecoder {
     this.#callbacks.onPicture();
   }
 
-  // While the element stands after a seek: some browsers report a frame before it can be copied, and some report none. The
-  // player refuses it once it has it, which it detects some ticks later only.
+  // Repeats the offer of a sought picture while the element is paused: some browsers report a frame before it can be
+  // copied, others report none. The player refuses a picture that it has; it detects that some ticks later only.
   #offerLater(tries = 0): void {
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => {
@@ -212,7 +213,7 @@ class VideoElementDecoder implements PictureDecoder {
     }, TRY_MS);
   }
 
-  // --- what is appended ---
+  // --- appending ---
 
   #appendSamples(): void {
     if (!this.#samples.length || !this.#video) return;
@@ -221,7 +222,7 @@ class VideoElementDecoder implements PictureDecoder {
     this.#then(() => this.#buffer!.appendBuffer(segment as BufferSource));
   }
 
-  // sync: the operation raises no updateend.
+  // Queues an operation on the buffer. sync: one without an `updateend` event.
   #then(operation: () => void, sync = false): void {
     this.#pending.push(() => {
       operation();
@@ -249,37 +250,38 @@ class VideoElementDecoder implements PictureDecoder {
 
   #freeBehind(): void {
     const { buffered, currentTime } = this.#video!;
-    if (this.#ended) return; // it would take the end away
+    if (this.#ended) return; // removal would reopen the stream
     if (this.#goal >= 0 || !buffered.length || currentTime - buffered.start(0) < MAX_BEHIND_S) return;
     this.#then(() => this.#buffer!.remove(0, currentTime - KEPT_BEHIND_S));
   }
 
-  // --- where the element is, and how fast ---
+  // --- position and rate of the element ---
 
-  // Sends the element to the goal once that is buffered; then lets it run at the pace, as far as pictures are taken.
+  // Seeks the goal once that is buffered; afterwards plays at the pace, paused while a picture waits to be taken.
   #steer(): void {
     const video = this.#video;
     if (!video || !this.#track) return;
     if (this.#goal < 0 && this.#pace > 0 && !this.#picture && this.#last > this.#taken && this.#mustSeek) this.#seek(this.#nextUs);
     if (this.#goal >= 0) {
       const at = mediaTime(this.#goal);
-      // Another rendition goes on where the one before ends: no seek, no gap. One that has ended stays there until it is sent on.
+      // Plays on into another rendition, which begins where the last one ends, without a seek. An element that has ended
+      // must seek.
       const goesOn = this.#pace > 0 && !this.#mustSeek && Math.abs(video.currentTime - at) < NEAR_S;
       if (!goesOn && !video.paused) video.pause();
-      // The duration, which an end of stream has cut, may lag behind what is buffered.
+      // An end of stream has cut the duration, which may still be behind the buffered range.
       if (this.#sought || !covers(video.buffered, at) || at >= video.duration) return;
       this.#sought = true;
       if (!goesOn) {
         video.currentTime = at;
         return;
       }
-      this.#taken = this.#goal - FRAME_US; // the goal is the next one
+      this.#taken = this.#goal - FRAME_US; // so that the goal counts as the next picture
       this.#goal = -1;
     }
     if (this.#pace <= 0 || this.#picture) return video.paused ? undefined : video.pause();
     const rate = Math.min(Math.max((this.#pace * FRAME_US) / 1e6, MIN_RATE), MAX_RATE);
     if (Math.abs(rate / video.playbackRate - 1) > RATE_STEP) video.playbackRate = rate;
-    // One that has ended would begin again at the front.
+    // play() of an element that has ended would start from the beginning.
     if (video.paused && !video.ended) video.play().catch((reason: unknown) => this.#onRefused(reason));
   }
   #seek(timestampUs: number): void {
@@ -287,7 +289,8 @@ class VideoElementDecoder implements PictureDecoder {
     this.#sought = false;
   }
 
-  // It stands at an end that has samples behind it by now, or the browser does not let it play (autoplay policy, saving of power).
+  // True if the element has ended before samples that came later, or the browser refuses to play (autoplay policy, power
+  // saving).
   get #mustSeek(): boolean {
     const { ended, buffered, currentTime } = this.#video!;
     return this.#isRefused || (ended && covers(buffered, currentTime + INSIDE_US / 1e6));
@@ -296,16 +299,16 @@ class VideoElementDecoder implements PictureDecoder {
   #onRefused(reason: unknown): void {
     if ((reason as Error).name === 'NotAllowedError') this.#refusedMs = performance.now();
   }
-  // The picture to come; one by one they take longer than the pace allows, so that some are left out.
+  // Timestamp of the next picture. While play() is refused, seeks skip pictures to keep up with the pace.
   get #nextUs(): number {
     const passed = this.#isRefused ? Math.floor(((performance.now() - this.#takenMs) / 1000) * this.#pace) : 1;
     return Math.min(this.#taken + FRAME_US * Math.min(Math.max(1, passed), MAX_SKIPPED), this.#last);
   }
 
-  // --- an element that stands still ---
+  // --- timeouts ---
 
-  // Browsers let a seek or a play() come to nothing at times. Sends the element to what is awaited again; if that is of no use,
-  // the player takes another element.
+  // Seeks the awaited picture again after a timeout: a browser's seek or play() may have no effect. After MAX_NUDGES
+  // reports a fault, upon which the player opens another element.
   #watch(): void {
     const nowMs = performance.now(), turnMs = Math.min(nowMs - this.#turnMs, LONGEST_TURN_MS);
     this.#turnMs = nowMs;
@@ -321,7 +324,7 @@ class VideoElementDecoder implements PictureDecoder {
   }
   #moved(): void { this.#stuckMs = this.#nudges = 0; }
 
-  // An operation on the buffer is under way, or the browser has all that the wanted picture takes.
+  // True during an operation on the buffer, or if the browser has all samples that the next picture needs.
   get #isAwaited(): boolean {
     if (this.#pending.length) return true;
     const hasAll = (afterUs: number): boolean => this.#last - afterUs > (this.#ended ? 0 : HELD_BACK_US);
@@ -337,7 +340,7 @@ class VideoElementDecoder implements PictureDecoder {
 
 export const makeVideoDecoder = (callbacks: DecoderCallbacks): PictureDecoder => new VideoElementDecoder(callbacks);
 
-// Inside the frame.
+// Media time inside the frame, seconds.
 const mediaTime = (timestampUs: number): number => (START_US + timestampUs + INSIDE_US) / 1e6;
 
 function covers(ranges: TimeRanges, time: number): boolean {

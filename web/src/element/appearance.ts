@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Feature: how the characters are drawn, what they stand in, and at which quality.
+// Feature: render options, drawing method, look, room, scene and quality of the characters.
 import { qualityOf } from '../page/quality-attribute.js';
 import { checkRenderOptions } from '../player/input-checks.js';
 import { methodOf } from '../player/method-attributes.js';

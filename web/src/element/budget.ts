@@ -1,54 +1,54 @@
 // SPDX-License-Identifier: Apache-2.0
-// Allocates a page's memory and decoders to its viewers by their priorities: those on screen come first, those far away are freed.
+// Allocates a page's memory and decoders to its viewers by priority: viewers on screen first; viewers far away are freed.
 
-/** auto: loads near the screen; lazy: on it; eager: at once. */
+/** auto: loads near the screen; lazy: loads on screen; eager: loads at once. */
 export type LoadingMode = 'auto' | 'lazy' | 'eager';
 
 /** Place and state of a viewer. */
 export interface Priority {
   readonly mode: LoadingMode;
-  /** From the edge of the screen, in heights or widths of it; 0: some of it is on screen. */
+  /** Distance from the edge of the screen, in screen heights or widths; 0: at least partly on screen. */
   readonly distance: number;
   /** Area on the screen, CSS pixels. */
   readonly area: number;
-  /** A picture of the present source is shown. */
+  /** True if the viewer shows a picture of its present source, or no picture will come. */
   readonly shown: boolean;
-  /** Time of the visitor's last input on it, ms; -Infinity: none. */
+  /** Time of the visitor's last input on the viewer, ms; -Infinity: none. */
   readonly touchedMs: number;
 }
 
-/** load: it may hold a character. run: it may decode; else it holds still. */
+/** load: the viewer may hold a character. run: it may decode; otherwise its picture stands still. */
 export interface Reservation {
   load: boolean;
   run: boolean;
 }
 
 export interface Limits {
-  /** Viewers that hold a character. */
+  /** Maximum number of viewers that hold a character. */
   loaded: number;
-  /** Viewers that decode. */
+  /** Maximum number of viewers that decode. */
   running: number;
 }
 
-const NEAR = { auto: 1, lazy: 0, eager: Infinity }; // distance at which it loads
-const KEPT = 2; // further away than that it is freed
-const RECENT_MS = 3000; // after an input a viewer runs before others
-const FULL_BYTES = 15_000_000; // of a viewer, in GPU and heap, at the least: those that have just begun hold little yet
+const NEAR = { auto: 1, lazy: 0, eager: Infinity }; // maximum distance at which a viewer loads
+const KEPT = 2; // a loaded viewer is kept this much further away
+const RECENT_MS = 3000; // period after an input in which a viewer has priority
+const FULL_BYTES = 15_000_000; // minimum counted per viewer, GPU and heap: one that has just begun holds little yet
 
 /**
- * Limits by the bytes that viewers hold. used: bytes of the `loaded` viewers that hold a character; least: bytes of each when the page
- * held too much, else one that is heavier than the others would be freed and loaded for ever.
+ * Computes limits from memory in use. used: bytes of the `loaded` viewers that hold a character. least: minimum counted
+ * per viewer; the mean when the page was last over budget, so that a large character is not freed and loaded in turn.
  */
 export function limitsOf(bytes: number, decoders: number, used: number, loaded: number, least = FULL_BYTES): Limits {
   const each = Math.max(used / (loaded || 1), least);
   return { loaded: Math.max(1, Math.floor(bytes / each)), running: decoders };
 }
 
-/** The reservations of all priorities, in their order. had: the reservations before, so that little changes back and forth. */
+/** Returns the viewers' reservations, in the order of `priorities`. had: their present ones, kept longer (hysteresis). */
 export function allocate(priorities: readonly Priority[], had: readonly Reservation[], { loaded, running }: Limits, nowMs: number): Reservation[] {
   const reservations = priorities.map(() => ({ load: false, run: false }));
   const order = (less: (a: Priority, b: Priority) => number): number[] => priorities.map((_, i) => i).sort((a, b) => less(priorities[a]!, priorities[b]!));
-  const busy = priorities.some(({ distance, shown }) => distance === 0 && !shown); // viewers that are only near wait for those on screen
+  const busy = priorities.some(({ distance, shown }) => distance === 0 && !shown); // a viewer on screen has no picture yet: viewers off screen wait
   const mayLoad = ({ mode, distance }: Priority, holds: boolean): boolean =>
     distance <= NEAR[mode] + (holds ? KEPT : 0) && (holds || !busy || distance === 0 || mode === 'eager');
   for (const i of order((a, b) => a.distance - b.distance || b.area - a.area)) {
@@ -57,7 +57,7 @@ export function allocate(priorities: readonly Priority[], had: readonly Reservat
       --loaded;
     }
   }
-  // Viewers on screen come first; among them those without a picture, then those that the visitor touches and sees most of.
+  // Order: viewers on screen first; then those without a picture; then by the latest recent input; then by visible area.
   const touched = ({ touchedMs }: Priority): number => (nowMs - touchedMs < RECENT_MS ? touchedMs : 0);
   for (const i of order((a, b) => Number(a.distance > 0) - Number(b.distance > 0) || Number(a.shown) - Number(b.shown) ||
                                   touched(b) - touched(a) || b.area - a.area)) {
@@ -72,11 +72,11 @@ export function allocate(priorities: readonly Priority[], had: readonly Reservat
 /** A viewer that shares the budget. */
 export interface Member {
   priority(): Priority;
-  /** Called when it has changed. */
+  /** Called when the viewer's reservation has changed. */
   reserved(reservation: Reservation): void;
 }
 
-/** State of the page. */
+/** Limits and state of the page. */
 export interface BudgetPage {
   /** Bytes on the GPU and in the player's memory, of all viewers. */
   usedBytes(): number;
@@ -103,7 +103,7 @@ export class PageBudget {
   remove(member: Member): void {
     if (this.#members.delete(member)) this.review();
   }
-  /** Allocates again before the page's next turn. */
+  /** Schedules a new allocation, before the page's next turn. */
   review(): void {
     if (this.#due) return;
     this.#due = true;
@@ -124,7 +124,7 @@ export class PageBudget {
       this.#members.set(member, reservation);
       return before.load !== reservation.load || before.run !== reservation.run;
     });
-    // Frees first: the others may need the room.
+    // Frees first: the others may need the memory.
     const isFreed = (member: Member): boolean => !this.#members.get(member)?.load;
     for (const member of [...changed.filter(isFreed), ...changed.filter((member) => !isFreed(member))]) {
       const reservation = this.#members.get(member);

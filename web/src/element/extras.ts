@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Feature: buttons, announcements for screen readers, the prompt, hotspots and sound, which come with the player's second part.
+// Feature: the player's second part's buttons, announcements for screen readers, prompt, hotspots and sound.
 import type { More } from '../player/wasm-module.js';
 import type { Feature, Viewer } from './viewer.js';
 
@@ -9,7 +9,7 @@ type Extended = ConstructorParameters<More['Extras']>[0];
 export class SecondPart implements Feature {
   readonly #viewer: Viewer;
   readonly #element: Extended;
-  /** Null until the second part is there. */
+  /** Null until the second part is loaded. */
   extras: Extras | null = null;
 
   constructor(viewer: Viewer, element: Extended) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // <fourdvt-character> inside <fourdvt-viewer>: one more character in the same canvas. It shares shader programs and
-// render targets with the others and has its own decoders. It is loaded once the viewer's own character is there, plays
-// and pauses with it, and comes back as it was after a lost GL context.
+// render targets with the others and has its own decoders. It loads after the viewer's own character, plays and pauses
+// with it, and keeps its state over the loss of a GL context.
 import { isOn, upgradeProperties } from '../page/attributes.js';
 import { Commands } from '../player/commands.js';
 import type { Placement } from '../player/wasm-player.js';
@@ -11,11 +11,11 @@ import { JOIN_EVENT, type Companion } from '../session/companion.js';
 export class FourdvtCharacter extends PageElement {
   static readonly observedAttributes = ['src', 'sequence', 'position', 'heading', 'travel'];
   readonly #commands = new Commands();
-  #membership: AbortController | null = null; // while the element is in a document
+  #membership: AbortController | null = null; // aborted when the element leaves its document; null outside
   #viewer: Element | null = null;
 
   connectedCallback(): void {
-    if (this.#membership) return; // moved within the page: it stays
+    if (this.#membership) return; // moved within the page
     this.#commands.begin({
       sequence: this.getAttribute('sequence'),
       travel: isOn(this, 'travel'),
@@ -67,7 +67,7 @@ export class FourdvtCharacter extends PageElement {
     this.dispatchEvent(new CustomEvent(JOIN_EVENT, { bubbles: true, detail: companion }));
   }
 
-  // The new character stands where the old one was.
+  // Replaces the character; the new one keeps the old one's placement.
   #changeSource(): void {
     const { placement } = this;
     this.#membership?.abort();
@@ -75,7 +75,7 @@ export class FourdvtCharacter extends PageElement {
     this.#join();
   }
 
-  /** Reads position="x z" in metres and heading in degrees. */
+  /** Reads the attributes position="x z", metres, and heading, degrees. */
   #placeOfAttributes(): Placement {
     const [x, z] = (this.getAttribute('position') ?? '').trim().split(/\s+/).map(Number);
     const heading = Number(this.getAttribute('heading'));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Feature: source and poster, loading and its errors, the GL context's loss.
+// Feature: source, poster, loading, errors, and loss of the GL context.
 import type { UploadChoice } from '../decode/upload-path.js';
 import type { SignAddress } from '../net/transport.js';
 import { asViewerError, characterAddress, withCode, type ErrorDetail, type MediaFault } from '../report/errors.js';
@@ -11,29 +11,29 @@ import { Presence, type Loader } from './presence.js';
 import { valueOf } from './properties.js';
 import type { Feature, Viewer } from './viewer.js';
 
-// Until the stream's index has come the total is too small; this keeps the progress bar from being full too early.
+// Minimum total of the progress bar: before the stream's index has come, the total is too small.
 const MIN_TOTAL_BYTES = 300_000;
-const CONTEXT_PATIENCE_MS = 5000; // browsers that give a GL context back do so within a second
+const CONTEXT_PATIENCE_MS = 5000; // timeout; browsers that restore a GL context do so within a second
 
 export class Loading implements Feature, Loader {
-  /** Place on the page, which decides when the character may be loaded. */
+  /** Decides by the viewer's place on the page when the character may be loaded. */
   readonly presence: Presence;
-  /** Gives each file the address that it is fetched from; null: its own. */
+  /** Returns the address to fetch a file from; null: the file's own address. */
   sign: SignAddress | null = null;
   readonly #viewer: Viewer;
-  /** Host of its sessions. */
+  /** Host of the viewer's sessions. */
   readonly host: SessionHost;
   #error: MediaFault | null = null;
   #address = '';
-  #base = ''; // that src is relative to, also after a move into another document
-  #used = false; // touched or played with this source: preload="none" counts no longer
+  #base = ''; // base URL of src, kept over a move into another document
+  #used = false; // this source has been touched or played: ends preload="none"
   #allowed = false;
-  #due: { fresh: boolean } | null = null; // to load, once the page allows it
+  #due: { fresh: boolean } | null = null; // pending load, until the page allows it
   #loading = false;
-  #loaded: string | null = null; // src of what is shown, or was shown when the element left the page
+  #loaded: string | null = null; // src of the present source, or of the last one before the element left the page
   #contextTimer = 0;
-  #attempt: object | null = null; // to load a source; the latest
-  #lost: object | null = null; // the session whose context may come back
+  #attempt: object | null = null; // identity of the latest attempt to load
+  #lost: object | null = null; // ended session whose GL context may be restored
 
   constructor(viewer: Viewer) {
     this.#viewer = viewer;
@@ -66,19 +66,20 @@ export class Loading implements Feature, Loader {
     this.#begin();
   }
   update(name: string, changed: boolean): void {
-    if (name === 'src') this.#request(); // the same one, too: another try
+    if (name === 'src') this.#request(); // also for the same src, as a retry
     else if (name === 'preload') this.#begin();
     else if (name === 'poster' && changed) this.#viewer.overlay.setPoster(this.#viewer.element.getAttribute('poster'));
   }
 
   get #src(): string { return valueOf(this.#viewer.element, 'src'); }
-  /** No picture comes until the next command or source. */
+  /** True if no picture will come before the next command or source. */
   get standsStill(): boolean {
     const { session, state } = this.#viewer;
     return (session?.ended ?? true) || (state?.failed ?? false);
   }
 
-  // Loads when the page allows it. on: from where it was. fresh: past the browser's cache, which may hold what was not whole.
+  // Loads the source once the page allows it. on: continues at the present frame and state. fresh: bypasses the browser's
+  // cache, which may hold incomplete files.
   #request(on = false, fresh = false): void {
     const { overlay, commands, companions, session } = this.#viewer;
     this.#unload();
@@ -119,7 +120,7 @@ export class Loading implements Feature, Loader {
     this.#viewer.emit('loadstart');
     this.#startSession(due.fresh);
   }
-  // Keeps the picture and the place.
+  // Ends the session to free memory; keeps a copy of the picture, and the state for a later session.
   #free(): void {
     const { overlay, session } = this.#viewer;
     session!.drawing.redraw();
@@ -137,7 +138,7 @@ export class Loading implements Feature, Loader {
     try {
       src = this.#address = characterAddress(this.#src, this.#base);
     } catch (reason) {
-      // Not at once: a listener may be added after src.
+      // Asynchronously: a page may add its listener after setting src.
       return queueMicrotask(() => { if (attempt === this.#attempt) this.#viewer.report('error', asViewerError(reason).detail); });
     }
     const { element, size, statics: { wasmUrl, opencvUrl } } = this.#viewer;
@@ -172,7 +173,7 @@ export class Loading implements Feature, Loader {
       emit: (name, detail) => viewer.report(name, detail),
       firstPicture: () => {
         overlay.ready(valueOf(element, 'reveal') !== 'manual');
-        this.presence.review(); // others may run now
+        this.presence.review(); // lets the page give the decoder's priority to others
         viewer.report('loadeddata');
       },
       picture: () => {
@@ -216,7 +217,8 @@ export class Loading implements Feature, Loader {
     if (this.#allowed) this.#startSession();
     else this.#due = { fresh: false };
   }
-  // A hidden page may get its context back when it is shown again.
+  // Reports the loss after a timeout, which starts again while the page is hidden: browsers may restore the context once
+  // it is shown.
   #awaitContext(): void {
     this.#contextTimer = setTimeout(() => {
       if (document.hidden) this.#awaitContext();
@@ -239,7 +241,7 @@ export class Loading implements Feature, Loader {
     }
   }
 
-  // The character's own, where the page gives none and the first picture is not near.
+  // Shows the character's own poster if the page has none, unless a start file makes the first picture imminent.
   async #showOwnPoster(): Promise<void> {
     const { session, overlay, character } = this.#viewer, uri = character?.posterUri;
     if (!session || !uri || session.started || overlay.hasPoster) return;
@@ -247,7 +249,8 @@ export class Loading implements Feature, Loader {
     if (url && this.#viewer.session === session && !overlay.hasPoster) overlay.setPoster(url);
   }
 
-  // Shows the panel for errors after which nothing is shown, or the requested motion stands still; a refused command changes nothing.
+  // Shows the error panel if loading has failed or the picture stands still; not for a refused command, which has no
+  // effect.
   #onError(error: ErrorDetail): void {
     this.#error = withCode(error);
     const over = this.#loading || (this.#viewer.session?.ended ?? true);
@@ -256,7 +259,7 @@ export class Loading implements Feature, Loader {
     this.#viewer.call('giveUp', error);
     this.#viewer.overlay.fail(error, over);
   }
-  /** Takes the last error for settled. */
+  /** Clears the last error and its panel. */
   forgetError(): void {
     this.#error = null;
     this.#viewer.overlay.recover();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Feature: the rest of the media element's contract, by which ready-made controls drive it: states, ranges of time, volume, callbacks
-// for pictures. Ranges are empty until the player's second part is there.
+// Feature: the remaining members of HTMLMediaElement's interface, for third-party controls: states, time ranges, volume,
+// callbacks for pictures. Ranges are empty until the player's second part is loaded.
 import type { MediaTimes } from '../more/media-times.js';
 import type { More } from '../player/wasm-module.js';
 import type { ErrorDetail } from '../report/errors.js';
@@ -11,7 +11,7 @@ import type { Feature, Viewer } from './viewer.js';
 type TimedViewer = ConstructorParameters<typeof MediaTimes>[0];
 type PictureCallback = (nowMs: number, metadata: PictureMetadata) => void;
 
-/** Metadata of a picture, by the names of HTMLVideoElement's; times in ms, mediaTime in seconds. */
+/** Metadata of a picture, named as HTMLVideoElement's callback names them; times in ms, mediaTime in seconds. */
 export interface PictureMetadata {
   presentationTime: number;
   expectedDisplayTime: number;
@@ -23,7 +23,7 @@ export interface PictureMetadata {
 
 const HAVE: Record<string, number> = { loadedmetadata: 1, loadeddata: 2, waiting: 2, canplay: 3, playing: 3, canplaythrough: 4 };
 
-/** [start, end] in seconds, in their order. */
+/** Makes TimeRanges of [start, end] pairs in seconds, in ascending order. */
 export function timeRanges(list: readonly (readonly [number, number])[]): TimeRanges {
   const at = (side: 0 | 1) => (i: number): number => {
     const range = list[i];
@@ -40,13 +40,13 @@ export class Media implements Feature {
   #ready = 0;
   #duration = NaN; // at the last durationchange
   #volume = 1;
-  #muted: boolean | null = null; // null before it is in a document: the attribute counts
+  #muted: boolean | null = null; // null before the element is first in a document: the attribute applies
   #times: MediaTimes | null = null;
   #callbacks = new Map<number, PictureCallback>();
   #handles = 0;
   #presented = NaN;
 
-  /** timed: the element. */
+  /** timed: the viewer's element. */
   constructor(viewer: Viewer, loading: Loading, timed: TimedViewer) {
     this.#viewer = viewer;
     this.#loading = loading;
@@ -81,13 +81,13 @@ export class Media implements Feature {
   }
   cancelCallback(handle: number): void { this.#callbacks.delete(handle); }
 
-  // The first picture may be drawn after the player can go on from it.
+  // Reports `loadeddata` before `canplay`, once: the player may be able to play before the first picture is drawn.
   accept(event: string): boolean {
     if (event === 'canplay' && this.#ready < 2) this.#viewer.report('loadeddata');
     return event !== 'loadeddata' || this.#ready < 2;
   }
   handle(event: string): void {
-    if (event === 'sequencechange') this.#ready = Math.min(this.#ready, 3); // that one may not be buffered yet
+    if (event === 'sequencechange') this.#ready = Math.min(this.#ready, 3); // HAVE_FUTURE_DATA: the new motion may not be buffered yet
     if (event in HAVE) this.#ready = event === 'waiting' ? HAVE[event]! : Math.max(this.#ready, HAVE[event]!);
     const { duration } = this.#viewer;
     if ((event === 'loadedmetadata' || event === 'sequencechange') && !Object.is(this.#duration, duration)) {
@@ -107,7 +107,7 @@ export class Media implements Feature {
       try {
         callback(now, metadata);
       } catch (reason) {
-        setTimeout(() => { throw reason; }); // the others, and the next picture, do not wait for it
+        setTimeout(() => { throw reason; }); // rethrown as the page's own error, after the other callbacks
       }
     }
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Feature: the motion that is shown, transitions to others, and the keys and the joystick that steer the character.
+// Feature: the shown motion, transitions to others, and steering by keys and joystick.
 import type { More } from '../player/wasm-module.js';
 import type { Settings } from '../player/wasm-player.js';
 import type { Loading } from './loading.js';
@@ -14,9 +14,9 @@ export class Motion implements Feature {
   readonly #loading: Loading;
   readonly #steered: Steered;
   #steering: Steering | null = null;
-  #goal: string | null = null; // of a transition that waits for the player's second part
+  #goal: string | null = null; // target of a transition that waits for the player's second part
 
-  /** steered: the element. */
+  /** steered: the viewer's element. */
   constructor(viewer: Viewer, loading: Loading, steered: Steered) {
     this.#viewer = viewer;
     this.#loading = loading;
@@ -25,7 +25,7 @@ export class Motion implements Feature {
 
   get sequence(): string { return this.#viewer.current?.name ?? valueOf(this.#viewer.element, 'sequence'); }
   get state(): string { return this.#goal ?? (this.#viewer.state?.goal || this.sequence); }
-  // Goes over by a transition; until the second part is there, which transitions need, the present motion plays on.
+  // Starts a transition. Transitions need the second part: until it is loaded the present motion plays on.
   goTo(state: string): void {
     const { session, commands, character } = this.#viewer;
     const waits = character && !session!.later.loaded && commands.settings.playing && this.#viewer.state?.hasFrame;
@@ -45,7 +45,7 @@ export class Motion implements Feature {
   update(name: string, changed: boolean): void {
     const { element, commands, session } = this.#viewer;
     const sequence = valueOf(element, 'sequence');
-    if (name === 'sequence' && sequence) this.#select(sequence); // the same one, too: back from where goTo has led
+    if (name === 'sequence' && sequence) this.#select(sequence); // also for the same name, to return from goTo()
     if (!changed) return;
     if (name === 'motion-controls') this.#steering?.update();
     if (name === 'align') session?.later.setAlign(valueOf(element, 'align'));
@@ -59,9 +59,9 @@ export class Motion implements Feature {
       viewer.session?.wake();
     });
   }
-  // A seek is within the motion that is shown.
+  // Drops a waiting transition at a seek, which is within the shown motion.
   handle(event: string): void { if (event === 'seeking') this.#goal = null; }
-  // A new session of the same source begins with the goal that waited.
+  // Starts the waiting transition in a new session of the same source.
   begin(): void {
     if (this.#goal) this.#viewer.commands.goTo(this.#goal);
     this.#goal = null;

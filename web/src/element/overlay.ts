@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The element's shadow tree: canvas, poster, progress bar, play button, error line, all in the content box of the element, which is a
-// size container: its content box is 100cqw wide and 100cqh high and begins where a block in flow does.
-// Its style is a constructable style sheet, so that the page can have a strict style-src policy.
+// The element's shadow tree: canvas, poster, progress bar, play button and error panel, all in the element's content box.
+// The element is a size container: its content box is 100cqw wide and 100cqh high, and begins where a block in flow does.
+// The style is a constructable style sheet, so that the page can have a strict style-src policy.
 
 import { adopt } from '../page/documents.js';
 import type { ErrorDetail } from '../report/errors.js';
@@ -10,11 +10,12 @@ import type { Step } from '../report/watchdog.js';
 
 const ON_DEVELOPERS_MACHINE = /^(file:|https?:\/\/(localhost|127\.0\.0\.1|\[::1])(:|$))/;
 
-// Short text for visitors. A frame without an address of its own has the origin of the page around it.
+// Text of an error: with details on a developer's machine, else `short`. Tests `origin`, since a frame without an address
+// of its own inherits it.
 const textOf = ({ id, message }: ErrorDetail, short: string): string =>
   ON_DEVELOPERS_MACHINE.test(location.protocol === 'file:' ? 'file:' : origin) ? `${id}: ${message}` : short;
 
-// plus-lighter: cover and canvas are mixed linearly, also where they are translucent.
+// plus-lighter: cross-fades cover and canvas linearly, also where they are translucent.
 const CSS = `
 :host { display: block; position: relative; overflow: hidden; contain: strict; container-type: size; width: 300px; aspect-ratio: 3/4; }
 :host([hidden]) { display: none; }
@@ -58,14 +59,14 @@ slot { display: block; }
   .stage.ring:focus::after { outline: 3px solid Highlight; outline-offset: -3px; }
 }
 `;
-const COVERED_MS = 1000, FADING_MS = 300; // at most; of the style's transition
-// The last input that moves the focus was Tab, not a pointer: only then is the ring drawn.
+const COVERED_MS = 1000, FADING_MS = 300; // maximum time of a cover; duration of the style's transition
+// True if the last input that may move the focus was Tab, not a pointer: only then the focus ring is drawn.
 let tabs = false;
 if (typeof document !== 'undefined') {
   document.addEventListener('keydown', (e) => { if (e.key === 'Tab') tabs = true; }, true);
   document.addEventListener('pointerdown', () => { tabs = false; }, true);
 }
-const KEPT_PIXELS = 320; // the longer side of a picture that is kept
+const KEPT_PIXELS = 320; // longer side of the copy that keepPicture makes
 
 function add<K extends keyof HTMLElementTagNameMap>(parent: Node, tag: K, name: string): HTMLElementTagNameMap[K] {
   const element = document.createElement(tag);
@@ -76,7 +77,7 @@ function add<K extends keyof HTMLElementTagNameMap>(parent: Node, tag: K, name: 
 }
 
 export class Overlay {
-  /** Fills the element's content box. */
+  /** Parent of all parts; fills the element's content box. */
   readonly content = document.createElement('div');
   readonly stage: HTMLDivElement;
   readonly #poster: HTMLSlotElement;
@@ -93,12 +94,12 @@ export class Overlay {
   #network = false;
   #step: Step | null = null;
   #canvas: HTMLCanvasElement | null = null;
-  #cover: HTMLCanvasElement | null = null; // a copy of the last picture, while the one below is to come
+  #cover: HTMLCanvasElement | null = null; // copy of the last picture, until the canvas has the next
   #coverTimer = 0;
-  #otherMode = true; // of requests, with CORS or without, is yet to be tried for the poster
-  #kept: HTMLCanvasElement | null = null; // the last picture of a canvas that has gone
-  #lack = ''; // line shown while some of the player is missing
-  /** Called by its buttons. */
+  #otherMode = true; // the poster's request has not been retried in the other mode, with or without CORS
+  #kept: HTMLCanvasElement | null = null; // small copy of a removed canvas's last picture
+  #lack = ''; // note while the player's second part is missing
+  /** Called at a click on the play button, and on the retry button. */
   onPlay: () => void = () => undefined;
   onRetry: () => void = () => undefined;
 
@@ -137,7 +138,7 @@ export class Overlay {
     this.idle();
   }
 
-  /** The document has adopted it, without its style. */
+  /** Applies the style again after another document has adopted the tree, which drops it. */
   applyStyle(): void { adopt(this.content, CSS); }
 
   setTexts(strings: Strings): void {
@@ -147,14 +148,14 @@ export class Overlay {
     this.#retry.textContent = strings.retry;
   }
 
-  /** Shows this canvas in place of any before. */
+  /** Shows this canvas in place of the last one. */
   showCanvas(canvas: HTMLCanvasElement): void {
     this.dropCanvas();
     this.#canvas = canvas;
     canvas.setAttribute('part', 'canvas');
     this.stage.appendChild(canvas);
   }
-  /** Shows a small copy of the canvas in its place, until there is a picture again. */
+  /** Replaces the canvas by a small copy of its picture until the next picture. */
   keepPicture(): void {
     const canvas = this.#canvas;
     if (canvas && !this.#kept) {
@@ -167,7 +168,7 @@ export class Overlay {
     this.#progress.hidden = true;
     this.#forgetNote();
   }
-  /** Keeps the canvas's present picture on top until `uncover`, which fades to the canvas. */
+  /** Covers the canvas with a copy of its picture until `uncover`, which fades to the canvas. */
   cover(): void {
     const canvas = this.#canvas;
     this.#dropCover();
@@ -191,14 +192,14 @@ export class Overlay {
   }
   dropCanvas(): void {
     this.#dropCover();
-    if (this.#canvas?.parentNode === this.stage) this.#canvas.remove(); // else another viewer shows it
+    if (this.#canvas?.parentNode === this.stage) this.#canvas.remove(); // false if another viewer shows the canvas
     this.#canvas = null;
   }
 
   setLabel(alt: string, orbits: boolean, steers: boolean): void {
     const interactive = orbits || steers;
     if (interactive) this.stage.tabIndex = 0;
-    else this.stage.removeAttribute('tabindex'); // a click on a picture leaves the keys to the page
+    else this.stage.removeAttribute('tabindex'); // a click does not take keys from the page
     this.stage.setAttribute('role', interactive ? 'application' : 'img');
     this.stage.ariaLabel = alt || this.#strings.label;
     if (steers) this.stage.setAttribute('aria-keyshortcuts', 'ArrowLeft ArrowRight ArrowUp ArrowDown W A S D Space');
@@ -206,7 +207,7 @@ export class Overlay {
     else this.stage.removeAttribute('aria-keyshortcuts');
     this.stage.classList.toggle('orbits', orbits);
   }
-  /** Empty: gestures that the picture does not use go to the page. */
+  /** Sets the stage's CSS touch-action; empty: the style sheet's. */
   setTouchAction(value: string): void {
     this.stage.style.touchAction = value;
   }
@@ -217,7 +218,8 @@ export class Overlay {
     else this.#picture.removeAttribute('src');
     this.#picture.hidden = !url;
   }
-  // Another origin's picture may need CORS (on cross-origin isolated pages), or its server may not have it. A broken picture is left out.
+  // Retries another origin's poster in the other request mode: a cross-origin isolated page may need CORS, or the server
+  // may lack it. Leaves a broken picture out.
   #onPosterError(): void {
     const { src, crossOrigin } = this.#picture;
     if (!this.#otherMode || src.startsWith(`${globalThis.origin}/`)) return this.setPoster(null);
@@ -228,7 +230,7 @@ export class Overlay {
   get hasPoster(): boolean {
     return !this.#picture.hidden || this.#poster.assignedNodes().length > 0;
   }
-  /** Shows what is behind it. */
+  /** Hides the poster. */
   dismissPoster(): void { this.#poster.classList.add('gone'); }
 
   idle(): void {
@@ -250,7 +252,7 @@ export class Overlay {
     this.#fill.style.transform = `scaleX(${fraction})`;
     this.#bar.setAttribute('aria-valuenow', String(Math.round(100 * fraction)));
   }
-  /** The first picture is on the canvas. reveal: shows it; else the poster stays. */
+  /** Ends the progress bar: the first picture is on the canvas. reveal: hides the poster. */
   ready(reveal: boolean): void {
     this.#forget();
     this.progress(1);
@@ -262,7 +264,7 @@ export class Overlay {
     this.#play.hidden = !offer;
     if (focused) this.#focusStage();
   }
-  // Also where a click does not give it the focus, until it loses it.
+  // Focuses the stage; one without a tabindex is made focusable until it loses the focus.
   #focusStage(): void {
     const { stage } = this;
     if (!stage.hasAttribute('tabindex')) {
@@ -271,7 +273,7 @@ export class Overlay {
     }
     stage.focus();
   }
-  /** Shows the error and a button to retry. over: nothing is shown but the poster. */
+  /** Shows the error and a button to retry. over: there is no picture, so that the poster is shown again. */
   fail(error: ErrorDetail, over: boolean): void {
     this.#progress.hidden = this.#play.hidden = true;
     this.#message.textContent = textOf(error, this.#strings[error.id as keyof Strings] ?? this.#strings.failure);
@@ -281,17 +283,17 @@ export class Overlay {
   recover(): void {
     this.#error.hidden = true;
   }
-  /** A line while the network is waited for. */
+  /** Shows or hides the note that the viewer waits for the network. */
   note(waiting: boolean): void {
     this.#network = waiting;
     this.#showNote();
   }
-  /** A line while this step takes long; null: it goes on. */
+  /** Shows a note that this step takes long; null: hides it. */
   noteStep(step: Step | null): void {
     this.#step = step;
     this.#showNote();
   }
-  /** A line until complete(): part of the player cannot be loaded. */
+  /** Shows a note until complete(): the player's second part cannot be loaded. */
   incomplete(error: ErrorDetail): void {
     this.#lack = textOf(error, this.#strings.incomplete);
     this.#showNote();

@@ -10,11 +10,11 @@ import type { Feature, Viewer } from './viewer.js';
 export class Playback implements Feature {
   readonly #viewer: Viewer;
   readonly #loading: Loading;
-  #playing = false; // as dispatched
+  #playing = false; // state by the dispatched events `play` and `pause`
   #ended = false;
   #seeking = false;
   #stopped = false;
-  #sought: { time?: number; frame?: number } = {}; // before there was a source
+  #sought: { time?: number; frame?: number } = {}; // seek without a source, for the next one
   #played: Deferred | null = null;
 
   constructor(viewer: Viewer, loading: Loading) {
@@ -23,7 +23,7 @@ export class Playback implements Feature {
     viewer.overlay.onPlay = () => this.play();
   }
 
-  /** It was paused, by the visitor or by the page. */
+  /** True if pause() was called after the last play(). */
   get stopped(): boolean { return this.#stopped; }
   get paused(): boolean { return !this.#playing; }
   get ended(): boolean { return this.#ended; }
@@ -47,7 +47,7 @@ export class Playback implements Feature {
     this.#stopped = true;
     this.#settle(new DOMException('paused before it played', 'AbortError'));
     this.#viewer.commands.set('playing', false);
-    this.#viewer.report('pause'); // where no character has done it
+    this.#viewer.report('pause'); // if there is no player that emits it
   }
   seek(timeS: number): void {
     this.#seek({ time: timeS });
@@ -70,7 +70,7 @@ export class Playback implements Feature {
   }
   accept(event: string): boolean {
     if (event === 'playing') this.#begin();
-    return event !== 'pause' || this.#playing; // else it was dispatched
+    return event !== 'pause' || this.#playing; // one `pause` per `play`
   }
   handle(event: string): void {
     const { commands, overlay } = this.#viewer;
@@ -108,13 +108,13 @@ export class Playback implements Feature {
     this.#seeking = true;
     this.#ended = false;
     this.#viewer.report('seeking');
-    if (!connected || !valueOf(element, 'src')) this.#sought = to; // there is no source to seek in
+    if (!connected || !valueOf(element, 'src')) this.#sought = to; // no source yet
   }
   #settle(reason: Error): void {
     this.#played?.reject(reason);
     this.#played = null;
   }
-  // -1 as stored with the sequence, 0 never, 1 always.
+  // Loop mode: -1 as stored with the sequence, 0 never, 1 always.
   get #loopMode(): number {
     const { element } = this.#viewer;
     return element.hasAttribute('loop') ? Number(valueOf(element, 'loop')) : -1;

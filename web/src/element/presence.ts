@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Feature: the viewer's place on the page, `loading`, and its share of the page's budget. Far from the screen it is freed, off the screen
-// it stands still.
+// Feature: the viewer's place on the page, the attribute `loading`, and its share of the page's budget. A viewer far from
+// the screen is freed; one off screen stands still.
 import { viewOf } from '../page/documents.js';
 import { Stage } from '../session/stage.js';
 import { PageBudget, type Priority, type Reservation, type Member } from './budget.js';
@@ -10,14 +10,14 @@ import type { Feature, Viewer } from './viewer.js';
 const PHONE = '(hover: none) and (pointer: coarse)';
 const PHONE_BYTES = 160e6, DESKTOP_BYTES = 400e6;
 const PHONE_DECODERS = 4, DESKTOP_DECODERS = 12;
-const MARGINS = ['0px', '100%', '200%', '300%']; // of the screen; crossing one makes the budget allocate again
+const MARGINS = ['0px', '100%', '200%', '300%']; // around the screen; crossing one triggers a new allocation
 const STEPS = [0, 0.25, 0.5, 0.75, 1];
 
 let budget: PageBudget | null = null;
 const observers = new WeakMap<typeof globalThis, IntersectionObserver[]>();
 const observed = new WeakMap<Element, Presence>();
 
-// Makes the budget for the first viewer; viewers that were moved into other documents share it.
+// Returns the page's budget, created for the first viewer; viewers moved into other documents share it.
 function ofPage(): PageBudget {
   if (budget) return budget;
   const { deviceMemory = 8 } = navigator as { deviceMemory?: number }, phone = matchMedia(PHONE).matches;
@@ -29,7 +29,7 @@ function ofPage(): PageBudget {
     later: (run) => queueMicrotask(run),
   }));
 }
-// Makes the observers for a window's first viewer.
+// Returns the window's observers, created for its first viewer.
 function observersOf(view: typeof globalThis): IntersectionObserver[] {
   let all = observers.get(view);
   if (!all) {
@@ -40,11 +40,11 @@ function observersOf(view: typeof globalThis): IntersectionObserver[] {
   return all;
 }
 
-/** Loader of the character. */
+/** Members of Loading that this file uses. */
 export interface Loader {
-  /** Nothing is to be loaded yet. */
+  /** True while the viewer must not load, by preload="none". */
   readonly waits: boolean;
-  /** The page lets the viewer hold a character, or takes it away. */
+  /** Allows the viewer to hold a character, or frees it. */
   allow(load: boolean): void;
 }
 
@@ -53,7 +53,7 @@ export class Presence implements Feature, Member {
   readonly #loader: Loader;
   #reservation: Reservation = { load: false, run: false };
   #seen: IntersectionObserverEntry | null = null;
-  #left = new AbortController(); // the document
+  #left = new AbortController(); // aborted when the viewer leaves its document
 
   constructor(viewer: Viewer, loader: Loader) {
     this.#viewer = viewer;
@@ -79,10 +79,10 @@ export class Presence implements Feature, Member {
     ofPage().remove(this);
   }
   update(name: string): void { if (name === 'loading') this.review(); }
-  // After an error others may run; at progress it holds more.
+  // Allocates again after an error, which frees a decoder, and at progress, which uses memory.
   handle(event: string): void { if (/error|progress/.test(event)) this.review(); }
   touch(): void { if (!this.#reservation.run) this.review(); }
-  /** Called when the viewer crosses a margin of the screen; entry: what is seen of it, null if that is the same. */
+  /** Called when the viewer crosses a margin of the screen. entry: its visible part; null: unchanged. */
   onSeen(entry: IntersectionObserverEntry | null): void {
     if (entry) this.#seen = entry;
     this.review();
@@ -93,7 +93,7 @@ export class Presence implements Feature, Member {
     const { left, right, top, bottom, width, height } = element.getBoundingClientRect(), { innerWidth, innerHeight } = viewOf(element);
     const across = Math.max(0, left - innerWidth, -right) / innerWidth, down = Math.max(0, top - innerHeight, -bottom) / innerHeight;
     const { width: w, height: h } = this.#seen?.intersectionRect ?? { width, height };
-    // Without an area it may be shown at any time; clipped by a scroller it is near.
+    // A viewer without area may be shown at any time and counts as near, as does one clipped by a scroller.
     const distance = this.#loader.waits ? Infinity : width * height === 0 ? 1 : Math.max(across, down, this.#onScreen ? 0 : 0.01);
     return { mode: valueOf(element, 'loading'), distance, area: w * h, shown, touchedMs };
   }
@@ -106,7 +106,7 @@ export class Presence implements Feature, Member {
 
   get #onScreen(): boolean { return this.#seen?.isIntersecting ?? true; }
 
-  /** Starts or stops the session, and lets the page allocate again. */
+  /** Starts or stops the session by its reservation and visibility, and schedules a new allocation. */
   review(): void {
     const { element, session, connected } = this.#viewer, decodes = this.#reservation.run && !element.ownerDocument.hidden;
     if (connected) ofPage().review();

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Attributes of <fourdvt-viewer>, one row each: observed names, reflecting properties and their types follow from the table, and
-// tests/tree/element.test.mjs compares it with the one of web/README.md.
+// Attributes of <fourdvt-viewer>, one row each: observed names, reflecting properties and their types derive from this
+// table. tests/tree/element.test.mjs compares it with the table in web/README.md.
 import { isOn } from '../page/attributes.js';
 import { ALIGN_MODES } from '../player/wasm-player.js';
 
-/** Text, unless a field says otherwise. */
+/** Row of an attribute; its value is a text unless a field below changes that. */
 interface Attribute {
-  /** On if present and not "false". */
+  /** Boolean: on if present and not "false". */
   readonly flag?: true;
   /** Allowed texts; any other counts as the default. */
   readonly of?: readonly string[];
-  /** Value without the attribute; '' if left out. A number: the attribute is the number that its text begins with. */
+  /** Value without the attribute; '' if left out. If a number, values are the number at the text's start. */
   readonly default?: string | number | null;
-  /** Property that reflects it. */
+  /** Name of the reflecting property. */
   readonly property?: string;
-  /** Read at each use: a change needs no reaction. */
+  /** Read at each use: not observed. */
   readonly onUse?: true;
 }
 

@@ -10,14 +10,15 @@ export interface ViewerStats {
   barcodeMismatches: number;
   bytesFetched: number;
   encodedBytesHeld: number;
-  /** On the GPU, of all viewers of the page: textures, and targets with their samples. */
+  /** GPU memory of all viewers of the page: textures here, render targets with their samples below. */
   textureBytes: number;
   targetBytes: number;
-  /** In use in the player's memory, of all viewers of the page; 0 until its second part is there. */
+  /** Bytes allocated in the player's memory by all viewers of the page; 0 until the second part is loaded. */
   heapBytes: number;
-  /** Rendition of the picture shown, 0: the lowest. */
+  /** Rendition of the shown picture; 0: the lowest. */
   rendition: number;
-  /** Milliseconds of decoding geometry: for one frame, mean, wherever it was; the most in one turn of the page. 0 until the player's second part is there. */
+  /** Mean time to decode one frame's geometry, in the page or its worker; below, the longest per turn of the page. 0 until
+   * the player's second part is loaded. */
   decodeMs: number;
   longestDecodeMs: number;
   /** Frames whose geometry was decoded in the page's worker. */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Feature: the orbit camera, what moves it, and what it follows.
+// Feature: the orbit camera, its input by visitor and attributes, and how it follows the character.
 import { parseOrbit, parseTarget } from '../camera/orbit-camera.js';
 import { OrbitControls } from '../camera/orbit-controls.js';
 import type { Playback } from './playback.js';
@@ -53,7 +53,7 @@ export class View implements Feature {
       1000 * this.#sinceInteraction > valueOf(element, 'auto-rotate-delay');
     const { azimuth } = camera.goal;
     if (rotates) camera.rotate(valueOf(element, 'rotation-per-second') * stepS, 0);
-    const turned = camera.goal.azimuth !== azimuth; // up to its limits
+    const turned = camera.goal.azimuth !== azimuth; // false at a limit
     if (reducedMotion.matches) camera.jump();
     return camera.update(stepS) || turned;
   }

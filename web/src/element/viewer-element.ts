@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Public interface of the element <fourdvt-viewer>, which the objects of this folder implement. Attributes and events follow <model-viewer> and the media
-// element; web/README.md lists them.
+// Public interface of the element <fourdvt-viewer>, implemented by the other files of this folder. Attributes and events
+// follow <model-viewer> and HTMLMediaElement; web/README.md lists them.
 import type { UploadChoice } from '../decode/upload-path.js';
 import type { LiveState } from '../live/live.js';
 import type { SignAddress } from '../net/transport.js';
@@ -21,7 +21,7 @@ import { statsOf, type ViewerStats } from './stats.js';
 import { View } from './view.js';
 import { Viewer } from './viewer.js';
 
-/** Degrees and metres. */
+/** Orbit of the camera: angles in degrees, distance in metres. */
 export interface Orbit {
   azimuth: number;
   elevation: number;
@@ -29,11 +29,11 @@ export interface Orbit {
 }
 
 export interface FourdvtViewer extends Reflected {
-  /** Tracks of its <track> elements; undefined until the player's second part is there. */
+  /** Tracks of the viewer's <track> elements; undefined until the player's second part is loaded. */
   readonly textTracks?: TextTrackList;
 }
 export class FourdvtViewer extends PageElement {
-  /** Address of the player's wasm file, with the others beside it: beside the script, unless it is set before the first element loads. */
+  /** Address of the player's wasm file, with the others beside it. Default: beside the script. Set before the first load. */
   static wasmUrl = FILES.wasm;
   /** Address of the OpenCV module, which is fetched only for align="flow-opencv"; its wasm file lies beside it. */
   static opencvUrl = FILES.opencv;
@@ -64,31 +64,31 @@ export class FourdvtViewer extends PageElement {
 
   // --- loading ---
 
-  /** Address of what is loaded. */
+  /** Absolute address of the loaded character. */
   get currentSrc(): string { return this.#loading.currentSrc; }
   get error(): MediaFault | null { return this.#loading.error; }
-  /** Gives each file of the characters the address that it is fetched from; called again for one that the server refuses. Null: its own. */
+  /** Callback: returns the address to fetch a file from; called again if the server refuses one. Null: the file's own. */
   get sign(): SignAddress | null { return this.#loading.sign; }
   set sign(sign: SignAddress | null) { this.#loading.sign = sign; }
-  /** Upload path of decoded pictures; 'auto' measures what is faster. Takes effect at the next load. */
+  /** Upload path of decoded pictures; 'auto' measures the fastest. Takes effect at the next load. */
   get uploadPath(): UploadChoice { return valueOf(this, 'upload-path') as UploadChoice; }
   set uploadPath(value: UploadChoice) { this.setAttribute('upload-path', value); }
-  /** Loads the character again, from the start. Any error before is forgotten. */
+  /** Loads the character again, from the start, and clears an earlier error. */
   load(): void { this.#loading.load(); }
   get networkState(): number { return this.#media.networkState; }
   get readyState(): number { return this.#media.readyState; }
-  /** Shows what is behind the poster; with reveal="manual" nothing else does. */
+  /** Hides the poster; with reveal="manual" the only way to do so. */
   dismissPoster(): void { this.#viewer.overlay.dismissPoster(); }
 
   // --- playback ---
 
   get loop(): boolean { return valueOf(this, 'loop'); }
   set loop(value: boolean) { this.setAttribute('loop', value ? '' : 'false'); }
-  /** True until `play` is dispatched: for autoplay, when it begins to play. */
+  /** True until `play` is dispatched; with autoplay that is when the character begins to play. */
   get paused(): boolean { return this.#playback.paused; }
   get ended(): boolean { return this.#playback.ended; }
   get seeking(): boolean { return this.#playback.seeking; }
-  /** Resolves when it plays; rejects if it is paused, reloaded or removed before, or if an error comes instead. */
+  /** Resolves when the character plays; rejects after an error, or if paused, reloaded or removed before. */
   play(): Promise<void> { return this.#playback.play(); }
   pause(): void { this.#playback.pause(); }
   /** Seconds; Infinity for a live stream. */
@@ -100,7 +100,7 @@ export class FourdvtViewer extends PageElement {
   }
   get frame(): number { return this.#viewer.state?.frame ?? 0; }
   seekFrame(frame: number): void { this.#playback.seekFrame(frame); }
-  /** 0…4; 0: plays, but the frame stays. */
+  /** Factor of the speed, 0…4; 0: the state is playing, but the frame stays. */
   get playbackRate(): number { return this.#viewer.commands.settings.rate; }
   set playbackRate(value: number) {
     if (!(value >= 0 && value <= 4)) throw new RangeError('playbackRate must be 0 to 4');
@@ -109,22 +109,22 @@ export class FourdvtViewer extends PageElement {
   }
   get defaultPlaybackRate(): number { return this.#defaultRate; }
   set defaultPlaybackRate(value: number) { this.#defaultRate = value; }
-  /** Ranges of the motion shown that can be played without the network. */
+  /** Time ranges of the shown motion that can be played without the network. */
   get buffered(): TimeRanges { return this.#media.buffered; }
   get seekable(): TimeRanges { return timeRanges(this.duration < Infinity ? [[0, this.duration]] : []); }
-  /** Ranges of it that have been played since it was chosen. */
+  /** Time ranges of the shown motion that have been played since it was selected. */
   get played(): TimeRanges { return this.#media.played; }
   get volume(): number { return this.#media.volume; }
   set volume(value: number) { this.#media.volume = value; }
   get muted(): boolean { return this.#media.muted; }
   set muted(on: boolean) { this.#media.muted = on; }
-  /** The motion that is shown has sound. False until the player's second part is there. */
+  /** True if the shown motion has sound; false until the player's second part is loaded. */
   get hasSound(): boolean { return this.#second.extras?.hasSound ?? false; }
   requestVideoFrameCallback(callback: (nowMs: number, metadata: PictureMetadata) => void): number { return this.#media.requestCallback(callback); }
   cancelVideoFrameCallback(handle: number): void { this.#media.cancelCallback(handle); }
   /** State of a live stream; null for other characters. */
   get liveState(): LiveState | null { return this.#viewer.session?.live?.state ?? null; }
-  /** Seconds from capture to now, of the live frame that is shown; NaN while unknown. */
+  /** Age of the shown live frame since its capture, seconds; NaN while unknown. */
   get liveLatency(): number { return this.#viewer.session?.live?.latency ?? NaN; }
 
   // --- motion ---
@@ -132,28 +132,28 @@ export class FourdvtViewer extends PageElement {
   get sequence(): string { return this.#motion.sequence; }
   set sequence(name: string) { this.setAttribute('sequence', name); }
   get sequences(): SequenceInfo[] { return this.#viewer.character?.sequences ?? []; }
-  /** Goes over to another motion by the best transition. A motion without loop returns by itself. */
+  /** Goes to another motion by the best transition. A motion without loop returns to the last one at its end. */
   goTo(state: string): void { this.#motion.goTo(state); }
   /** The goal of the last goTo(), or the motion that is shown. */
   get state(): string { return this.#motion.state; }
   get inTransition(): boolean { return this.#viewer.state?.inTransition ?? false; }
-  /** Parameters of the motion shown, with their ranges; none for a plain motion. */
+  /** Parameters of the shown motion, with their ranges; empty for a plain motion. */
   get parameters(): ParameterInfo[] { return this.#viewer.current?.parameters ?? []; }
-  /** Lets the motion glide to the value, or jump if `immediate`. A value out of range counts as the range's end. */
+  /** Sets a parameter's goal, which the motion approaches smoothly, or at once if `immediate`. Clamps to the range. */
   setParameter(name: string, value: number, immediate = false): void {
     if (!Number.isFinite(value)) throw new TypeError(`${name} must be a number`);
     this.#viewer.commands.setParameter(name, value, immediate);
     this.#viewer.emit('parameterchange', { name, value });
   }
-  /** The value as shown now; NaN if the character has no such parameter. */
+  /** Present value of a parameter; NaN if the character has no such parameter. */
   getParameter(name: string): number { return this.#viewer.commands.parameter(name); }
-  /** Degrees, from +z towards +x. Setting it makes the character turn to it while it moves. */
+  /** Heading, degrees from +z towards +x. When set, the character turns to it while it moves. */
   get heading(): number { return this.placement.heading; }
   set heading(degrees: number) {
     if (!Number.isFinite(degrees)) throw new TypeError('heading must be a number of degrees');
     this.#viewer.commands.steer(degrees);
   }
-  /** Place and heading of the character. Setting it puts the character there at once. */
+  /** Place, metres, and heading, degrees. When set, the character is there at once. */
   get placement(): Placement { return this.#viewer.commands.placement; }
   set placement(place: Partial<Placement>) {
     const at = { ...this.placement, ...place };
@@ -175,26 +175,26 @@ export class FourdvtViewer extends PageElement {
   /** Drawing method of a character from cameras, once it is loaded; web/README.md lists the methods. */
   get method(): string { return methodOf(this).name || this.#viewer.character?.method || ''; }
   set method(name: string) { this.setAttribute('method', name); }
-  /** Meshes that the characters stand among; web/README.md has their format. */
+  /** Meshes drawn with the characters; web/README.md has the format. */
   get scene(): SceneMesh[] { return this.#viewer.commands.settings.scene ?? []; }
   set scene(meshes: SceneMesh[]) { this.#appearance.setScene(meshes); }
-  /** Background, ground shadow, multisampling, debug views. Assigning some of the options keeps the others. */
+  /** Background, ground shadow, multisampling, debug views. Options left out of an assignment keep their values. */
   get renderOptions(): RenderOptions { return this.#appearance.options; }
   set renderOptions(options: Partial<RenderOptions>) { this.#appearance.setOptions(options); }
   get stats(): ViewerStats | null {
     const { session, state } = this.#viewer;
     return state && statsOf(state, session!.path);
   }
-  /** Size of the box that all of the character's motions fill, metres; null before it is loaded. */
+  /** Size of the bounding box of all motions, metres; null before the character is loaded. */
   getDimensions(): { x: number; y: number; z: number } | null {
     const { min, max } = this.#viewer.character ?? {};
     return min && max ? { x: max[0] - min[0], y: max[1] - min[1], z: max[2] - min[2] } : null;
   }
-  /** The vertex for a hotspot's `data-vertex` at a point of the page, CSS pixels; null where no surface of a layered character is. */
+  /** Vertex at a point of the window, CSS pixels, for a hotspot's `data-vertex`; null off a layered character's surface. */
   vertexFromPoint(clientX: number, clientY: number): number | null { return this.#second.extras?.vertexAt(clientX, clientY) ?? null; }
-  /** A PNG of the shown frame, at the size and pose of the snapshot if there is one. Null before the first picture. */
+  /** PNG of the shown frame, at the snapshot's size and pose if given; null before the first picture. */
   toBlob(snapshot?: Snapshot): Promise<Blob | null> { return this.#viewer.session?.drawing.toBlob(snapshot) ?? Promise.resolve(null); }
-  /** The same as a data: address; empty before the first picture. */
+  /** toBlob's PNG as a data: address; empty before the first picture. */
   async toDataURL(snapshot?: Snapshot): Promise<string> {
     const blob = await this.toBlob(snapshot);
     return blob ? new Promise((done) => {

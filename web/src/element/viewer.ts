@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Core of one <fourdvt-viewer>: what its features share, its life in the document, its events. Shows and loads nothing by itself.
+// Core of one <fourdvt-viewer>: state shared by its features, connection to the document, dispatch of events. Does not
+// show or load anything itself.
 import { OrbitCamera } from '../camera/orbit-camera.js';
 import { isOn, upgradeProperties } from '../page/attributes.js';
 import { PictureBox, type Size } from '../page/picture-box.js';
@@ -12,37 +13,37 @@ import { JOIN_EVENT, type Companion } from '../session/companion.js';
 import type { Session } from '../session/session.js';
 import { Overlay } from './overlay.js';
 
-/** One concern of a viewer: an object with the methods that it needs of these. */
+/** One concern of a viewer: an object that implements some of these callbacks. */
 export interface Feature {
-  /** The element has come into a document. */
+  /** Called when the element has entered a document. */
   connect?(): void;
-  /** It has left the document. */
+  /** Called when the element has left the document. */
   disconnect?(): void;
-  /** An observed attribute was set while the element is in a document; changed: to another value. */
+  /** Called when an observed attribute was set while the element is in a document; changed: the value differs. */
   update?(name: string, changed: boolean): void;
-  /** Its texts have changed. */
+  /** Called when the viewer's texts have changed. */
   updateTexts?(): void;
-  /** The picture's size or pixel ratio has changed: CSS pixels. */
+  /** Called when the picture's size, in CSS pixels, or its pixel ratio has changed. */
   resize?(width: number, height: number): void;
-  /** A turn of the page's loop. True if the view or the motion changes by itself. */
+  /** Called per turn of the frame loop; returns true if the view or the motion changes by itself. */
   frame?(stepS: number): boolean | void;
-  /** The visitor, or a script in his place, has used the viewer. */
+  /** Called when the visitor, or a script on the visitor's behalf, has used the viewer. */
   touch?(): void;
-  /** False: this event is not dispatched, as it was before. */
+  /** Returns false to suppress an event of the session, for example a repeated one. */
   accept?(event: string): boolean;
-  /** An event of the session, before it is dispatched. */
+  /** Handles an event of the session before it is dispatched. */
   handle?(event: string, detail: unknown): void;
-  /** A picture has been drawn. */
+  /** Called when a picture has been drawn. */
   picture?(): void;
-  /** The player's second part is there; called once or more. */
+  /** Called, possibly more than once, when the player's second part is loaded. */
   more?(more: More): void;
-  /** Another source begins than before the element left its document. */
+  /** Called if the element returns to a document with another source than it left with. */
   reset?(): void;
-  /** Settings that another source begins with. */
+  /** Returns initial settings for a new source. */
   settings?(): Partial<Settings>;
-  /** A session begins: the state of the last one is over. */
+  /** Called when a session begins: resets the state of the last one. */
   begin?(): void;
-  /** A request for a source or for playing has failed. error: its reason; none if another one has replaced it. */
+  /** Called when a load or play() has failed. error: the reason; undefined if a new source has replaced it. */
   giveUp?(error?: ErrorDetail): void;
 }
 
@@ -63,13 +64,13 @@ export class Viewer {
   readonly reducedMotion: { readonly matches: boolean } = matchMedia('(prefers-reduced-motion: reduce)');
   features: readonly Feature[] = [];
   session: Session | null = null;
-  /** The element is in a document. */
+  /** True while the element is in a document. */
   connected = false;
-  /** An attribute was set since the element left its document. */
+  /** True if an attribute was set since the element left its document. */
   changedOutside = false;
   /** Time of the visitor's last input, ms. */
   touchedMs = -Infinity;
-  #watching = new AbortController(); // the picture's size
+  #watching = new AbortController(); // ends the observation of the picture's size
 
   constructor(element: HTMLElement) {
     this.element = element;
@@ -85,18 +86,18 @@ export class Viewer {
   get state(): PlayerState | null { return this.commands.state(); }
   /** The sequence that is shown. */
   get current(): SequenceInfo | null { return this.character?.sequences[this.state?.sequence ?? -1] ?? null; }
-  /** Seconds of the sequence; NaN before it is loaded. */
+  /** Duration of the shown sequence, seconds; NaN before it is loaded, Infinity for a live stream. */
   get duration(): number { return this.session?.live ? Infinity : this.current?.duration ?? NaN; }
   get currentTime(): number { return this.state?.currentTimeS ?? this.commands.settings.time ?? 0; }
 
-  /** Calls a method of every feature that has it, in the order of the list. */
+  /** Calls a method of every feature that implements it, in the order of the features' list. */
   call<Name extends keyof Feature>(name: Name, ...values: Parameters<Required<Feature>[Name]>): ReturnType<Required<Feature>[Name]>[] {
     type Method = (...values: unknown[]) => ReturnType<Required<Feature>[Name]>;
     return this.features.filter((feature) => feature[name]).map((feature) => (feature[name] as Method).apply(feature, values));
   }
 
   connect(): void {
-    if (this.connected) return; // moved within the page: it goes on
+    if (this.connected) return; // moved within the page: goes on
     upgradeProperties(this.element);
     this.connected = true;
     this.#watching = new AbortController();
@@ -104,11 +105,11 @@ export class Viewer {
     this.updateTexts();
     this.call('connect');
   }
-  // A move within the page takes the element out and puts it back at once.
+  // Defers leaving: a move within the page disconnects and reconnects the element at once.
   disconnect(): void {
     queueMicrotask(() => { if (!this.element.isConnected && this.connected) this.#leave(); });
   }
-  /** Leaves observers and clocks to the old document. Where the element is in the new one, connect() follows. */
+  /** Ends the observers and clocks of the old document. If the element is in the new one, connect() follows. */
   adopt(): void {
     this.overlay.applyStyle();
     if (this.connected) this.#leave();

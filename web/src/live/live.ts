@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// A live stream over a WebSocket (native/package/FORMAT.md, "A live stream"): hands manifest and frames to the player,
-// measures the server's clock, and reconnects after losses. Takes the place of a Transport without files. Does not decode or draw
-// anything. Part of fourdvt-more.js.
+// A live stream over a WebSocket (native/package/FORMAT.md, "A live stream"): passes manifest and frames to the player,
+// measures the offset of the server's clock, and reconnects after losses. Replaces a session's Transport; there are no
+// files. Does not decode or draw anything. Part of fourdvt-more.js.
 import type { SessionSide, SideActor } from '../more/session-side.js';
 import { viewOf } from '../page/documents.js';
 import { PICTURE_KINDS, type PictureKind } from '../wasm/generated/abi.js';
 import type { WasmModule } from '../wasm/wasm-abi.js';
 
-/** connecting: nothing has come yet; stalled: the connection is lost, or no frame has come for 1.5 s. */
+/** connecting: no frame has come yet; stalled: the connection is lost, or no frame has come for 1.5 s. */
 export type LiveState = 'connecting' | 'live' | 'stalled';
 
-const STALL_MS = 1500;      // without a frame
-const SILENCE_MS = 10_000;  // without a message: the connection is dead
+const STALL_MS = 1500;      // without a frame: the state is `stalled`
+const SILENCE_MS = 10_000;  // without a message: the connection counts as lost
 const WATCH_MS = 500;
 const PING_MS = 5000;
-const HIDDEN_MS = 10_000;   // a page that is hidden for longer lets the connection go
+const HIDDEN_MS = 10_000;   // a page hidden for longer closes the connection
 const FIRST_PAUSE_MS = 250;
 const LONGEST_PAUSE_MS = 4000;
-const PATIENCE = 7;         // connections that fail before the first error, if none has ever been made
-const MAX_BYTES = 2 ** 23; // of a message
-const MAX_INVALID = 5;     // connections in a row that brought something invalid
-const GOOD_FRAMES = 25;     // end the row
+const PATIENCE = 7;         // failed attempts before an error is reported, if none has ever succeeded
+const MAX_BYTES = 2 ** 23; // per message
+const MAX_INVALID = 5;     // connections with an invalid message, without a valid one between
+const GOOD_FRAMES = 25;     // frames on one connection after which it counts as valid
 const MAX_EARLY = 8;       // frames that wait for the player
-const MAX_PONGS = 12;      // the clock is taken from the quickest of so many
+const MAX_PONGS = 12;      // latest pongs kept; the clock's offset is the quickest one's
 const SLOTS = 4;            // decoded pictures
 const CLOSED = { token: 4401, origin: 4403 };
 
@@ -35,7 +35,7 @@ interface Manifest {
   extensions?: { FOURDVT_layered_video_texture?: { live?: { session?: unknown } } };
 }
 
-/** The character's actor. */
+/** Members of the character's actor that this file uses. */
 export interface LiveActor {
   run(action: (player: { call(action: PlayerCall): void }) => void): unknown;
   readonly player: { call(action: PlayerCall): void } | null;
@@ -46,26 +46,26 @@ export interface LiveHost {
   emit(name: string, detail?: unknown): void;
   /** Called when waiting for the network begins, and when it ends. */
   network(waiting: boolean): void;
-  /** Loads the character of another session in place of the present one. */
+  /** Loads another character by its manifest, in place of the present one. */
   replace(manifest: unknown): void;
   /** Ends the session with an error. */
   fail(id: string, message: string): void;
 }
 
-/** The browser. */
+/** Access to the browser, which tests replace. */
 export interface LivePage {
   open(url: string): WebSocket;
   now(): number; // ms
   random(): number;
   setTimeout(run: () => void, ms: number): number;
   clearTimeout(timer: number): void;
-  /** `online` and `visibilitychange`. */
+  /** Listens to `online` or `visibilitychange`. */
   listen(name: string, run: () => void, signal: AbortSignal): void;
   readonly hidden: boolean;
   readonly origin: string;
 }
 
-// The page in which a window shows the viewer.
+// LivePage of the window that shows the viewer.
 const pageOf = (view: typeof globalThis): LivePage => ({
   open: (url) => new WebSocket(url),
   now: () => performance.now(),
@@ -91,7 +91,7 @@ const feed = (bytes: Uint8Array): PlayerCall => (module, handle) => {
 };
 
 export class LiveStream {
-  /** There is always more to come. */
+  /** True as of a Transport that still has ranges to fetch: a live stream does not end. */
   readonly busy = true;
   readonly #url: URL;
   readonly #host: LiveHost;
@@ -101,14 +101,14 @@ export class LiveStream {
   #resolve: (manifest: unknown) => void = () => undefined;
   #socket: WebSocket | null = null;
   #state: LiveState = 'connecting';
-  #manifest: unknown = undefined; // of the character that is played
-  #greeted = false;  // this connection's manifest has come
-  #met = false;      // a connection has been made
-  #fails = 0;        // connections in a row that brought no frame
-  #invalid = 0;      // connections in a row that brought something invalid
+  #manifest: unknown = undefined; // of the played character
+  #greeted = false;  // the connection's manifest has come
+  #met = false;      // a message has come on any connection
+  #fails = 0;        // attempts since the last frame
+  #invalid = 0;      // invalid messages since the last valid connection
   #good = 0;         // frames of this connection
-  #reported = false; // an error, since the last good frames
-  #waiting = false;  // reported to the host
+  #reported = false; // an error has been reported since then
+  #waiting = false;  // last value reported to the host
   #early: Uint8Array[] = [];
   #retry = 0;
   #watch = 0;
@@ -116,10 +116,10 @@ export class LiveStream {
   #heardMs = 0;
   #frameMs = 0;
   #pingMs = 0;
-  #pongs: { tripMs: number; aheadMs: number }[] = []; // the server's clock is ahead of the page's by so much
+  #pongs: { tripMs: number; aheadMs: number }[] = []; // round trips, and offsets of the server's clock from the page's
   #bounds: Box | null = null;
 
-  /** Connects at the call of manifest(), until dispose(). */
+  /** Does not connect before manifest() is called; stays connected until dispose(). */
   constructor(url: string, host: LiveHost, page: LivePage) {
     this.#url = new URL(url);
     this.#host = host;
@@ -129,8 +129,8 @@ export class LiveStream {
 
   get state(): LiveState { return this.#state; }
 
-  /** Seconds from the capture of the shown frame to now, at least 0; NaN while the server's clock or a frame is missing. Its
-   * error is up to half the trip of the quickest of the latest pongs. */
+  /** Seconds from the capture of the shown frame to now, at least 0; NaN before the first pong or frame. Accurate to half
+   * the shortest round trip of the latest pongs. */
   get latency(): number {
     let capturedUs = 0;
     try {
@@ -143,12 +143,12 @@ export class LiveStream {
     return best && capturedUs ? Math.max(0, (this.#page.now() + best.aheadMs) / 1000 - capturedUs / 1e6) : NaN;
   }
 
-  /** Lets a new player that has read the manifest play this stream. */
+  /** Returns the call by which a new player that has read the manifest starts to play this stream. */
   load(path: PictureKind, readable: boolean): PlayerCall {
     return (module, handle) => module._fdvt_live_load(handle, PICTURE_KINDS.indexOf(path), Number(readable), SLOTS);
   }
 
-  /** The camera stays where it is: another character had nearly this box. */
+  /** True if the camera may stay: the last character's bounding box was nearly the same. */
   keepsCamera({ min, max }: Box): boolean {
     const before = this.#bounds;
     this.#bounds = { min, max };
@@ -156,16 +156,16 @@ export class LiveStream {
     return !!before && [...min, ...max].every((value, i) => Math.abs(value - [...before.min, ...before.max][i]!) < 0.15 * size);
   }
 
-  /** True of an error of the player that the stream has caused; it is connected to again. */
+  /** Returns true, and reconnects, for a player's error that the stream has caused. */
   takes({ id, message }: { id: string; message: string }): boolean {
     if (id !== 'stream-invalid') return false;
     this.#refuse(message);
     return true;
   }
 
-  // --- as a Transport ---
+  // --- interface of Transport ---
 
-  /** The first manifest. Never rejects: errors go to the host. */
+  /** Resolves to the first manifest. Never rejects: errors go to the host. */
   manifest(): Promise<unknown> {
     const { signal } = this.#abort;
     this.#page.listen('online', () => this.#connectNow(), signal);
@@ -176,8 +176,8 @@ export class LiveStream {
   address(uri: string): Promise<string> { return Promise.resolve(uri); }
   range(): Promise<null> { return Promise.resolve(null); }
   cancel(): void { /* nothing is fetched */ }
-  cancelAll(): void { /* likewise */ }
-  stopReplay(): void { /* likewise */ }
+  cancelAll(): void { /* nothing is fetched */ }
+  stopReplay(): void { /* nothing is fetched */ }
   dispose(): void {
     this.#wait(false);
     this.#abort.abort();
@@ -187,7 +187,7 @@ export class LiveStream {
 
   // --- connecting ---
 
-  get #name(): string { return `${this.#url.origin}${this.#url.pathname}`; } // without a token
+  get #name(): string { return `${this.#url.origin}${this.#url.pathname}`; } // without a token in the query
 
   #connect(): void {
     this.#hang();
@@ -211,7 +211,7 @@ export class LiveStream {
     this.#look();
   }
 
-  // Drops connection and timers; late events of either are ignored.
+  // Closes the connection and stops its timers; late events of the connection are ignored.
   #hang(): void {
     const socket = this.#socket;
     this.#socket = null;
@@ -244,7 +244,7 @@ export class LiveStream {
     this.#connectLater();
   }
 
-  // Interrupts the stream: frames received so far do not continue in the next connection.
+  // Closes the connection: the next one's frames do not continue those received so far.
   #drop(): void {
     this.#hang();
     this.#wait(true);
@@ -262,7 +262,7 @@ export class LiveStream {
     }
   }
 
-  // While there is a connection.
+  // Checks the timeouts every WATCH_MS while there is a connection.
   #look(): void {
     this.#watch = this.#page.setTimeout(() => this.#look(), WATCH_MS);
     const now = this.#page.now();
@@ -306,14 +306,14 @@ export class LiveStream {
   #onFrame(bytes: Uint8Array): void {
     this.#frameMs = this.#heardMs;
     const actor = this.#host.actor();
-    if (!actor) { // it is being made; one that begins after a gap waits for a key by itself
+    if (!actor) { // not created yet; dropping frames is safe, since the player begins at a key
       if (this.#early.push(bytes) > MAX_EARLY) this.#early = [];
       return;
     }
     for (const frame of [...this.#early.splice(0), bytes]) {
       const problem = this.#hand(actor, frame);
       if (problem) return this.#refuse(problem);
-      if (!this.#greeted) return; // an event of the player has ended this connection
+      if (!this.#greeted) return; // the player's event has closed this connection
     }
     this.#fails = 0;
     if (++this.#good === GOOD_FRAMES) {
@@ -324,7 +324,7 @@ export class LiveStream {
     this.#become('live');
   }
 
-  // Error of the player, if there is one.
+  // Passes a frame to the player; returns its error message, or an empty text.
   #hand(actor: LiveActor, frame: Uint8Array): string {
     let problem = '';
     actor.run((player) => {
@@ -353,7 +353,7 @@ export class LiveStream {
 
   // --- reports to the host ---
 
-  // Errors that another connection may mend.
+  // Drops the connection because of an invalid message, and reconnects: another connection may be valid.
   #refuse(problem: string): void {
     const message = `${this.#name}: ${problem.replace(/^live stream: /, '')}`;
     this.#drop();
@@ -384,7 +384,7 @@ export class LiveStream {
   }
 }
 
-/** A session's stream, by its options. */
+/** Creates a session's stream from its options. */
 export function connectLive(session: SessionSide): LiveStream {
   return new LiveStream(session.options.src, {
     actor: () => session.main as (SideActor & LiveActor) | null,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Configures a character's player once it can play: renditions that the browser can decode, and smoothly, before one is tried; time for
-// geometry in a turn, and the worker; prefetching of other motions. Part of fourdvt-more.js.
+// Configures a character's player once it can play: excludes renditions that the browser cannot decode smoothly, before
+// they are tried; sets the time for geometry per turn, and the worker; enables prefetching of other motions. Part of
+// fourdvt-more.js.
 import { decodeBeside, type Turning } from '../decode/geometry-decoding.js';
 import { mediaType } from '../decode/media-segments.js';
 import { isFromCameras } from '../net/manifest.js';
@@ -10,8 +11,8 @@ import type { PlayerFiles } from '../wasm/files.js';
 import type { PlayerCall } from '../wasm/wasm-abi.js';
 import type { SessionSide } from './session-side.js';
 
-const LOW_BATTERY = 0.15; // of its charge
-// A quarter of a turn at 60 Hz.
+const LOW_BATTERY = 0.15; // share of the full charge
+// Time for geometry per turn: a quarter of a turn at 60 Hz.
 const DECODE_SLICE_S = 0.004;
 
 interface Rendition {
@@ -41,12 +42,12 @@ export interface Advised extends Turning {
 interface Verdict {
   sequence: number;
   rendition: number;
-  plays: boolean; // else it is only not smooth
+  plays: boolean; // false: cannot be decoded; true: not smoothly
 }
-// By manifest: a session opens one player after another, and the browser's answers stay.
+// Cached by manifest: a session opens several players in turn, and the browser's answers do not change.
 const verdicts = new WeakMap<object, Promise<Verdict | null>[]>();
 
-// Without an answer the browser is expected to play it.
+// Returns true if the browser can decode the rendition, or gives no answer.
 async function canDecode({ codec, width, height }: Rendition): Promise<boolean> {
   if (typeof VideoDecoder === 'undefined') return MediaSource.isTypeSupported(mediaType(codec));
   const config = { codec, codedWidth: width, codedHeight: height };
@@ -55,10 +56,10 @@ async function canDecode({ codec, width, height }: Rendition): Promise<boolean> 
 async function isSmooth({ codec, width, height, byteLength }: Rendition, { frameCount, fps }: Sequence): Promise<boolean> {
   const video = { contentType: mediaType(codec), width, height, bitrate: Math.ceil((8 * byteLength * fps) / frameCount), framerate: fps };
   const info = await navigator.mediaCapabilities?.decodingInfo({ type: 'file', video }).catch(() => null);
-  return !info?.supported || info.smooth; // for an unsupported file the answer does not hold for its samples
+  return !info?.supported || info.smooth; // unsupported as a file: no answer for its samples
 }
 
-/** Tests if the browser plays the renditions, and smoothly; resolves to null for those that it does. */
+/** Tests the renditions; each resolves to null if the browser plays it smoothly, else to its verdict. */
 function findVerdicts(manifest: unknown): Promise<Verdict | null>[] {
   const { sequences = [] } = (manifest as Manifest).extensions.FOURDVT_layered_video_texture;
   return sequences.flatMap((s, sequence) => s.renditions.map(async (r, rendition) => {
@@ -74,7 +75,7 @@ async function judge(manifest: unknown, advised: Advised): Promise<void> {
     if (v) advised.run((player) => player.judgeRendition(v.sequence, v.rendition, v.plays));
   }));
 }
-/** Applies the verdicts to a session's next player, before it fetches a rendition that does not play. */
+/** Applies earlier verdicts to a session's next player, before it fetches a rendition that does not play. */
 export function judgeAgain({ main, manifest }: SessionSide): void {
   if (main && verdicts.has(manifest as object)) void judge(manifest, main);
 }
@@ -84,7 +85,7 @@ interface Battery {
   level: number;
 }
 
-// A battery that runs low gets the lowest rendition, until the element is resized. Only some browsers have its state.
+// Selects the lowest rendition at low battery, until the element is resized. Only some browsers have the Battery API.
 async function spareBattery(advised: Advised): Promise<void> {
   const battery = await (navigator as { getBattery?(): Promise<Battery> }).getBattery?.().catch(() => null);
   if (battery && !battery.charging && battery.level <= LOW_BATTERY) advised.run((player) => player.call((m, handle) => {
@@ -93,7 +94,7 @@ async function spareBattery(advised: Advised): Promise<void> {
   }));
 }
 
-/** manifest: one that the player has read; element: the viewer, if its keys and buttons are for this character. */
+/** Configures a player that has read `manifest`. element: the viewer of a main character; false for a companion. */
 export async function advise(manifest: unknown, advised: Advised, element: Element | false, files: PlayerFiles): Promise<void> {
   advised.run((player) => player.call((m, handle) => {
     m._fdvt_allow_transitions(handle);

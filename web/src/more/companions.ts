@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The characters that are drawn beside a session's main one, in the same canvas. Part of fourdvt-more.js.
+// Characters drawn in the same canvas as a session's main one. Part of fourdvt-more.js.
 import type { Transport } from '../net/transport.js';
 import { mayBeOfTwoBakes, type ErrorDetail } from '../report/errors.js';
 import { advise } from './advice.js';
 import type { ActorHost, SessionSide, SideActor, SideCompanion } from './session-side.js';
 
-/** A companion that has been loaded. */
+/** A loaded companion. */
 interface Other {
   actor: SideActor;
   transport: Transport;
@@ -23,7 +23,7 @@ export class Companions {
 
   get actors(): SideActor[] { return Array.from(this.#others.values(), ({ actor }) => actor); }
 
-  /** Loads another character into the same canvas, unless it is there. If it fails, its error event has the reason. */
+  /** Loads another character into the same canvas, unless it is loaded already. A failure is its error event. */
   async add(companion: SideCompanion): Promise<void> {
     const session = this.#session;
     if (!session.main || companion.left.aborted || this.#coming.has(companion) || this.#others.has(companion)) return;
@@ -48,11 +48,11 @@ export class Companions {
     other?.transport.dispose();
     other?.actor.dispose();
   }
-  /** They are loaded again when the next main character can play. */
+  /** Removes all; later.ts adds them again when the next main character can play. */
   clear(): void {
     for (const companion of [...this.#others.keys()]) this.remove(companion);
   }
-  /** Plays or pauses all. */
+  /** Plays or pauses all companions. */
   setPlaying(playing: boolean): void {
     for (const { commands } of this.#others.keys()) commands.set('playing', playing);
   }
@@ -74,12 +74,12 @@ export class Companions {
     const actor = session.makeActor({ transport, manifest, start: new Uint8Array() }, commands, host);
     this.#others.set(companion, { actor, transport });
     void advise(manifest, actor, false, this.#session.options.files);
-    // Listeners of the companion's first events may have ended the companion or the session: undoes its registration.
+    // Undoes the registration if a listener of the companion's first events has ended the companion or the session.
     if (companion.left.aborted || session.signal.aborted) this.remove(companion);
     session.wake();
   }
 
-  // True if the companion is being loaded anew, once, instead of reporting the error.
+  // Loads the companion anew instead of reporting the error, at most once; returns true if it does so.
   #addAgain(companion: SideCompanion, error: ErrorDetail): boolean {
     if (!mayBeOfTwoBakes(error) || this.#renewed.has(companion)) return false;
     this.#renewed.add(companion);

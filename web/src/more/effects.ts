@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Effects of a session after the first picture: optical flow, the element's look, the character's room. Part of fourdvt-more.js.
-// isCurrent: the page has set nothing else meanwhile.
+// Effects that a session loads after the first picture: optical flow, the element's look, the character's room. Part of
+// fourdvt-more.js. isCurrent: returns false once a later call has replaced this one.
 import { uploadPicture } from '../decode/upload-path.js';
 import { readLook } from './look.js';
 import { loadOpenCvFlow } from './opencv-flow.js';
@@ -8,10 +8,10 @@ import type { SessionSide } from './session-side.js';
 
 const ROOM_FETCH = -1; // the player numbers its requests from 0
 
-// Makes the error of a file that the page's side could not load.
+// Makes the error detail of a file that this script, not the player, could not load.
 const fetchFailed = (reason: unknown): { id: string; message: string } => ({ id: 'fetch-failed', message: (reason as Error).message });
 
-/** Aligns by optical flow once that is loaded. If that fails, an error event has the reason and the alignment stays. */
+/** Loads optical flow, then aligns by it. A failure is an error event and keeps the present alignment. */
 export async function useFlow(session: SessionSide, isCurrent: () => boolean): Promise<void> {
   const { align, host: { commands, emit } } = session;
   if (align === 'flow-opencv') {
@@ -26,7 +26,7 @@ export async function useFlow(session: SessionSide, isCurrent: () => boolean): P
   if (isCurrent() && session.main && !commands.set('align', align)) session.align = commands.settings.align;
 }
 
-/** True once the element's look is drawn. If that fails, an error event has the reason. */
+/** Loads and applies the element's look; resolves to true if it is drawn. A failure is an error event. */
 export async function useLook(session: SessionSide, isCurrent: () => boolean): Promise<boolean> {
   try {
     const look = await readLook(session.host.element, session);
@@ -39,7 +39,7 @@ export async function useLook(session: SessionSide, isCurrent: () => boolean): P
   }
 }
 
-/** Draws the character's room, if it has one and the page shows it. If that fails, an error event has the reason. */
+/** Loads and draws the character's room, if it has one and the page shows it. A failure is an error event. */
 export async function useRoom(session: SessionSide, isCurrent: () => boolean): Promise<void> {
   const player = session.main?.player, info = session.main?.character;
   if (!session.room || !player || !info) return;
@@ -47,7 +47,7 @@ export async function useRoom(session: SessionSide, isCurrent: () => boolean): P
   try {
     const bytes = await session.transport.range(ROOM_FETCH, info.roomUri, 0, info.roomBytes);
     if (!bytes || !isCurrent()) return;
-    const texture = player.showRoom(bytes); // nothing is seen of it until it is filled
+    const texture = player.showRoom(bytes); // not drawn before it is filled
     const picture = await createImageBitmap(new Blob([bytes as BlobPart]), { colorSpaceConversion: 'none' });
     if (isCurrent()) {
       const { gl } = session;

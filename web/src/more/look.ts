@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Look of the characters by an element's attributes look, look-strength, light, light-turn, and method="montage4d", which layered
-// characters have too. Part of fourdvt-more.js.
-// The player checks names and numbers; a picture that does not load is an Error here.
+// Reads the characters' look from an element's attributes look, look-strength, light, light-turn and method="montage4d",
+// which applies to layered characters, too. The player checks names and numbers. Errors: an Error for a picture that
+// does not load. Part of fourdvt-more.js.
 import { keep } from '../page/promises.js';
 import { LOOKS, type Look } from '../wasm/generated/abi.js';
 import type { WasmModule } from '../wasm/wasm-abi.js';
 
-// Width of the picture handed to the player, enough for nine coefficients.
+// Width of the environment picture for the player, sufficient for nine spherical-harmonic coefficients.
 const LIGHT_WIDTH = 128;
 
-/** Applies the look to a player; 0 if it is refused. */
+/** Applies the look to a player; returns 0 if the player refuses it. */
 export type LookCall = (module: WasmModule, handle: number) => number;
 
 interface Light {
@@ -18,7 +18,7 @@ interface Light {
   height: number;
 }
 
-const reported = new WeakSet<object>(); // owners that have had an event: the device cannot run the element's method
+const reported = new WeakSet<object>(); // owners with an event that the device cannot run the method
 
 const lights = new Map<string, Promise<Light>>();
 
@@ -45,7 +45,7 @@ async function loadLight(address: string, base: string): Promise<Light> {
   }
 }
 
-// Same event as that of characters from cameras (wasm/abi.txt).
+// Dispatches the event that characters from cameras have for a fallback (wasm/abi.txt), once per owner.
 function tellFallback(element: Element, owner: object): void {
   if (reported.has(owner)) return;
   reported.add(owner);
@@ -53,7 +53,7 @@ function tellFallback(element: Element, owner: object): void {
   element.dispatchEvent(new CustomEvent('methodfallback', { detail: { wanted: 'montage4d', drawn: 'layered', message } }));
 }
 
-/** owner: has one event at most where the device cannot run the element's method. */
+/** Loads what the look needs. owner: gets at most one event if the device cannot run the element's method. */
 export async function readLook(element: Element, owner: object = element): Promise<LookCall> {
   const look = LOOKS.indexOf((element.getAttribute('look') || 'none') as Look);
   const number = (name: string, otherwise: number): number => Number(element.getAttribute(name) ?? otherwise);

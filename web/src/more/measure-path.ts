@@ -3,12 +3,12 @@
 import { defaultUnpack, rememberPath, uploadPicture, type UploadPath } from '../decode/upload-path.js';
 import type { SessionSide } from './session-side.js';
 
-// 'i420' has exact colours and checks the frame's number without the GPU, so the others must take less than this share
-// of its time. On a GPU it is several times as fast; in software rendering the two differ by noise only.
+// Maximum time of the other paths as a share of the time of 'i420', which has exact colours and reads the frame index
+// without the GPU. On a GPU the others are several times as fast; in software rendering they differ by noise only.
 const MAX_RGBA_SHARE = 0.5;
 const RUNS = 4;
 
-// format: with bytes as its channels.
+// format: of the pixels, with bytes as channels.
 function makeTexture(gl: WebGL2RenderingContext, internal: number, format: number, width: number, height: number): WebGLTexture {
   const texture = gl.createTexture();
   gl.bindTexture(gl.TEXTURE_2D, texture);
@@ -17,7 +17,7 @@ function makeTexture(gl: WebGL2RenderingContext, internal: number, format: numbe
   return texture;
 }
 
-// Waits until the texture has its pixels, by reading one of them.
+// Waits for the upload to end, by reading back one pixel.
 function force(gl: WebGL2RenderingContext, texture: WebGLTexture): void {
   const framebuffer = gl.createFramebuffer();
   gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
@@ -36,7 +36,7 @@ async function timePlanes(gl: WebGL2RenderingContext, frame: VideoFrame, signal:
   const start = performance.now();
   await frame.copyTo(pixels);
   const elapsed = performance.now() - start;
-  signal.throwIfAborted(); // the context is other viewers', too
+  signal.throwIfAborted(); // the session may have ended; its context is shared
   const textures = [0, 1, 1].map((s) => makeTexture(gl, gl.R8, gl.RED, width >> s, height >> s));
   const upload = performance.now();
   gl.activeTexture(gl.TEXTURE0);
@@ -63,7 +63,7 @@ function timeWhole(gl: WebGL2RenderingContext, frame: VideoFrame | HTMLVideoElem
   return total;
 }
 
-// The fastest path for frames like this one, by the fastest run of each. Calls `touched` after it changed GL state.
+// Returns the best path for frames like this one, by each path's fastest run. Calls `touched` after changes of GL state.
 async function measurePath(gl: WebGL2RenderingContext, frame: VideoFrame, readsPlanes: boolean, signal: AbortSignal, touched: () => void):
     Promise<UploadPath> {
   const times = { i420: Infinity, rgba: Infinity, 'rgba-sub': Infinity };
@@ -75,48 +75,48 @@ async function measurePath(gl: WebGL2RenderingContext, frame: VideoFrame, readsP
     times['rgba-sub'] = Math.min(times['rgba-sub'], timeWhole(gl, frame, true));
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, alignment);
     touched();
-    if (run && times.i420 <= Math.min(times.rgba, times['rgba-sub'])) break; // far from losing
+    if (run && times.i420 <= Math.min(times.rgba, times['rgba-sub'])) break; // 'i420' is the fastest anyway
   }
   const whole = times['rgba-sub'] < times.rgba ? 'rgba-sub' : 'rgba';
   return times[whole] < MAX_RGBA_SHARE * times.i420 ? whole : 'i420';
 }
 
-/** Lets the session go on by the fastest path for a decoded frame of its main character, which is closed. */
+/** Measures the paths with a decoded frame of the main character, closes it, and settles the session on the fastest. */
 export async function decidePath(session: SessionSide, frame: VideoFrame): Promise<void> {
   const { gl, path: before } = session;
   let path = before;
   try {
     path = await measurePath(gl, frame, before === 'i420', session.signal, () => session.main?.player?.invalidateState());
   } catch {
-    // it cannot be measured here: stay on the path that works
+    // measurement failed: keeps the path that works
   } finally {
     frame.close();
   }
-  if (session.signal.aborted || gl.isContextLost() || session.path !== before) return; // planes cannot be read here
+  if (session.signal.aborted || gl.isContextLost() || session.path !== before) return; // the session has changed its path meanwhile
   rememberPath(path);
   await session.settle(path);
 }
 
-/** True if what a <video> element shows is uploaded faster into a storage that is there than into a new one. Changes GL state. */
+/** Returns true if a <video> element's picture uploads faster into existing storage than into new. Changes GL state. */
 export function isSubFaster(gl: WebGL2RenderingContext, video: HTMLVideoElement): boolean {
   const alignment = gl.getParameter(gl.UNPACK_ALIGNMENT) as number;
   try {
     const [whole, sub] = [false, true].map((into) => Math.min(timeWhole(gl, video, into), timeWhole(gl, video, into)));
     return sub! < whole!;
   } catch {
-    return false; // it cannot be measured here
+    return false; // measurement failed
   } finally {
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, alignment);
   }
 }
 
-// --- what the browser gives back ---
+// --- reading back ---
 
 const KNOWN = Uint8Array.of(255, 0, 0, 255, 0, 255, 0, 255, 255, 255, 0, 255, 0, 0, 255, 255); // four pixels
-const MAX_OFF = 64; // some browsers change the lowest bits, which does no harm
+const MAX_OFF = 64; // tolerance: some browsers change the lowest bits, which is harmless
 const readable = new WeakMap<WebGL2RenderingContext, boolean>();
 
-/** Returns true if textures can be read back, by the calls that the player reads barcodes with. Keeps the GL state. */
+/** Returns true if textures can be read back, tested with the calls that read barcodes. Restores the GL state. */
 export function canReadBack(gl: WebGL2RenderingContext): boolean {
   let known = readable.get(gl);
   if (known === undefined) readable.set(gl, (known = readsKnown(gl)));

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ranges of time of the motion that a viewer shows: what has been played, and what can be played without the network; and the
-// events that follow from them. Part of fourdvt-more.js.
+// Time ranges of the motion that a viewer shows: those played, and those playable without the network; and the events of
+// HTMLMediaElement that depend on them. Part of fourdvt-more.js.
 import { readTimeRange } from '../wasm/generated/abi.js';
 import type { SidePlayer } from './session-side.js';
 
-const PROGRESS_MS = 350; // between two events, about that of browsers
-const MEMORY_STEP = 2e6; // bytes; a page's memory is shared out anew at such events
-const ENOUGH_S = 4; // ahead: the player's renditions follow the network from there on
+const PROGRESS_MS = 350; // between two `progress` events, about as in browsers
+const MEMORY_STEP = 2e6; // bytes; memory that grows by this causes a `progress` event: a new allocation
+const ENOUGH_S = 4; // buffered ahead for `canplaythrough`: more is not needed, as renditions adapt to the network
 
 export type Range = [number, number];
 
-/** The element: the members that are used here. */
+/** Members of the element that this file uses. */
 export interface TimedViewer extends EventTarget {
   readonly paused: boolean;
   readonly currentTime: number;
@@ -21,15 +21,15 @@ interface Measured {
   readonly stats?: { readonly textureBytes: number; readonly heapBytes: number } | null;
 }
 
-/** The character that it shows. */
+/** Access to the shown character. */
 export interface TimedCharacter {
-  /** Null until its second part is there. */
+  /** Null until the second part is loaded. */
   player(): SidePlayer | null;
-  /** Bytes that were fetched so far. */
+  /** Bytes fetched so far. */
   bytes(): number;
 }
 
-/** The ranges with one more, in order, none touching another. */
+/** Returns the union of the ranges and one more, in order, with touching ranges merged. */
 export function withRange(ranges: readonly Range[], [start, end]: Range): Range[] {
   const apart = ranges.filter(([a, b]) => b < start || a > end), joined = ranges.filter(([a, b]) => b >= start && a <= end);
   const whole: Range = [Math.min(start, ...joined.map(([a]) => a)), Math.max(end, ...joined.map(([, b]) => b))];
@@ -40,13 +40,13 @@ export class MediaTimes {
   readonly #viewer: TimedViewer;
   readonly #character: TimedCharacter;
   readonly #report: (name: string, detail?: unknown) => void;
-  #since: number | null = null; // it has played from there to now
+  #since: number | null = null; // start of the present range of play; null: not playing
   #fetched = 0; // bytes, at the last event
   #held = 0; // memory of the page at the last event, steps
   #timer: ReturnType<typeof setTimeout> | undefined;
   played: Range[] = [];
 
-  /** report: dispatches an event of the player. */
+  /** report: dispatches an event. */
   constructor(viewer: TimedViewer, character: TimedCharacter, report: (name: string, detail?: unknown) => void) {
     this.#viewer = viewer;
     this.#character = character;
@@ -79,7 +79,7 @@ export class MediaTimes {
     return list;
   }
 
-  /** A turn of the page's loop: it is there wherever bytes have come, or memory has grown. */
+  /** Called per turn of the frame loop, which runs whenever bytes have come or memory has grown. */
   turn(): void {
     this.#timer ??= setTimeout(() => {
       this.#timer = undefined;
@@ -97,7 +97,7 @@ export class MediaTimes {
     this.#timer = undefined;
   }
 
-  // A motion that loops may have begun again since.
+  // Adds the range played since #since; a loop may have wrapped within it.
   #note(): void {
     const { currentTime: now, duration } = this.#viewer, since = this.#since;
     if (since === null || now === since) return;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Connects the player to OpenCV's optical flow, a second wasm module that is loaded on demand: the
-// reference for the GPU's flow, and the fallback where the GPU has no float render targets. Copies the pictures from
-// one module's memory to the other's. Part of fourdvt-more.js.
+// Connects the player to OpenCV's optical flow, a second wasm module that is loaded on demand: the reference for the
+// GPU's flow, and the fallback without float render targets. Copies pictures and flow between the modules' memories.
+// Part of fourdvt-more.js.
 import { keep } from '../page/promises.js';
 import type { PlayerFiles } from '../wasm/files.js';
 import type { OpencvModule, WasmModule } from '../wasm/wasm-abi.js';
 
 type Files = Pick<PlayerFiles, 'opencv' | 'opencvWasm'>;
 type CreateModule = (options: object) => Promise<OpencvModule>;
-const BYTES_PER_VECTOR = 8; // of the flow: two floats
+const BYTES_PER_VECTOR = 8; // two floats per pixel of the flow
 
 const loading = new Map<string, Promise<OpencvModule>>();
 
@@ -23,12 +23,12 @@ async function load({ opencv: url, opencvWasm }: Files): Promise<OpencvModule> {
   }
 }
 
-/** Loads the module; afterwards the player can align with 'flow-opencv'. Errors: an Error with the remedy. */
+/** Loads the module and enables the player's align mode 'flow-opencv'. Errors: an Error with the remedy. */
 export async function loadOpenCvFlow(files: Files, player: WasmModule): Promise<void> {
   const flow = await keep(loading, files.opencv, () => load(files));
   player.fourdvtFlow = (a, b, width, height, out) => {
     const pixels = width * height;
-    // The field comes first, so that it is aligned.
+    // The flow's floats come first, for their alignment.
     const field = flow._fdvt_flow_alloc((BYTES_PER_VECTOR + 2) * pixels);
     if (!field) return 0;
     const first = field + BYTES_PER_VECTOR * pixels;

@@ -5,8 +5,8 @@ import type { ErrorDetail } from '../report/errors.js';
 import type { Bake, SessionSide } from './session-side.js';
 
 /**
- * Bake to go on with after these errors; null: there is none. Files that differ from their manifest without a new
- * one may be leftovers in the browser's cache: they are loaded again, past it.
+ * Returns the bake with which to replace one that has these errors; null: none. Files that differ from an unchanged
+ * manifest may be outdated ones in the browser's cache: the result then loads them past the cache.
  */
 export async function renew(session: SessionSide, errors: readonly ErrorDetail[]): Promise<Bake | null> {
   const transport = session.openTransport(session.options.src, 'reload');

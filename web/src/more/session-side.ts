@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Interface of a session for fourdvt-more.js, which has its own copies of classes: the two scripts share objects by these types alone.
+// Interface of a session for fourdvt-more.js. Each of the two scripts has its own copies of classes, so that they share
+// objects by these types alone.
 import type { UploadPath } from '../decode/upload-path.js';
 import type { Transport } from '../net/transport.js';
 import type { ErrorDetail } from '../report/errors.js';
@@ -10,11 +11,11 @@ export type SideFiles = Pick<Transport, 'range' | 'stopReplay'>;
 
 export interface SidePlayer {
   call(action: PlayerCall): void;
-  /** A texture that the page fills with the room's picture, and its mipmaps. */
+  /** Returns the texture that the page fills with the room's picture and its mipmaps. bytes: the picture's file. */
   showRoom(bytes: Uint8Array): WebGLTexture;
   hideRoom(): void;
   invalidateState(): void;
-  /** The second part is there. */
+  /** Called when the second part is loaded. */
   moreCame(): void;
   judgeRendition(sequence: number, rendition: number, plays: boolean): void;
   lookAhead(atOnce: boolean): void;
@@ -24,7 +25,7 @@ export interface SideActor {
   readonly player: SidePlayer | null;
   readonly character: { roomUri: string; roomBytes: number } | null;
   run(action: (player: SidePlayer) => void): unknown;
-  /** Gives the next picture that WebCodecs decodes; `action` closes it. */
+  /** Passes the next picture that WebCodecs decodes to `action`, which must close it. */
   takeFrame(action: (frame: VideoFrame) => void): void;
   setHook(hook: TurnHook): void;
   wake(): void;
@@ -34,16 +35,16 @@ export interface SideActor {
 /** Commands of one character. */
 export interface SideCommands {
   readonly settings: { readonly align: string; readonly playing: boolean };
-  /** False, after an error event, if the character refuses it. */
+  /** Changes one setting; false, after an error event, if the character refuses it. */
   set(name: 'align' | 'playing', value: string | boolean): boolean;
 }
 
-/** A character to be drawn beside the main one. */
+/** Another character for the main one's canvas, loaded or not. */
 export interface SideCompanion {
   readonly commands: SideCommands;
-  /** Null: the main character's. */
+  /** Address of its character.gltf; null: the main character's. */
   readonly src: string | null;
-  /** Aborted when it leaves. */
+  /** Aborted when the companion leaves. */
   readonly left: AbortSignal;
   emit(name: string, detail?: unknown): void;
 }
@@ -52,11 +53,11 @@ export interface ActorHost {
   emit(name: string, detail?: unknown): void;
   /** Requests a turn of the frame loop. */
   wake(): void;
-  /** Reports that this upload path cannot show the video's pictures. */
+  /** Called if the upload path cannot read the pictures' planes. */
   onNoPlanes(): void;
   /** Loads the second part of the player. */
   more(): Promise<unknown>;
-  /** Reports a trap in wasm or another error that ends the whole session. */
+  /** Called for a trap in wasm or another error that ends the whole session. */
   fatal(reason: unknown): void;
 }
 
@@ -64,7 +65,7 @@ export interface ActorHost {
 export interface Bake {
   transport: Transport;
   manifest: unknown;
-  /** The bytes of its start file, or none. */
+  /** Content of the bake's start file; empty if there is none. */
   start: Uint8Array;
 }
 
@@ -75,29 +76,29 @@ export interface SessionSide {
   readonly signal: AbortSignal;
   readonly module: WasmModule;
   readonly gl: WebGL2RenderingContext;
-  /** Null while it is loaded, or replaced. */
+  /** Actor of the main character; null while it is being loaded or replaced. */
   readonly main: SideActor | null;
   readonly manifest: unknown;
   readonly transport: SideFiles;
-  /** It was loaded past the browser's cache. */
+  /** True if the bake was loaded past the browser's cache. */
   readonly fresh: boolean;
   readonly path: UploadPath;
-  /** Alignment that the page has set; the commands have the one that applies until flow is loaded. */
+  /** Alignment set by the page; until flow is loaded, the commands have another. */
   align: string;
-  /** The character's room is to be drawn. */
+  /** True if the character's room is to be drawn. */
   readonly room: boolean;
   readonly drawing: { shown: boolean; programsMissing: boolean };
   readonly network: (waiting: boolean) => void;
   openTransport(src: string, cache: RequestCache): Transport;
-  /** Another character in the main one's canvas, which it must not outlive. */
+  /** Creates the actor of another character in the main one's canvas; it must not outlive the main one. */
   makeActor(bake: Bake, commands: SideCommands, host: ActorHost): SideActor;
   more(): Promise<unknown>;
-  /** Opens another bake of the character, or the same one; it goes on from where it is. */
+  /** Opens another bake of the character, or the same one again, and continues at the present state. */
   reopen(path: UploadPath, bake?: Partial<Bake>): void;
-  /** Goes on by the upload path that the main character's pictures have shown to be the best. */
+  /** Continues on the upload path that was measured as the fastest. */
   settle(path: UploadPath): Promise<void>;
   wake(): void;
-  /** Detail of an error event for a reason. */
+  /** Returns the detail of the error event for an exception. */
   errorOf(reason: unknown): ErrorDetail;
   /** Handles an event of the main character's player. */
   onMainEvent(name: string, detail?: unknown): void;

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Faults of a request: transient ones, which are retried, and permanent ones, as errors with cause and remedy.
+// Faults of a request: transient ones, which are retried, and permanent ones, errors with cause and remedy.
 import { ViewerError } from '../report/errors.js';
 
 export const originOf = (address: string): string => parse(address).origin;
 const parse = (address: string): URL => new URL(address, globalThis.document?.baseURI);
 
-/** An address for messages, without the content of a data: address. */
+/** Shortens a data: address for messages. */
 export const shortened = (url: string): string => (url.startsWith('data:') ? `${url.slice(0, 40)}…` : url);
 export const cannotLoad = (url: string, why: string): ViewerError => new ViewerError('fetch-failed', `${shortened(url)}: ${why}`);
 
-/** Transient: another attempt may succeed. */
+/** Transient fault: another attempt may succeed. */
 export class PassingFault extends Error {
-  /** Origin without an answer, or with one that is transient. */
+  /** Origin that has not answered, or has answered with a transient status. */
   readonly origin: string;
-  /** The least pause before the next attempt, ms. */
+  /** Minimum pause before the next attempt, ms. */
   readonly pauseMs: number;
-  /** The length after which the answer broke off, bytes; NaN if it did not. */
+  /** Bytes received before the answer broke off; NaN if it did not. */
   readonly brokeAtBytes: number;
   constructor(origin: string, { pauseMs = 0, brokeAtBytes = NaN } = {}) {
     super();
@@ -25,9 +25,9 @@ export class PassingFault extends Error {
   }
 }
 
-const LASTING_5XX = [501, 505, 506, 508, 510]; // by the server's software or configuration
+const LASTING_5XX = [501, 505, 506, 508, 510]; // caused by the server's software or configuration: permanent
 
-/** Transient statuses. */
+/** Returns true for a transient status. */
 export const passes = (status: number): boolean => [408, 425, 429].includes(status) || (status >= 500 && !LASTING_5XX.includes(status));
 
 function remedyOf(status: number): string {
@@ -38,14 +38,14 @@ function remedyOf(status: number): string {
   return 'the server does not serve it to a plain GET; correct its configuration';
 }
 
-/** A permanent status. */
+/** Permanent status. */
 export class StatusFault extends ViewerError {
   constructor(url: string, status: number) {
     super('fetch-failed', `${shortened(url)}: HTTP ${status}: ${remedyOf(status)}`);
   }
 }
 
-/** An HTML page in place of the file. */
+/** HTML page in place of the file. */
 export class PageFault extends ViewerError {
   constructor(url: string) {
     super('fetch-failed', `${shortened(url)}: the server sends an HTML page in place of the file; upload the file, and let the server answer 404 where there is none`);
@@ -55,12 +55,12 @@ export class PageFault extends ViewerError {
 const beginning = (bytes: Uint8Array): string => String.fromCharCode(...bytes.subarray(0, 100));
 const isText = (text: string): boolean => !/[\0-\x08\x0e-\x1f]/.test(text);
 
-/** True if a file's first bytes are those of an HTML or XML page, which no file of a character or of the player begins with. */
+/** Returns true if the bytes begin like an HTML or XML page, as no file of a character or of the player does. */
 export function isPage(bytes: Uint8Array): boolean {
   const text = beginning(bytes);
   return isText(text) && /^(\xef\xbb\xbf)?\s*<[!?a-z]/i.test(text);
 }
-/** True if a range is part of a page: of type text/html, and without the control characters that 100 bytes of a binary file have. */
+/** Returns true if a range is part of a page: type text/html, and none of the control characters of binary files. */
 export const isPartOfPage = (bytes: Uint8Array, type: string | null): boolean => /^text\/html/.test(type ?? '') && bytes.length >= 100 && isText(beginning(bytes));
 
 // Addresses that the page's policy blocks, as the browser reports them.
@@ -69,7 +69,7 @@ globalThis.addEventListener?.('securitypolicyviolation', (e) => {
   if (e.disposition === 'enforce') blocked.add(e.blockedURI);
 });
 
-/** Reason for which the browser refuses the address itself, so that no attempt can succeed; empty if there is none. */
+/** Reason for which the browser refuses any request to the address; empty if there is none. */
 export function refusalOf(address: string): string {
   const { protocol, username, hostname, href, hash } = parse(address), isWeb = /^https?:$/.test(protocol);
   if (blocked.has(isWeb ? href.slice(0, href.length - hash.length) : protocol.slice(0, -1))) {
@@ -85,7 +85,7 @@ export function refusalOf(address: string): string {
   return '';
 }
 
-/** Message for a server whose whole files the browser accepts, but no ranges, such as compressed ones. */
+/** Message for a server of which the browser accepts whole files but not ranges, for example compressed ones. */
 export const rangeRefusal = (isOwn: boolean): string =>
   `the browser refuses parts of the file as the server sends them; let it send them without Content-Encoding${isOwn ? '' : ', and allow the header Range (Access-Control-Allow-Headers)'}`;
 

@@ -1,32 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// Requests of files. Transient faults are retried with growing pauses, until the bytes are there or the request is cancelled: no network,
-// statuses 408, 425, 429 and most of 5xx, a stalled answer. Permanent faults end the request with an error: any other status, a page in
-// place of the file, an answer that breaks off at the same byte each time, an address that the browser refuses, a server that does not
-// allow this page or has never answered.
+// Requests of files. Transient faults (no network, statuses 408, 425, 429 and most of 5xx, a stalled answer) are retried
+// with growing pauses until the bytes have come or the request is cancelled. Permanent faults end the request with an
+// error: any other status, a page in place of the file, an answer that breaks off at the same byte each time, an address
+// that the browser refuses, a server that does not allow this page or has never answered.
 import { cannotLoad, corsRefusal, isPage, originOf, PageFault, passes, PassingFault, rangeRefusal, refusalOf, StatusFault } from './faults.js';
 
 const FIRST_PAUSE_MS = 300;
 const LONGEST_PAUSE_MS = 6000;
-const LONGEST_SERVER_PAUSE_MS = 60_000; // by Retry-After
-const STALL_S = 10; // without a byte
-export const MAX_BYTES = 2 ** 25; // of a file whose length is not in the manifest
-const MAX_TRIES = 7; // of a server that has never answered: about 10 s, if no request stalls
-const PROBE_AGAIN_MS = 15_000; // of a server that has answered no probe
-const MAX_BREAKS = 4; // of an answer, at the same byte
-const REDIRECTED = 'the address that it redirects to'; // in place of an origin, which browsers hide
+const LONGEST_SERVER_PAUSE_MS = 60_000; // maximum pause that a server can set by Retry-After
+const STALL_S = 10; // timeout of an answer without a new byte
+export const MAX_BYTES = 2 ** 25; // limit of a file whose length is not in the manifest
+const MAX_TRIES = 7; // attempts at a server that has never answered: about 10 s, if no request stalls
+const PROBE_AGAIN_MS = 15_000; // pause before the next probe of a server that has not answered one
+const MAX_BREAKS = 4; // times that an answer may break off at the same byte
+const REDIRECTED = 'the address that it redirects to'; // for messages: browsers hide that origin
 
-const silent = new Map<string, number>(); // origins, and when they left a probe without an answer
+const silent = new Map<string, number>(); // times of unanswered probes, by origin
 let received = 0;
-/** Number of parts of answers that the page has received, in all requests. */
+/** Number of chunks that all requests of the page have received: a measure of progress. */
 export const partsReceived = (): number => received;
 
 /** Called when waiting for the network begins, and when it ends. */
 export type Report = (waiting: boolean) => void;
 
 export interface FileRequest {
-  /** Names the file in messages. */
+  /** Address of the file, for messages. */
   url: string;
-  /** The address that is fetched, if it is not `url`. */
+  /** Address to fetch, if not `url`. */
   address?: string;
   init?: RequestInit;
   signal?: AbortSignal | undefined;
@@ -35,11 +35,11 @@ export interface FileRequest {
 export interface Answer {
   readonly status: number;
   readonly headers: Headers;
-  /** The address that has answered; empty if it is the one that was fetched. */
+  /** Address after redirects; empty without a redirect. */
   readonly redirectedTo: string;
-  /** Errors: PassingFault; PageFault; ViewerError 'fetch-failed' if there are more than `most` bytes. */
+  /** Reads the whole body. Errors: PassingFault; PageFault; ViewerError 'fetch-failed' for more than `most` bytes. */
   read(most?: number): Promise<Uint8Array<ArrayBuffer>>;
-  /** The body as it comes, instead of `read`. A fault ends it, and is reported: a reader may get another error. */
+  /** Streams the body, instead of `read`. A fault ends the stream and goes to `report`; a reader may get another error. */
   stream(report: (fault: unknown) => void): ReadableStream<Uint8Array>;
   drop(): void;
 }
@@ -47,7 +47,7 @@ export interface Answer {
 // Origins that have answered at least once: a failed connection to one of them is retried.
 const answered = new Set([globalThis.origin]);
 
-// Ends early if the browser finds a network again.
+// Waits; ends early at the browser's event `online`.
 const pause = (ms: number, signal?: AbortSignal): Promise<void> =>
   new Promise((resolve) => {
     const end = (): void => {
@@ -67,8 +67,8 @@ interface Watch {
   end(): void;
 }
 
-// A signal that aborts at end(), with `signal`, or after STALL_S seconds without onBytes(). A timer counts the seconds one by one:
-// a page that was busy for as long reads the bytes that came meanwhile before the count is full.
+// Makes a signal that aborts at end(), with `signal`, or after STALL_S seconds without onBytes(). Counts the seconds one by
+// one, so that a page that was suspended can read received bytes before the timeout.
 function watchForStall(signal?: AbortSignal): Watch {
   const abort = new AbortController();
   let quiet = 0;
@@ -83,13 +83,13 @@ function watchForStall(signal?: AbortSignal): Watch {
   return { signal: abort.signal, onBytes: () => (quiet = 0), end };
 }
 
-/** Repeats an attempt after transient faults. Half of each pause is random, so that visitors do not return all at once to a server that has restarted. */
+/** Repeats an attempt after transient faults. Half of each pause is random, to spread the load on a restarted server. */
 export async function patiently<T>(url: string, attempt: () => Promise<T>, report: Report, signal?: AbortSignal): Promise<T> {
   let waiting = false, tries = 0, breaks = 0, brokeAtBytes = NaN;
   const setWaiting = (now: boolean): void => {
     if (waiting !== now) report((waiting = now));
   };
-  // Permanent for this request, although transient by itself.
+  // Throws if a transient fault has repeated too often for this request.
   const check = (fault: PassingFault): void => {
     if (globalThis.navigator?.onLine === false) return;
     if (!answered.has(fault.origin) && ++tries === MAX_TRIES) {
@@ -119,7 +119,7 @@ export async function patiently<T>(url: string, attempt: () => Promise<T>, repor
   }
 }
 
-/** One request. Errors: PassingFault; ViewerError 'fetch-failed'. */
+/** Makes one attempt. Errors: PassingFault; ViewerError 'fetch-failed'. */
 export async function request({ url, address = url, init = {}, signal }: FileRequest): Promise<Answer> {
   const { signal: watched, onBytes, end } = watchForStall(signal), origin = originOf(address);
   const response = await fetch(address, { credentials: 'same-origin', ...init, signal: watched }).catch(() => null);
@@ -188,15 +188,16 @@ export async function request({ url, address = url, init = {}, signal }: FileReq
   };
 }
 
-// Determines the cause of a failed request, which browsers do not report. If the same address answers another request, for the whole file or
-// with an opaque answer, and fails again at this one, the server refuses it. The page's own server refuses no page itself, but may redirect.
+// Determines the cause of a failed request, which browsers do not report, by probes: if the address answers a request of
+// the whole file, or one with an opaque answer, but this request fails again, the server does not allow it. Exception: the
+// page's own origin needs no permission, but may redirect to one that does.
 async function faultOf({ url, address = url, init = {}, signal }: FileRequest): Promise<Error> {
-  await pause(0); // the browser reports what the policy blocks in a task of its own
+  await pause(0); // until the browser has reported a policy violation
   const refusal = refusalOf(address), origin = originOf(address), isOwn = origin === globalThis.origin;
   if (refusal) return cannotLoad(url, refusal);
   const probe = (more: RequestInit): Promise<Response | null> => {
     const { signal: watched, end } = watchForStall(signal);
-    return fetch(address, { credentials: 'same-origin', ...more, signal: watched }).catch(() => null).finally(end); // the body stays unread
+    return fetch(address, { credentials: 'same-origin', ...more, signal: watched }).catch(() => null).finally(end); // the body is not read
   };
   const whole = { ...init, headers: {} }, hasRange = new Headers(init.headers).has('Range');
   const away = (): Error => {
@@ -215,17 +216,17 @@ async function faultOf({ url, address = url, init = {}, signal }: FileRequest): 
   return (await probe(init)) ? new PassingFault(isOwn ? REDIRECTED : origin) : cannotLoad(url, corsRefusal(init.credentials));
 }
 
-/** A whole file. Errors: ViewerError 'fetch-failed'. */
+/** Fetches a whole file. Errors: ViewerError 'fetch-failed'. */
 export function fetchFile(url: string, report: Report = () => undefined, signal?: AbortSignal, init: RequestInit = {}): Promise<Uint8Array<ArrayBuffer>> {
   return patiently(url, async () => (await request({ url, init, signal })).read(), report, signal);
 }
 
-/** A wasm file, compiled while it comes. Errors: ViewerError 'fetch-failed'; the browser's, if it refuses the file. */
+/** Compiles a wasm file while it is received. Errors: ViewerError 'fetch-failed'; the browser's if it refuses the file. */
 export function compileFile(url: string, report: Report, cache: RequestCache): Promise<WebAssembly.Module> {
   return patiently(url, async () => {
     let fault: unknown;
     const body = (await request({ url, init: { cache } })).stream((reason) => (fault = reason));
-    // Servers need not send the type.
+    // Sets the type that compileStreaming requires, in case the server does not.
     const wasm = new Response(body, { headers: { 'Content-Type': 'application/wasm' } });
     return WebAssembly.compileStreaming(wasm).catch((reason: unknown) => { throw fault ?? reason; });
   }, report);

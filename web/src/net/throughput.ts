@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Throughput of the network in the latest transfers, by the page's resource timing.
+// Network throughput of the latest transfers, from the page's resource timing.
 
 const RECENT_MS = 10_000;
-const RAMP_MS = 50; // bursts overstate the throughput
+const RAMP_MS = 50; // added to the times: short bursts overstate the throughput
 
-/** Bits per second; 0 if unknown: transfers from caches, or servers that do not allow timing. */
+/** Throughput, bits per second; 0 if unknown: only transfers from caches, or from servers that do not allow timing. */
 export function throughput(): number {
   const since = performance.now() - RECENT_MS;
   const resources = (performance.getEntriesByType('resource') as PerformanceResourceTiming[])

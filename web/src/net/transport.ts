@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fetches a character's files and byte ranges of them by their names in the manifest, which are relative to the address that the
-// manifest came from. If a server ignores Range and sends the whole file (200), that is kept and ranges are taken from it.
+// Fetches a character's files, whole or by ranges, by their names in the manifest, relative to the manifest's address
+// after redirects. Keeps the whole file if a server ignores Range and sends it (200), and takes ranges from it.
 import { keep } from '../page/promises.js';
 import { ViewerError } from '../report/errors.js';
 import { cannotLoad, isPartOfPage, originOf, PageFault, PassingFault, shortened, StatusFault } from './faults.js';
@@ -11,10 +11,10 @@ export type SignAddress = (url: string) => string | Promise<string>;
 
 /** Options of all requests for a character. */
 export interface RequestOptions {
-  /** 'reload' takes nothing from the browser's cache, which may hold files of an earlier bake. */
+  /** 'reload' bypasses the browser's cache, which may hold files of an earlier bake. */
   cache?: RequestCache;
   credentials?: RequestCredentials;
-  /** Read at each request. */
+  /** Source of the `sign` callback, which is read at each request. */
   signer?: { readonly sign: SignAddress | null };
 }
 
@@ -33,27 +33,27 @@ const pathOf = (url: string): string => url.replace(/[?#].*/, '');
 
 export class Transport {
   readonly #src: string;
-  #base: string; // of the names in the manifest
+  #base: string; // base URL of the names in the manifest
   readonly #report: Report;
   readonly #options: RequestOptions;
-  readonly #signed = new Map<string, Promise<string>>(); // addresses by the page's `sign`
-  readonly #aliases = new Map<string, string>(); // absolute addresses by the names that the player uses
-  #early: Promise<{ url: string; bytes: Uint8Array }> | null = null; // a start file, by a guessed name
+  readonly #signed = new Map<string, Promise<string>>(); // results of the page's `sign`, by address
+  readonly #aliases = new Map<string, string>(); // absolute addresses, by the names that the player uses for them
+  #early: Promise<{ url: string; bytes: Uint8Array }> | null = null; // start file, requested by a guessed name
   readonly #running = new Map<number, AbortController>();
   readonly #whole = new Map<string, Promise<Uint8Array>>();
-  readonly #lengths = new Map<string, number>(); // of files, in bytes, by the manifest
+  readonly #lengths = new Map<string, number>(); // file lengths from the manifest, bytes
   readonly #abort = new AbortController();
-  // Ranges of the first seconds, kept for a second player on another upload path.
+  // Ranges fetched so far, for a second player on another upload path; null: not kept.
   #replay: Map<string, Uint8Array> | null = new Map();
 
-  /** report: called by each fetch by itself. */
+  /** report: called separately for each fetch. */
   constructor(manifestUrl: string, report: Report = () => undefined, options: RequestOptions = {}) {
     this.#src = this.#base = manifestUrl;
     this.#report = report;
     this.#options = options;
   }
 
-  /** The manifest as JSON. Errors: ViewerError 'fetch-failed', 'manifest-invalid'. */
+  /** Fetches and parses the manifest. Errors: ViewerError 'fetch-failed', 'manifest-invalid'. */
   async manifest(): Promise<unknown> {
     const { signal } = this.#abort, src = this.#src;
     const bytes = await patiently(src, async () => {
@@ -72,12 +72,12 @@ export class Transport {
     }
   }
 
-  /** Begins to fetch the start file by the name that follows from the manifest's, before that is there. */
+  /** Begins to fetch the start file, by a name derived from the manifest's address, before the manifest is read. */
   expectStart(): void {
     const url = this.#src.replace(/^(https?:[^?#]*)\.gltf(?=$|[?#])/, '$1.start.bin');
     if (url !== this.#src) this.#early = this.#fetchStart(url);
   }
-  /** The bytes of the start file that the manifest names. Empty if the first attempt fails: it is optional. */
+  /** Fetches the start file that the manifest names; empty if the first attempt fails, since the file is optional. */
   async start(uri: string): Promise<Uint8Array> {
     const url = this.#locate(uri), early = await this.#early;
     const { bytes } = early && pathOf(early.url) === pathOf(url) ? early : await this.#fetchStart(url);
@@ -92,10 +92,10 @@ export class Transport {
     }
   }
 
-  /** The address of a file that the manifest names, for the browser to load. Errors: ViewerError 'fetch-failed', 'manifest-invalid'. */
+  /** Address from which the browser can load a file of the manifest. Errors: ViewerError 'fetch-failed', 'manifest-invalid'. */
   async address(uri: string): Promise<string> { return this.#sign(this.#locate(uri)); }
 
-  /** Resolves to null if the range was cancelled. Errors: ViewerError 'fetch-failed'. */
+  /** Fetches a range; null if it is cancelled. Errors: ViewerError 'fetch-failed'. */
   async range(id: number, uri: string, offset: number, bytes: number): Promise<Uint8Array | null> {
     const url = this.#locate(uri);
     const key = `${url}#${offset}+${bytes}`;
@@ -115,7 +115,7 @@ export class Transport {
     }
   }
 
-  /** Ranges are on their way. */
+  /** True while ranges are being fetched. */
   get busy(): boolean { return this.#running.size > 0; }
 
   cancel(id: number): void {
@@ -124,7 +124,7 @@ export class Transport {
   cancelAll(): void {
     for (const abort of this.#running.values()) abort.abort();
   }
-  /** Keeps no more ranges for a second player: the upload path is decided. */
+  /** Drops the ranges kept for a second player: the upload path is settled. */
   stopReplay(): void {
     this.#replay = null;
   }
@@ -140,7 +140,7 @@ export class Transport {
     return sign ? keep(this.#signed, url, () => signedAddress(sign, url)) : this.#signed.get(url) ?? Promise.resolve(url);
   }
 
-  // A signed address that the server refuses is signed again, once: signatures expire.
+  // Requests a signed address; signs it again, once, if the server refuses it: signatures expire.
   async #request(url: string, signal: AbortSignal, headers: Record<string, string> = {}): Promise<Answer> {
     const { cache, credentials } = this.#options, signed = this.#sign(url);
     const send = async (address: string): Promise<Answer> => request({ url, address, init: { cache: cache!, credentials: credentials!, headers }, signal });
@@ -153,19 +153,19 @@ export class Transport {
 
   #invalid(problem: string): ViewerError { return new ViewerError('manifest-invalid', `${shortened(this.#base)}: ${problem}`); }
 
-  // Checks a file's name a second time, after the manifest's reader. Escaped dots and slashes may lead out of the folder on a
-  // server. Some URL parsers, that of Node 20 for one, do not resolve every "..".
+  // Resolves a file's name, and checks that it stays in the character's folder, as the manifest's reader has: a server may
+  // unescape dots and slashes, and some URL parsers, such as that of Node 20, do not resolve every "..".
   #locate(uri: string): string {
     const alias = this.#aliases.get(uri);
     if (alias) return alias;
     try {
       const { href } = new URL(uri, this.#base), folder = new URL('.', this.#base).href;
       if (href.startsWith(folder) && !/\/\.\.|%(2e|2f|5c|25)/i.test(href.slice(folder.length - 1))) return href;
-    } catch { /* no address */ }
+    } catch { /* not a URL */ }
     throw this.#invalid(`"${uri}" is not in the character's folder; bake it again`);
   }
 
-  // Names an absolute address of a manifest that has no folder.
+  // Returns a name for an absolute address, which the player can use like a relative one.
   #nameFor(uri: string): string {
     let url: URL;
     try {
@@ -180,7 +180,7 @@ export class Transport {
     return name;
   }
 
-  // Checks the address of a manifest's value that names a file, and keeps the file's length.
+  // Checks and renames the address in a value of the manifest that names a file; records the file's length.
   #note(value: { uri?: string; byteOffset?: number; byteLength?: number } | null): unknown {
     if (!value?.uri) return value;
     if (/^(blob|data):/.test(this.#base)) value.uri = this.#nameFor(value.uri);
@@ -196,7 +196,7 @@ export class Transport {
     if (!whole) {
       const answer = await this.#request(url, signal, { Range: `bytes=${offset}-${offset + bytes - 1}` });
       if (answer.status === 206) return this.#readPart(answer, url, offset, bytes);
-      // Several answers may bring the same file at the same time; only the first is read to its end.
+      // Reads only the first of several concurrent answers with the same file.
       if (this.#whole.has(url)) answer.drop();
       whole = keep(this.#whole, url, () => answer.read(this.#lengths.get(url)));
     }
@@ -204,7 +204,7 @@ export class Transport {
   }
 
   async #readPart(answer: Answer, url: string, offset: number, bytes: number): Promise<Uint8Array> {
-    const [range, encoding, type] = ['Range', 'Encoding', 'Type'].map((name) => answer.headers.get(`Content-${name}`)); // null: the other origin hides it
+    const [range, encoding, type] = ['Range', 'Encoding', 'Type'].map((name) => answer.headers.get(`Content-${name}`)); // null if another origin does not expose it
     if (range && !range.startsWith(`bytes ${offset}-`)) {
       answer.drop();
       throw cannotLoad(url, `the server answers with other bytes (${range}) than those from ${offset}; let it send the range that is requested, or the whole file`);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Boolean attributes, and properties that were set before the element was defined.
 
-/** Value of a boolean attribute. "false" is off: frameworks write it for false. */
+/** Value of a boolean attribute; "false", which frameworks write, is off. */
 export const isOn = (element: Element, name: string): boolean => (element.getAttribute(name) ?? 'false') !== 'false';
 
-/** Assigns own properties, which were set before the element was defined, to the accessors of its class. */
+/** Assigns properties that a page set before the element was defined to the accessors of its class. */
 export function upgradeProperties<T extends object>(element: T): void {
   for (const name of Object.keys(element) as (keyof T)[]) {
     if (!(name in Object.getPrototypeOf(element))) continue;
@@ -13,7 +13,7 @@ export function upgradeProperties<T extends object>(element: T): void {
     try {
       element[name] = value;
     } catch (reason) {
-      queueMicrotask(() => { throw reason; }); // as the page's own error
+      queueMicrotask(() => { throw reason; }); // reported as the page's uncaught error
     }
   }
 }

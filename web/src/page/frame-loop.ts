@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls back once per animation frame of the page, as long as something moves and the element is on screen.
+// Calls back once per animation frame while something changes and the element is on screen.
 
-const SLOW_S = 0.045;    // of a turn with a draw: then there is no time for all; displays of 30 Hz take 0.033
-const MAX_STEP_S = 0.5;  // longer pauses of the page are not caught up
+const SLOW_S = 0.045;    // mean time of a turn with a draw above which draws are skipped; 0.033 at displays of 30 Hz
+const MAX_STEP_S = 0.5;  // maximum step of the clock: longer pauses are not made up for
 const IDLE_TURNS = 12;   // turns without change after which the loop sleeps
 
-/** Chooses turns that draw. If drawing is slow, moves of the camera alone are drawn every second turn, new pictures always. */
+/** Selects turns to draw in: all with a new picture; if drawing is slow, every second turn of camera motion alone. */
 export class DrawPace {
-  #drawS = 0; // from a turn that draws to the next, mean
+  #drawS = 0; // mean time from a turn with a draw to the next turn
   #drew = false;
   #skipped = false;
 
-  /** Once per turn that could draw. stepS: since the turn before; picture: there is a new one. */
+  /** Returns true to draw; called per turn with a change. stepS: time since the last turn. picture: not the camera alone. */
   takes(stepS: number, picture: boolean): boolean {
     if (this.#drew && stepS > 0) this.#drawS += (stepS - this.#drawS) / 8;
     this.#skipped = !picture && !this.#skipped && this.#drawS > SLOW_S;
@@ -30,7 +30,7 @@ export class FrameLoop {
   /** Time of the last turn, ms. */
   turnedMs = 0;
 
-  /** `turn` returns true while it needs further turns. Seconds, without the time off-screen. view: the window that shows the element. */
+  /** turn: returns true while it needs further turns; gets seconds, without time off-screen. view: the element's window. */
   constructor(turn: (clockS: number, stepS: number) => boolean, view: Pick<Window, 'requestAnimationFrame' | 'cancelAnimationFrame'> = globalThis) {
     this.#turn = turn;
     this.#view = view;
@@ -40,12 +40,12 @@ export class FrameLoop {
     this.#idle = 0;
     if (this.#active) this.#schedule();
   }
-  /** False: the element is off-screen, and the clock stands still. */
+  /** active: false stops loop and clock, for an element off-screen. */
   setActive(active: boolean): void {
     this.#active = active;
     if (!active) this.stop();
   }
-  /** Takes no more turns until it is woken again. */
+  /** Stops the loop until the next wake(). */
   stop(): void {
     this.#view.cancelAnimationFrame(this.#request);
     this.#request = this.#lastMs = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Geometry of a viewer's picture: canvas size, and points of the page in the picture, for pointers, drags and hotspots. The canvas fills
-// the viewer's content box.
+// Geometry of a viewer's picture, which fills the content box: size of the canvas, and conversion from points of the
+// window to the picture, for pointers, drags and hotspots.
 import { viewOf } from './documents.js';
 
 const MAX_PIXEL_RATIO = 2;
@@ -13,7 +13,7 @@ export interface Point {
   readonly x: number;
   readonly y: number;
 }
-/** Corners of a box as the page shows it: upper left, upper right, lower left. */
+/** Upper left, upper right and lower left corner of a box in the window, after transforms; CSS pixels. */
 export type Corners = readonly [Point, Point, Point];
 
 /** Size in pixels of a canvas that fills a box of CSS pixels. */
@@ -22,7 +22,7 @@ export function canvasSize({ width, height }: Size, pixelRatio: number): Size {
   return { width: Math.round(width * ratio), height: Math.round(height * ratio) };
 }
 
-/** Maps a point of the page into a box that may be moved, scaled, turned and sheared: 0…1 from its left to its right and from its top to its bottom. */
+/** Maps a point of the window into a box under any affine transform: 0…1 from left to right and from top to bottom. */
 export function pointInBox([corner, right, low]: Corners, { x, y }: Point): Point {
   const across = { x: right.x - corner.x, y: right.y - corner.y }, down = { x: low.x - corner.x, y: low.y - corner.y };
   const from = { x: x - corner.x, y: y - corner.y }, area = across.x * down.y - across.y * down.x;
@@ -31,10 +31,10 @@ export function pointInBox([corner, right, low]: Corners, { x, y }: Point): Poin
 
 export class PictureBox {
   readonly #content: HTMLElement;
-  readonly #marks: HTMLElement[] = []; // without size, in its corners
+  readonly #marks: HTMLElement[] = []; // elements without size in the corners
   #view: typeof globalThis = globalThis;
   #changed: () => void = () => undefined;
-  #ratio = 1; // pixels for each of CSS
+  #ratio = 1; // device pixels per CSS pixel
   #size: Size = { width: 1, height: 1 };
   #canvas: Size = { width: 1, height: 1 };
 
@@ -43,12 +43,12 @@ export class PictureBox {
     this.#content = content;
   }
 
-  /** CSS pixels, before transforms and zoom of the page. */
+  /** Size in CSS pixels, before transforms and zoom of the page. */
   get size(): Size { return this.#size; }
-  /** Pixels of the canvas. */
+  /** Size of the canvas, pixels. */
   get canvas(): Size { return this.#canvas; }
 
-  /** Follows the box's size, and the pixel ratio of the window that shows it. `changed` is called at each change, and once at the beginning. */
+  /** Observes the box's size and its window's pixel ratio; calls `changed` at once and at each change. */
   watch(changed: () => void, signal: AbortSignal): void {
     const view = (this.#view = viewOf(this.#content));
     this.#changed = changed;
@@ -72,7 +72,7 @@ export class PictureBox {
     this.#changed();
   }
 
-  /** Its corners as the page shows them now: CSS pixels of the window. */
+  /** Present corners of the picture in the window, after transforms; CSS pixels. */
   corners(): Corners {
     const [corner, right, low] = this.#makeMarks().map((mark) => mark.getBoundingClientRect());
     return [corner!, right!, low!];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Promises that are settled by other code, and promises that are kept by a key.
+// Deferred promises, and a cache of promises by key.
 
-/** A rejection that nobody handles is no error. */
+/** Promise with its resolve and reject. An unhandled rejection is not reported. */
 export interface Deferred {
   promise: Promise<void>;
   resolve(): void;
@@ -21,7 +21,7 @@ interface Kept<Key, Value> {
   delete(key: Key): unknown;
 }
 
-/** The promise kept by this key, or a new one. One that is rejected is not kept. */
+/** Returns the cached promise of a key, or caches a new one; removes it when it is rejected. */
 export function keep<Key, Value>(kept: Kept<Key, Value>, key: Key, make: () => Promise<Value>): Promise<Value> {
   let promise = kept.get(key);
   if (!promise) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rendition by an element's attribute `quality`: 'auto', 'highest', or a number, 0 for the lowest. Any other text is 'auto': the
-// network's throughput decides, limited to the texels that are visible at the element's size; the lowest one if the visitor saves data.
+// Reads the rendition from an element's attribute `quality`: 'highest', a number (0: the lowest) or 'auto', as which any
+// other text counts. 'auto' selects by network throughput, limited to the texels visible at the element's size; the
+// lowest rendition for visitors who save data.
 
 /** Arguments of fdvt_set_quality, wasm/abi.txt. */
 export interface Quality {
@@ -8,10 +9,10 @@ export interface Quality {
   maxTexels: number;
 }
 
-const HIGHEST = -1, AUTOMATIC = -2; // of fdvt_set_quality
-const TEXELS_PER_PIXEL = 4; // of layer 1, per pixel of the element's height: more are not seen
+const HIGHEST = -1, AUTOMATIC = -2; // values for fdvt_set_quality
+const TEXELS_PER_PIXEL = 4; // maximum of layer 1 per pixel of the element's height: more are not visible
 
-/** The visitor saves data. */
+/** Returns true if the browser is set to save data. */
 export const savesData = (): boolean =>
   (navigator as { connection?: { saveData?: boolean } }).connection?.saveData === true || matchMedia('(prefers-reduced-data: reduce)').matches;
 

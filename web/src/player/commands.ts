@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings and commands of one character, for <fourdvt-viewer> and <fourdvt-character>. They apply to the character at once if it is
-// loaded; one that is loaded later begins with all of them. Does not load or draw anything.
+// Settings and commands of one character, for <fourdvt-viewer> and <fourdvt-character>. Applies them at once to a loaded
+// character, and all of them to one that is loaded later. Does not load or draw anything.
 import type { CharacterInfo, Method, Placement, PlayerState, Settings, WasmPlayer } from './wasm-player.js';
 
-/** A loaded character. */
+/** Loaded character. */
 export interface Instance {
   readonly character: CharacterInfo | null;
   state(): PlayerState | null;
-  /** The value as shown; NaN if the character has no such parameter. */
+  /** Present value of a parameter; NaN if the character has no such parameter. */
   parameter(name: string): number;
   /** Runs the action on the player. False, after an error event, if the player refuses it. */
   run(action: (player: WasmPlayer) => void): boolean;
 }
 
-/** Defaults of render::MethodOptions; no name: the character's own. */
+/** Defaults of render::MethodOptions; an empty name: the character's own method. */
 export const DEFAULT_METHOD: Method = { name: '', closest: 4, visibility: 'offset' };
-// Settings of a player that has just read its manifest, in the order in which they are applied.
+// State of a player that has just read its manifest; the order of the fields is that of their application.
 const NEW_PLAYER: Settings = {
   loop: -1, rate: 1, placement: { x: 0, z: 0, heading: 0 }, travel: false, align: 'baked',
   method: DEFAULT_METHOD, quality: null, options: null, scene: null,
@@ -24,19 +24,19 @@ const NEW_PLAYER: Settings = {
 export class Commands {
   readonly #settings: Settings = { ...NEW_PLAYER };
   readonly #parameters = new Map<string, number>();
-  // State of the last instance when it was detached; a command removes the part that it sets anew.
+  // State of the last instance when detached; a command removes the parts that it sets.
   #left: Partial<Settings> = {};
   #instance: Instance | null = null;
 
   get settings(): Readonly<Settings> { return this.#settings; }
 
-  /** Changes one setting. False, after an error event, if the character refuses it: the earlier value still holds. */
+  /** Changes one setting; false, after an error event, if the character refuses it: the earlier value stays. */
   set<Name extends keyof Settings>(name: Name, value: Settings[Name]): boolean {
     return this.#change({ [name]: value }, (player) => player.set[name](value!));
   }
-  /** Shows a motion at once, from its first frame. False as of `set`. */
+  /** Shows a motion at once, from its first frame. Returns as `set` does. */
   select(sequence: string): boolean { return this.#change({ sequence, frame: 0, time: null }, (player) => player.set.sequence(sequence)); }
-  /** Goes over to a motion by the best transition. */
+  /** Goes to a motion by the best transition. */
   goTo(sequence: string): void { this.#change({ sequence, frame: 0, time: null }, (player) => player.goTo(sequence)); }
   seekFrame(frame: number): void { this.#change({ frame, time: null }, (player) => player.set.frame(frame)); }
   seek(timeS: number): void { this.#change({ frame: 0, time: timeS }, (player) => player.set.time(timeS)); }
@@ -45,14 +45,14 @@ export class Commands {
     const still = !this.#settings.playing; // a still picture does not glide
     this.#instance?.run((player) => player.setParameter(name, value, atOnce || still));
   }
-  /** Puts the character somewhere at once. The parts left out keep their values. */
+  /** Sets the placement at once; parts left out keep their values. */
   place(part: Partial<Placement>): void { this.set('placement', { ...this.placement, ...part }); }
-  /** Turns the character to this heading while it moves; one that is loaded later begins with it. */
+  /** Turns the character to this heading while it moves; a character loaded later begins with it. */
   steer(heading: number): void {
     if (this.#instance) this.#instance.run((player) => player.steer(heading));
     else this.place({ heading });
   }
-  /** Notes a setting that the player has by itself, or gets in a moment. */
+  /** Records a setting without applying it: the player has it already, or the caller applies it. */
   remember<Name extends keyof Settings>(name: Name, value: Settings[Name]): void { this.#settings[name] = value; }
 
   state(): PlayerState | null { return this.#instance?.state() ?? null; }
@@ -60,22 +60,22 @@ export class Commands {
     const { x, z, heading } = this.state() ?? this.#left.placement ?? this.#settings.placement;
     return { x, z, heading };
   }
-  /** The parameter's value as shown, or as set if no character is loaded; NaN if it has neither. */
+  /** Present value of a parameter; without a loaded character the value set; NaN if there is neither. */
   parameter(name: string): number { return this.#instance?.parameter(name) ?? this.requestedParameter(name) ?? NaN; }
   requestedParameter(name: string): number | undefined { return this.#parameters.get(name); }
 
-  /** Prepares for another source: its instance begins with these settings, not in the state of the last one. */
+  /** Prepares for another source, which begins with these settings instead of the last instance's state. */
   begin(settings: Partial<Settings> = {}): void {
     this.#left = {};
     Object.assign(this.#settings, { frame: 0, time: null }, settings);
   }
-  /** Applies what decides the first rendition, before the player has read its manifest. */
+  /** Applies the settings that affect the first rendition, before the player reads its manifest. */
   prepare(player: WasmPlayer): void {
     const { quality, playing } = this.#settings;
     if (quality) player.set.quality(quality);
     if (playing) player.set.playing(true);
   }
-  /** Applies all settings to a new instance, and every command from now on. */
+  /** Applies all settings to a new instance, which gets every later command. */
   attach(instance: Instance): void {
     this.#instance = instance;
     const settings = { ...this.#settings, ...this.#left };
@@ -85,7 +85,7 @@ export class Commands {
       if (value !== NEW_PLAYER[name]) instance.run((player) => player.set[name](value));
     }
   }
-  /** Drops the instance and keeps its state: the next one of this source begins there. */
+  /** Drops the instance and keeps its state, in which the next one of the same source begins. */
   detach(instance: Instance): void {
     if (this.#instance !== instance) return;
     this.#keepState(instance);
@@ -103,7 +103,7 @@ export class Commands {
   }
 
   // Keeps placement, sequence and frame for a new instance: during a transition frame 0 of its target, during a seek the
-  // frame that the settings request.
+  // requested frame.
   #keepState(instance: Instance): void {
     const state = instance.state();
     if (!state?.hasFrame) return;

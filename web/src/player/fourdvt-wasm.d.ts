@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The module that Emscripten makes. build.mjs replaces its name by the file in the folder given with --wasm, and the
-// constants by texts.
+// Declares Emscripten's module, whose name build.mjs resolves to the script in the folder of --wasm, and constants that
+// build.mjs replaces by their values.
 
-/** The section `fourdvt` of the wasm files that were built with this script. */
+/** Content of the custom section `fourdvt` in the wasm files of this build. */
 declare const FOURDVT_STAMP: string;
 /** Stamp of fourdvt-worker.wasm, shared with the scripts that use it. */
 declare const FOURDVT_WORKER: string;
-/** A query that names the content of the files beside this script, so that no cache has earlier ones under it. */
+/** Query for addresses of the files beside this script: a hash of their content, so that caches have no older files. */
 declare const FOURDVT_VERSION: string;
-/** OpenCV's flow was built. */
+/** True if OpenCV's flow was built. */
 declare const FOURDVT_OPENCV: boolean;
 
 declare module 'fourdvt-wasm' {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks render options and snapshots of a page. Errors: a TypeError for a value of another type, a RangeError for a number out of range.
+// Checks render options and snapshots from a page. Errors: TypeError for a value of a wrong type, RangeError for a number
+// out of range.
 import { DEBUG_VIEWS } from '../wasm/generated/abi.js';
 import type { OrbitPose, RenderOptions } from './wasm-player.js';
 
-/** Pixels of the canvas, each way. */
+/** Maximum width and height of the canvas, pixels. */
 export const MAX_CANVAS_SIDE = 4096;
 
 function checkNumbers(name: string, values: readonly number[], count = values.length): void {
@@ -15,7 +16,7 @@ function checkRange(name: string, value: number, min: number, max: number, whole
   }
 }
 
-/** layers: number of the character's, if it is loaded. */
+/** Checks render options. layers: the character's number of layers, if loaded. */
 export function checkRenderOptions({ background, shadowStrength, samples, debug, debugLayer }: RenderOptions, layers = 256): void {
   checkNumbers('background', background ?? [], 4);
   checkRange('shadowStrength', shadowStrength, 0, 1, false);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drawing method of a character from cameras by an element's attributes method, cameras, visibility. A missing or invalid value is
-// the default; the player checks the method's name.
+// Reads the drawing method of characters from cameras from an element's attributes method, cameras and visibility. Missing
+// or invalid values are replaced by defaults, except the method's name, which the player checks.
 import { DEFAULT_METHOD } from './commands.js';
 import { VISIBILITIES, type Method, type Visibility } from './wasm-player.js';
 
-const MAX_CAMERAS = 31; // of a character
+const MAX_CAMERAS = 31; // maximum per character
 
 export function methodOf(element: Element): Method {
   const cameras = Number(element.getAttribute('cameras') ?? NaN);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiles each wasm file once per page, and makes instances. The module comes in two parts (wasm/more.txt): the first is all
-// that a first picture of a layered character needs; the second, with optical flow, characters from cameras, scenes and
-// looks, is linked into it afterwards.
+// Compiles each wasm file once per page, and makes instances. The module has two parts (wasm/more.txt): the first contains
+// everything for the first picture of a layered character; the second, with optical flow, characters from cameras, scenes
+// and looks, is linked to it later.
 import createPlayer from 'fourdvt-wasm';
 
 import { keep } from '../page/promises.js';
@@ -10,21 +10,21 @@ import type { WasmModule } from '../wasm/wasm-abi.js';
 import { asViewerError, ViewerError } from '../report/errors.js';
 import { compileFile, fetchFile, type Report } from '../net/requests.js';
 
-/** The page's side of what only the second part has. */
+/** Exports of fourdvt-more.js. */
 export type More = typeof import('../more.js');
 
 type SecondPart = Pick<PlayerFiles, 'more' | 'moreWasm'>;
 
 const BESIDE = "the player's files must lie beside its script";
 
-const scripts = new Map<string, Promise<More>>(); // of the second part, that are loaded or on their way
-let attempts = 0; // to load one again
+const scripts = new Map<string, Promise<More>>(); // imports of fourdvt-more.js, done or pending, by address
+let attempts = 0; // of importing a script; makes the address of a retry differ
 const compiled = new Map<string, Promise<WebAssembly.Module>>();
 const firstParts = new WeakMap<WasmModule, WebAssembly.Exports>();
 const secondParts = new WeakMap<WasmModule, Promise<More>>();
 const complete = new WeakSet<WasmModule>();
 
-// Error where the browser does not compile a module: policy of the page, memory, or a file that is no wasm.
+// Makes the error of a module that the browser does not compile: the page's policy, memory, or a file that is not wasm.
 function refusal(url: string, reason: unknown): ViewerError {
   const text = String(reason);
   return reason instanceof RangeError || /memory/i.test(text)
@@ -32,7 +32,7 @@ function refusal(url: string, reason: unknown): ViewerError {
     : new ViewerError('wasm-refused', `${url}: the browser refuses the player's wasm (${text}); allow 'wasm-unsafe-eval' in the page's policy, and serve the file as it was built`);
 }
 
-// Compiles a file of this build. One of another build may come from a cache, and is fetched again past it, once.
+// Compiles a file of this build. Fetches it again, past the cache, once, if it is of another build.
 async function compileNew(url: string, report: Report, cache: RequestCache = 'default'): Promise<WebAssembly.Module> {
   const module = await compileFile(url, report, cache).catch((reason: unknown) => {
     if (!(reason instanceof ViewerError)) throw refusal(url, reason);
@@ -43,20 +43,23 @@ async function compileNew(url: string, report: Report, cache: RequestCache = 'de
   throw new ViewerError('wasm-refused', `${url}: is of another build than the player's script; reload the page, or upload all files of the player again`);
 }
 
-// All callers share the download; the first one's `report` is called.
+// Compiles a file once for all callers; calls only the first caller's `report`.
 const compile = (url: string, report: Report): Promise<WebAssembly.Module> => keep(compiled, url, () => compileNew(url, report));
 
-// Stands for the second part's functions until it is loaded.
+// Placeholder of the second part's functions until that is loaded.
 const absent = (): never => { throw new Error("the player's second part is not there yet"); };
 const ABSENT = new Proxy({}, { get: () => absent });
 
-// Imports of the second part from the first: exports by their names, functions by their numbers in the table (wasm/pack.mjs).
+// Returns the second part's imports from the first: exports by name, functions by index in the table (wasm/pack.mjs).
 const importsOfSecond = (exports: WebAssembly.Exports): WebAssembly.ModuleImports => {
   const table = Object.values(exports).find((value) => value instanceof WebAssembly.Table);
   return new Proxy({}, { get: (_, name) => exports[name as string] ?? table?.get(Number(name)) });
 };
 
-/** The first part. `report` is called when waiting for the network begins and ends. Errors: ViewerError 'fetch-failed', 'out-of-memory', 'wasm-refused'. */
+/**
+ * Instantiates the first part. report: called when waiting for the network begins and ends. Errors: ViewerError
+ * 'fetch-failed', 'out-of-memory', 'wasm-refused'.
+ */
 export async function instantiate({ wasm: url }: Pick<PlayerFiles, 'wasm'>, report: Report): Promise<WasmModule> {
   const first = await compile(url, report);
   let exports: WebAssembly.Exports;
@@ -84,18 +87,19 @@ export async function instantiate({ wasm: url }: Pick<PlayerFiles, 'wasm'>, repo
 /** Begins to download the second part. */
 export const expectMore = ({ moreWasm }: SecondPart, report: Report): void => void compile(moreWasm, report).catch(() => undefined);
 
-/** The second part is in this instance. */
+/** Returns true if the second part has been linked to this instance. */
 export const hasMore = (module: WasmModule): boolean => complete.has(module);
 
 /**
- * Puts the second part into an instance of the first: fourdvt-more.wasm, and fourdvt-more.js with the page's side. Errors: as of `instantiate`; after one the next call tries again.
+ * Links the second part, fourdvt-more.wasm, to an instance of the first, and imports fourdvt-more.js. Errors: those of
+ * `instantiate`; the next call tries again.
  */
 export function loadMore(module: WasmModule, files: SecondPart, report: Report): Promise<More> {
   return keep(secondParts, module, () => addSecond(module, files, report));
 }
 
-// Browsers do not report the cause of a script that does not load, and may not load a failed address again: a fetch of the file waits for
-// the network or fails with the cause; then another address of the same file is tried.
+// Imports a script. Browsers do not report why an import has failed, and may not retry its address: then fetches the file,
+// which waits for the network or fails with the cause, and imports it from another address.
 async function importScript(script: string, report: Report): Promise<More> {
   const load = (address: string): Promise<More> => import(address) as Promise<More>;
   return load(script).catch(async () => {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Owns one player's handle in wasm memory and gives its functions types. Does not fetch, decode or schedule anything.
-// The data of a request is a view into wasm memory, valid until the next call; copy what must last longer.
+// Owns one player's handle and wraps its C functions with types. Does not fetch, decode or schedule anything. The data of
+// a request is a view into wasm memory, valid until the next call.
 import type { Planes } from '../decode/frame-decoder.js';
 import type { Quality } from '../page/quality-attribute.js';
 import { ViewerError } from '../report/errors.js';
@@ -16,22 +16,22 @@ import { hasMore } from './wasm-module.js';
 
 export { ALIGN_MODES, VISIBILITIES };
 export type { PictureKind, Quality, PlayerCall, Visibility };
-/** Only the fields that its kind needs are filled in; see wasm/abi.txt. */
+/** Request of the player; only the fields of its kind are set, see wasm/abi.txt. */
 export type PlayerRequest = RequestRecord;
 export type PlayerEvent = EventRecord;
 export type Align = AlignMode;
 export type ParameterInfo = ParameterRecord;
 
 export interface Placement {
-  /** Metres on the ground. */
+  /** Position on the ground, metres. */
   x: number;
   z: number;
-  /** Degrees, from +z towards +x. */
+  /** Heading, degrees from +z towards +x. */
   heading: number;
 }
 
 export interface PlayerState extends StateRecord, Placement {
-  /** In use in the module's memory; 0 until the second part is there. */
+  /** Bytes allocated in the module's memory; 0 until the second part is loaded. */
   readonly heapBytes: number;
 }
 
@@ -41,14 +41,14 @@ export interface SequenceInfo {
   loop: boolean;
   fps: number;
   duration: number;
-  /** A class of motions has at least one, a plain motion none. */
+  /** Parameters: at least one for a class of motions, none for a plain motion. */
   parameters: ParameterInfo[];
-  /** Names of the captured motions of a class. */
+  /** Names of a class's captured motions. */
   members: string[];
 }
 
 export interface SceneMesh {
-  /** 6 numbers per corner, 3 corners per triangle: position in metres, colour in 0..1. */
+  /** Triangles: 3 corners of 6 numbers each, position in metres and colour in 0..1. */
   corners: Float32Array;
   /** True: the mesh hides characters without being drawn itself. */
   occluderOnly?: boolean;
@@ -56,23 +56,23 @@ export interface SceneMesh {
 
 /** Drawing method of a character from cameras. */
 export interface Method {
-  /** Empty: the character's own. */
+  /** Name; empty: the character's own method. */
   name: string;
-  /** Number of cameras, nearest to the view first; 0: the maximum. */
+  /** Number of cameras, those nearest to the view; 0: the maximum. */
   closest: number;
   visibility: Visibility;
 }
 
 export interface CharacterInfo {
   name: string;
-  /** Textured from the cameras' own pictures, not from layers. */
+  /** True if textured from the cameras' pictures instead of layers. */
   fromCameras: boolean;
-  /** The method that it is drawn by unless the page names one; empty if it is drawn from layers. */
+  /** Default drawing method; empty for a character from layers. */
   method: string;
-  /** False: a fetch brings the base mesh, which the second part of the player decodes. */
+  /** True if the start file had the base mesh; false: it is fetched, and decoded by the second part. */
   hasMesh: boolean;
   posterUri: string;
-  /** The picture of its room; empty if it has none. */
+  /** Address of the room's picture; empty without a room. */
   roomUri: string;
   roomBytes: number;
   min: [number, number, number];
@@ -82,7 +82,7 @@ export interface CharacterInfo {
 }
 
 export interface RenderOptions {
-  /** Premultiplied sRGB in 0..1; where alpha is 0 the page shows through. */
+  /** Background: premultiplied sRGB and alpha in 0..1; the page shows through where alpha is below 1. */
   background: [number, number, number, number];
   groundShadow: boolean;
   shadowStrength: number;
@@ -99,9 +99,9 @@ export interface OrbitPose {
   fov: number;
 }
 
-/** Settings of a character that a page makes. */
+/** Settings of a character that a page can change. */
 export interface Settings {
-  /** -1 as stored with the sequence, 0 never, 1 always. */
+  /** Loop mode: -1 as stored with the sequence, 0 never, 1 always. */
   loop: number;
   rate: number;
   placement: Placement;
@@ -109,13 +109,13 @@ export interface Settings {
   align: Align;
   method: Method;
   quality: Quality | null;
-  /** Options and scene belong to the canvas, so only its main character is given any. */
+  /** Render options; like `scene` a property of the canvas, set on its main character only. */
   options: RenderOptions | null;
   scene: SceneMesh[] | null;
   /** Null: the first sequence of the character. */
   sequence: string | null;
   frame: number;
-  /** Seconds; null: `frame` has the place. */
+  /** Position in the sequence, seconds; null: `frame` applies. */
   time: number | null;
   playing: boolean;
 }
@@ -129,9 +129,9 @@ export class WasmPlayer {
   #h = 0;
   #scratch = 0;
   #scratchBytes = 0;
-  #scene: SceneMesh[] | null = null; // that waits for the second part
+  #scene: SceneMesh[] | null = null; // to be set when the second part is loaded
 
-  /** Applies a setting. */
+  /** Functions that apply one setting each. Errors: ViewerError. */
   readonly set: { readonly [Name in keyof Settings]: (value: NonNullable<Settings[Name]>) => void } = {
     loop: (mode) => this.#m._fdvt_set_loop(this.#h, mode),
     rate: (rate) => this.#m._fdvt_set_rate(this.#h, rate),
@@ -139,7 +139,7 @@ export class WasmPlayer {
     travel: (on) => this.#m._fdvt_set_travel(this.#h, on ? 1 : 0),
     align: (align) => this.#check(this.#m._fdvt_set_align(this.#h, ALIGN_MODES.indexOf(align))),
     method: ({ name, closest, visibility }) => {
-      if (!this.character()?.fromCameras) return; // layered characters have none
+      if (!this.character()?.fromCameras) return; // layered characters have no method
       this.#check(this.#m._fdvt_set_method(this.#h, ...this.#text(name), closest, VISIBILITIES.indexOf(visibility)));
     },
     quality: ({ rendition, maxTexels }) => this.#m._fdvt_set_quality(this.#h, rendition, maxTexels),
@@ -152,8 +152,8 @@ export class WasmPlayer {
   };
 
   /**
-   * `on`: the context, registered in the module, or another character of the same canvas, which must outlive this one. readable:
-   * textures can be read back; else pictures are paired by their timestamps.
+   * on: a context registered in the module, or another character whose canvas to share, which must outlive this one.
+   * readable: textures can be read back; otherwise frames of pictures are identified by timestamp instead of barcode.
    */
   constructor(module: WasmModule, on: number | WasmPlayer, kind: PictureKind, readable: boolean, slots: number) {
     this.#m = module;
@@ -174,7 +174,7 @@ export class WasmPlayer {
     this.#h = this.#scratch = this.#scratchBytes = 0;
   }
 
-  /** start: the bytes of the start file, none if the page does not have them. */
+  /** Loads the manifest. start: content of the start file; empty without one. */
   loadManifest(json: unknown, start: Uint8Array, load?: PlayerCall): void {
     flattenJson(json, (pointer, value) => {
       const key = encoder.encode(pointer);
@@ -218,12 +218,12 @@ export class WasmPlayer {
   }
   setInSight(inSight: boolean): void { this.#m._fdvt_set_in_sight(this.#h, inSight ? 1 : 0); }
 
-  /** A slot for the picture; -1 if none is free now, -2 if the player does not wait for this picture. */
+  /** Returns a slot for the picture; -1 if none is free at present, -2 if the player does not need this picture. */
   acquireSlot(decoder: number, timestampUs: number): number {
     return this.#m._fdvt_acquire_slot(this.#h, decoder, timestampUs);
   }
 
-  /** Hands over the planes, in a block of the player's memory that it owns from now on, and commits the slot. */
+  /** Commits a slot with planes in a block of the player's memory; the player takes ownership of the block. */
   upload(slot: number, block: number, { width, height, layout }: Planes): void {
     const [y, u, v] = layout;
     if (!y || !u) throw new ViewerError('video-invalid', 'a decoded picture has no planes');
@@ -235,15 +235,15 @@ export class WasmPlayer {
   slotTexture(slot: number): WebGLTexture | null {
     return this.#m.GL.textures[this.#m._fdvt_slot_texture(this.#h, slot)] ?? null;
   }
-  /** The page has filled the slot's texture with a picture of this size. */
+  /** Commits a slot after the page has filled its texture with a picture of this size. */
   commitSlot(slot: number, width: number, height: number): void {
     this.#m._fdvt_commit_slot(this.#h, slot, width, height);
   }
-  /** Pictures a second wanted of a decoder with a clock of its own; 0: only one that is sought. Needs the second part. */
+  /** Pictures per second to be decoded by a decoder with its own clock; 0: only a sought one. Needs the second part. */
   pace(decoder: number): number { return this.#m._fdvt_pace(this.#h, decoder); }
   invalidateState(): void { this.#m._fdvt_invalidate_state(this.#h); }
 
-  /** Draws this character and the others, which were created beside it, into the same picture. */
+  /** Draws this character and others of its canvas into one picture. */
   draw(pose: OrbitPose, width: number, height: number, others: WasmPlayer[] = []): void {
     const view = bytesOfView({ ...pose, width, height });
     const handles = Uint32Array.of(this.#h, ...others.map((other) => other.#h));
@@ -251,7 +251,7 @@ export class WasmPlayer {
     this.#check(this.#m._fdvt_draw(at + view.length, handles.length, at));
   }
 
-  /** Compiles one shader program that later pictures will need; false when none is missing. */
+  /** Compiles one shader program that later pictures will need; returns false when none is missing. */
   makeNextProgram(): boolean { return hasMore(this.#m) && this.#m._fdvt_make_next_program(this.#h) !== 0; }
 
   // --- motion ---
@@ -259,19 +259,19 @@ export class WasmPlayer {
   setParameter(name: string, value: number, atOnce: boolean): void {
     this.#check(this.#m._fdvt_set_parameter(this.#h, ...this.#text(name), value, atOnce ? 1 : 0));
   }
-  /** The value as shown; NaN if no class has the parameter. */
+  /** Present value of a parameter; NaN if no class has it. */
   parameter(name: string): number { return this.#m._fdvt_parameter(this.#h, ...this.#text(name)); }
   goTo(state: string): void { this.#check(this.#m._fdvt_goto(this.#h, ...this.#text(state))); }
   steer(headingDeg: number): void { this.#m._fdvt_steer(this.#h, headingDeg * RADIANS); }
-  /** Before `loadManifest`. */
+  /** Sets the expected throughput; call before `loadManifest`. */
   expectThroughput(bitsPerSecond: number): void { this.#m._fdvt_expect_throughput(this.#h, bitsPerSecond); }
   judgeRendition(sequence: number, rendition: number, plays: boolean): void {
     this.#m._fdvt_judge_rendition(this.#h, sequence, rendition, plays ? 1 : 0);
   }
   lookAhead(atOnce: boolean): void { this.#m._fdvt_look_ahead(this.#h, atOnce ? 1 : 0); }
-  /** Calls a function of the module; those of the second part once it is loaded. */
+  /** Runs a call of the module's functions; the second part's require that it is loaded. */
   call(action: PlayerCall): void { this.#check(action(this.#m, this.#h)); }
-  // Takes effect when the second part is there (`moreCame`).
+  // Sets the scene now, or in moreCame() if the second part is not loaded.
   #setScene(meshes: SceneMesh[]): void {
     this.#scene = hasMore(this.#m) ? null : meshes;
     if (this.#scene) return;
@@ -285,8 +285,8 @@ export class WasmPlayer {
   moreCame(): void { if (this.#scene) this.#setScene(this.#scene); }
 
   /**
-   * Draws the character's room from now on, in place of any before. The page fills the texture with what the bytes show,
-   * and its mipmaps. Needs the second part.
+   * Draws the character's room from now on, in place of the last one. bytes: the picture's file. Returns the texture,
+   * which the page must fill with the picture and its mipmaps. Needs the second part.
    */
   showRoom(bytes: Uint8Array): WebGLTexture {
     const name = this.#m._fdvt_show_room(this.#h, this.#put(bytes), bytes.length);
@@ -300,11 +300,11 @@ export class WasmPlayer {
     const m = this.#m, h = this.#h;
     return {
       ...state, x: state.xM, z: state.zM, heading: state.headingRad / RADIANS,
-      get heapBytes() { return hasMore(m) ? m._fdvt_heap_bytes(h) : 0; }, // on demand: it walks all blocks
+      get heapBytes() { return hasMore(m) ? m._fdvt_heap_bytes(h) : 0; }, // a getter: the call walks all heap blocks
     };
   }
 
-  /** Null before the manifest is read. */
+  /** Description of the character; null before the manifest is read. */
   character(): CharacterInfo | null {
     const at = this.#m._fdvt_character(this.#h);
     if (!at) return null;
@@ -335,13 +335,13 @@ export class WasmPlayer {
     if (!ok) throw this.#lastError();
   }
 
-  // Copies a text into scratch memory and gives its address and length.
+  // Copies a text into scratch memory; returns address and length.
   #text(text: string): [number, number] {
     const bytes = encoder.encode(text);
     return [this.#put(bytes), bytes.length];
   }
 
-  // Copies the parts, one after the other, into scratch memory that is valid until the next call.
+  // Copies the parts, concatenated, into scratch memory; returns its address, valid until the next call.
   #put(...parts: Uint8Array[]): number {
     const size = parts.reduce((sum, part) => sum + part.length, 0);
     if (size > this.#scratchBytes) {

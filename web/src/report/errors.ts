@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Detail of the element's `error` event. The IDs are those of native/base/result.h and three of the page alone
-// ("ID: meaning; remedy", from which site/docs/errors.mjs makes the documents' table). Compare IDs, never messages.
+// Detail of the element's `error` event. Compare IDs, never messages. IDs are those of native/base/result.h and these
+// three of the page ("ID: meaning; remedy"; site/docs/errors.mjs makes the documents' table of them):
 //   insecure-context: this browser decodes video only on https pages and on localhost; serve the page over https
 //   wasm-refused: the browser refuses the player's WebAssembly, or it is of another build than the script; add
 //     'wasm-unsafe-eval' to script-src of the page's policy, and serve all files of one build unchanged
@@ -11,14 +11,14 @@ export interface ErrorDetail {
   message: string;
 }
 
-/** An error with the code of MediaError. */
+/** Error with a code of MediaError. */
 export interface MediaFault extends ErrorDetail {
   readonly code: number;
 }
 
 export const withCode = (error: ErrorDetail): MediaFault => {
   const { id } = error, notSupported = /^(manifest|unsupp|decoder-un|insec|wasm|invalid)/.test(id);
-  return { ...error, code: id === 'fetch-failed' ? 2 : notSupported ? 4 : 3 }; // 3: cannot be decoded
+  return { ...error, code: id === 'fetch-failed' ? 2 : notSupported ? 4 : 3 }; // 3: MEDIA_ERR_DECODE
 };
 
 export class ViewerError extends Error {
@@ -32,10 +32,10 @@ export class ViewerError extends Error {
   }
 }
 
-/** True of errors that follow where a new bake has replaced the one that is playing. */
+/** Returns true for errors that occur when a new bake has replaced the playing one on the server. */
 export const mayBeOfTwoBakes = ({ id }: ErrorDetail): boolean => id === 'files-differ' || id === 'fetch-failed';
 
-/** Dispatches an event of an element; an error is written to the console, too, for pages without a listener. */
+/** Dispatches an event of an element; also logs an error to the console, for pages without a listener. */
 export function dispatch(element: Element, name: string, detail?: unknown): void {
   if (name === 'error') {
     const { id, message } = detail as ErrorDetail;
@@ -56,10 +56,10 @@ export function characterAddress(src: string, base: string): string {
 export function asViewerError(reason: unknown): ViewerError {
   if (reason instanceof ViewerError) return reason;
   const text = reason instanceof Error ? `${reason.name}: ${reason.message}` : String(reason);
-  return /\bOOM\b|enlarge memory|allocation failed/i.test(text) // messages of Emscripten and of browsers
+  return /\bOOM\b|enlarge memory|allocation failed/i.test(text) // out-of-memory messages of Emscripten and browsers
     ? new ViewerError('out-of-memory', `the browser has no memory left for the character (${text}); close other tabs`)
     : new ViewerError('internal', text);
 }
 
-/** Base of the elements; an empty class on a server, where the script can be imported. */
+/** Base class of the elements; an empty class on a server, so that it can import the script. */
 export const PageElement = globalThis.HTMLElement ?? (class {} as typeof HTMLElement);

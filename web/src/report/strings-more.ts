@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texts of what the player's second part shows, and all texts in German. Part of fourdvt-more.js.
+// Texts of the player's second part, and all texts in German. Part of fourdvt-more.js.
 import type { Languages, Strings } from './strings.js';
 
 interface MoreStrings {
@@ -53,10 +53,10 @@ const DE: MoreStrings & Strings = {
   left: 'links', frontLeft: 'vorn links', above: ', von oben', below: ', von unten',
 };
 
-/** Adds the texts; those that a page has set stay. */
+/** Adds the texts to `languages`; texts set by a page stay. */
 export function addStrings(languages: Languages): void {
   for (const [name, texts] of Object.entries({ en: EN, de: DE })) languages[name] = { ...texts, ...languages[name] };
 }
 
-/** Replaces names in braces by their values. */
+/** Replaces each name in braces by its value. */
 export const fill = (text: string, values: Record<string, string>): string => text.replace(/\{(\w+)\}/g, (_, name: string) => values[name] ?? '');

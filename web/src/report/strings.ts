@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texts of <fourdvt-viewer>, by language; the player's second part adds its own (strings-more.ts). Pages may add languages and change
-// texts: FourdvtViewer.strings. Numbers and names stand in braces.
+// Texts of <fourdvt-viewer>, by language; the player's second part adds its own (strings-more.ts). Pages may add languages
+// and change texts in FourdvtViewer.strings. Names in braces are placeholders.
 
 export interface Strings {
-  /** Name of a character that the page does not describe. */
+  /** Accessible name of a character without the attribute `alt`. */
   label: string;
   loading: string;
   play: string;
   retry: string;
   network: string;
-  /** The player's second part cannot be loaded: the character plays without it. */
+  /** Note that the player's second part cannot be loaded: the character plays without it. */
   incomplete: string;
-  /** Precedes one of the names that follow: the step that a picture has waited for too long. */
+  /** Precedes one of the names below, of the step that a picture has waited for too long. */
   waiting: string;
   'on-manifest': string;
   'on-player': string;
@@ -31,7 +31,7 @@ export interface Strings {
   'out-of-memory': string;
 }
 
-/** Texts by name, of each language. */
+/** Texts by language, then by name. */
 export type Languages = Record<string, Record<string, string>>;
 
 export const STRINGS: Languages = {
@@ -61,7 +61,7 @@ export const STRINGS: Languages = {
   } satisfies Strings,
 };
 
-// Nearest `lang` above the element, through shadow trees; else the browser's language.
+// Returns the nearest `lang` at or above the element, across shadow trees; else the browser's language.
 function languageOf(element: Element): string {
   const found = element.closest('[lang]')?.getAttribute('lang');
   if (found) return found;
@@ -69,7 +69,7 @@ function languageOf(element: Element): string {
   return root instanceof ShadowRoot ? languageOf(root.host) : navigator.language;
 }
 
-/** All texts in the element's language; English where one is missing. */
+/** Returns all texts in the element's language, in English where a text is missing. */
 export function stringsOf(element: Element, languages: Languages): Record<string, string> {
   const [language = ''] = languageOf(element).toLowerCase().split('-');
   return { ...languages['en'], ...languages[language] };

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Detects a step that a viewer waits for too long, whatever the cause. Counts seconds one by one, so that a page that was suspended
-// can go on first.
+// Detects a step that a viewer has waited for too long. Counts seconds one by one, so that a page that was suspended can
+// progress before the timeout.
 
 const PATIENCE_S = 20;
 
-/** Steps that a picture waits for, in the order of a start. */
+/** Steps that a picture may wait for, in their order at the start. */
 export type Step = 'manifest' | 'player' | 'more' | 'files' | 'decoder' | 'upload' | 'barcode' | 'geometry' | 'display';
 
 /** Detail of the event `stalled`. */
@@ -27,7 +27,7 @@ const CAUSES: Record<Step, string> = {
 
 export const stallOf = (step: Step): Stall => ({ step, message: `${PATIENCE_S} s without progress: ${CAUSES[step]}; if it stays so, reload the page` });
 
-/** progress: differs after any progress of the step. */
+/** Awaited step. progress: a text that changes with any progress of the step. */
 export interface Awaited {
   step: Step;
   progress: string;
@@ -42,15 +42,15 @@ export class Watchdog {
   #stalled = false;
 
   /**
-   * awaited: null while no visible change is due. report: called with the step after 20 s without progress, and every 20 s again; with
-   * null when it progresses.
+   * awaited: returns null while no visible change is due. report: called with the step after each 20 s without progress,
+   * and with null once it progresses.
    */
   constructor(awaited: () => Awaited | null, report: (step: Step | null) => void) {
     this.#awaited = awaited;
     this.#report = report;
   }
 
-  /** Watches until nothing is awaited any more. */
+  /** Starts to watch; ends by itself when nothing is awaited. */
   wake(): void { this.#timer ??= setInterval(() => this.#look(), 1000); }
   stop(): void {
     clearInterval(this.#timer);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One character: its transport, its decoders and its player in wasm, and the traffic between them. Draws nothing and
-// owns no canvas: session.ts does. After dispose() nothing of it runs any more.
+// One character: passes data between its transport, its decoders and its player in wasm. Does not own a canvas or
+// schedule draws, as drawing.ts does. After dispose() none of its callbacks run.
 import { FrameDecoder, type DecoderCallbacks, type Picture, type PictureDecoder } from '../decode/frame-decoder.js';
 import { kindOf, uploadPicture, type UploadPath } from '../decode/upload-path.js';
 import type { ActorHost } from '../more/session-side.js';
@@ -15,7 +15,8 @@ import type { Step } from '../report/watchdog.js';
 import type { DecoderFault } from '../wasm/generated/abi.js';
 import type { TurnHook, WasmModule } from '../wasm/wasm-abi.js';
 
-// One is on screen, the others are ready or being filled. Planes take memory each, of the player's module.
+// Slots per decoder: one picture on screen, the others ready or being filled. Fewer for planes, which take memory of the
+// player's module.
 const PICTURE_SLOTS = 4;
 const PLANE_SLOTS = 3;
 
@@ -25,25 +26,25 @@ const DETAILS: Record<string, (event: PlayerEvent) => unknown> = {
   methodfallback: ({ error, drawn }) => ({ wanted: error.id, drawn, message: error.message }),
 };
 
-/** Shared by characters: the page's stage, and the canvas. */
+/** Stage and canvas, shared by characters. */
 export interface ActorContext {
   stage: { readonly module: WasmModule; readonly gl: WebGL2RenderingContext; readonly context: number };
   path: UploadPath;
-  /** Textures can be read back. */
+  /** True if textures can be read back. */
   readable: boolean;
-  /** Serves upload path 'video'; undefined on the others. */
+  /** Functions for upload path 'video'; undefined on the others. */
   video: {
     makeVideoDecoder(callbacks: DecoderCallbacks): PictureDecoder;
     isSubFaster(gl: WebGL2RenderingContext, video: HTMLVideoElement): boolean;
   } | undefined;
-  /** The character that the canvas was opened with; null if it is this one. */
+  /** Main character of the canvas; null if this actor is the main one. */
   beside: Actor | null;
 }
 
-/** Source of a character's files. */
+/** Members of Transport, which LiveStream implements too. */
 export type Files = Pick<Transport, 'manifest' | 'address' | 'range' | 'busy' | 'cancel' | 'cancelAll' | 'stopReplay' | 'dispose'>;
 
-/** Source of one character. start: the bytes of its start file, or none; load: begins a live stream. */
+/** Source of one character. start: content of its start file, or empty; load: begins a live stream. */
 export interface Source {
   transport: Files;
   manifest: unknown;
@@ -59,15 +60,15 @@ export class Actor implements Instance {
   #decoders: (PictureDecoder | undefined)[] = [];
   #player: WasmPlayer | null;
   #character: CharacterInfo | null = null;
-  #ready: Promise<unknown> = Promise.resolve(); // resolves once answers of fetches can be decoded
-  #taken: ((frame: VideoFrame) => void) | null = null; // gets the next decoded picture, too
-  #subVideo: boolean | null = null; // how a <video> element's pictures are uploaded; null: to be measured
+  #ready: Promise<unknown> = Promise.resolve(); // resolves when the player can use the results of fetches
+  #taken: ((frame: VideoFrame) => void) | null = null; // also gets the next decoded picture
+  #subVideo: boolean | null = null; // <video> pictures are uploaded into existing storage; null: not measured yet
   #hook: TurnHook | null = null;
-  #mustWait = false; // until fetches can be answered
-  #checked = -1; // pictures whose barcodes had been read when the last one was uploaded
-  #stuck = false; // after an error, until the next command: no picture comes
+  #mustWait = false; // #ready is pending
+  #checked = -1; // count of checked barcodes at the last upload
+  #stuck = false; // an error has stopped the pictures, until the next command
 
-  /** Applies the commands until dispose(). Errors: ViewerError if the manifest cannot be used. */
+  /** Loads the manifest, and applies commands until dispose(). Errors: ViewerError if the manifest cannot be used. */
   constructor(context: ActorContext, source: Source, commands: Commands, host: ActorHost) {
     this.#context = context;
     this.#transport = source.transport;
@@ -104,14 +105,14 @@ export class Actor implements Instance {
     try {
       player?.dispose();
     } catch (reason) {
-      console.warn('fourdvt-viewer:', reason); // the wasm instance has trapped; the session drops it
+      console.warn('fourdvt-viewer:', reason); // the wasm instance has trapped, and is dropped anyway
     }
   }
 
   get player(): WasmPlayer | null { return this.#player; }
   get character(): CharacterInfo | null { return this.#character; }
   state(): PlayerState | null { return this.#guard((p) => p.state()) ?? null; }
-  /** In use on the GPU and in the player's memory, by all players of the module. */
+  /** Bytes in use on the GPU and in the module's memory, by all players of the module. */
   bytes(): number {
     return this.#guard((p) => {
       const { liveTextureBytes, liveTargetBytes, heapBytes } = p.state();
@@ -119,22 +120,22 @@ export class Actor implements Instance {
     }) ?? 0;
   }
   parameter(name: string): number { return this.#guard((p) => p.parameter(name)) ?? NaN; }
-  /** True while a picture is to come. */
+  /** True while a picture is due. */
   awaits(state: PlayerState): boolean { return (!state.paused || state.seeking) && !this.#stuck; }
   /** True while the frame loop is needed. */
   busy(state: PlayerState): boolean {
     return this.awaits(state) || this.#decoders.some((d) => d?.busy);
   }
-  /** Step that the next picture waits for. */
+  /** Returns the step that the next picture waits for. */
   missing(state: PlayerState): Step {
     if (this.#mustWait) return 'more';
     if (this.#transport.busy) return 'files';
     if (this.#checked === state.barcodeChecked) return 'barcode';
     return this.#decoders.find((decoder) => decoder?.missing)?.missing ?? 'geometry';
   }
-  /** Pictures that its decoders have given so far. */
+  /** Number of pictures decoded so far. */
   get decoded(): number { return this.#decoders.reduce((sum, decoder) => sum + (decoder?.given ?? 0), 0); }
-  /** Opens decoders again that a picture is awaited from. */
+  /** Reopens the decoders from which a picture is due. */
   replaceDecoders(reason: string): void {
     this.#decoders.forEach((decoder, index) => { if (decoder?.missing) this.#onDecoderFault(index, 'taken-away', reason); });
   }
@@ -156,7 +157,7 @@ export class Actor implements Instance {
     return !problem;
   }
 
-  /** Gives the next picture that WebCodecs decodes; `action` closes it. */
+  /** Passes the next picture that WebCodecs decodes to `action`, which must close it. */
   takeFrame(action: (frame: VideoFrame) => void): void { this.#taken = action; }
 
   tick(nowS: number): void {
@@ -164,7 +165,7 @@ export class Actor implements Instance {
     this.pump();
   }
 
-  /** Takes part in each turn from now on, in place of another. */
+  /** Calls `hook` around each tick from now on, in place of the last hook. */
   setHook(hook: TurnHook): void {
     this.#hook?.leave();
     if (this.#player) this.#hook = hook;
@@ -172,10 +173,10 @@ export class Actor implements Instance {
   }
   wake(): void { this.#host.wake(); }
 
-  /** Compiles one shader program that later pictures will need; false when none is missing. */
+  /** Compiles one shader program that later pictures will need; returns false when none is missing. */
   makeNextProgram(): boolean { return this.#guard((p) => p.makeNextProgram()) ?? false; }
 
-  /** Out of sight no decoder is held. */
+  /** inSight: false releases the decoders. */
   setInSight(inSight: boolean): void {
     this.#guard((p) => p.setInSight(inSight));
     this.pump();
@@ -273,7 +274,7 @@ export class Actor implements Instance {
     const { stage: { gl }, path } = this.#context;
     if (picture.kind === 'video') {
       const { video } = picture;
-      // Another size than the texture's is refused when it is committed.
+      // A picture of another size than the texture is refused at the commit.
       this.#subVideo ??= this.#context.video!.isSubFaster(gl, video);
       if (texture) uploadPicture(gl, texture, video, this.#subVideo);
       player.commitSlot(slot, video.videoWidth, video.videoHeight);
@@ -283,7 +284,7 @@ export class Actor implements Instance {
     player.commitSlot(slot, picture.frame.displayWidth, picture.frame.displayHeight);
   }
 
-  // Not at once: a decoder may report it from within a request of the pump.
+  // Handles a decoder's fault asynchronously: the decoder may report it within one of the pump's requests.
   #onDecoderFault(index: number, fault: DecoderFault, reason: string): void {
     const decoder = this.#decoders[index];
     queueMicrotask(() => {
@@ -294,12 +295,12 @@ export class Actor implements Instance {
     });
   }
 
-  // Runs the action if there still is a player.
+  // Runs the action if the player is not disposed of.
   #guard<T>(action: (player: WasmPlayer) => T): T | undefined {
     const player = this.#player;
     return player ? this.#catch(() => action(player)) : undefined;
   }
-  // Runs what calls wasm. A trap in it ends the session, not the page.
+  // Runs code that calls wasm. A trap ends the session, not the page.
   #catch<T>(action: () => T): T | undefined {
     try {
       return action();

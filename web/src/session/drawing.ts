@@ -8,12 +8,12 @@ import type { Actor } from './actor.js';
 import type { SessionHost, Snapshot } from './session-host.js';
 import type { StageSlot, Stage } from './stage.js';
 
-const FOLLOW_S = 1; // after the last change; six times the settling time of montage4d (native/render/method.h)
+const FOLLOW_S = 1; // time drawn on after the last change: six settling times of montage4d (native/render/method.h)
 
 export interface DrawingHost {
-  /** The main character first; none before it is there. */
+  /** Characters to draw, the main one first; empty before that is loaded. */
   actors(): Actor[];
-  /** Once there is an actor. */
+  /** Stage; call only while there is an actor. */
   stage(): Stage;
   readonly slot: StageSlot;
   firstPicture(): void;
@@ -29,10 +29,10 @@ export class Drawing {
   #size = { width: 1, height: 1 };
   #redraw = true;
   #drawn = '';
-  #changedS = 0; // by the loop's clock: when what is drawn changed last
-  /** There are shader programs that later pictures will need. */
+  #changedS = 0; // time of the last change of the picture, on the loop's clock
+  /** True if later pictures need shader programs that are not compiled yet. */
   programsMissing = true;
-  /** A picture has been drawn. */
+  /** True once a picture has been drawn. */
   shown = false;
 
   constructor(view: Pick<SessionHost, 'element' | 'camera' | 'animate'>, host: DrawingHost) {
@@ -44,12 +44,12 @@ export class Drawing {
     const scale = Math.min(1, MAX_CANVAS_SIDE / Math.max(width, height, 1));
     this.#size = { width: Math.max(1, Math.round(width * scale)), height: Math.max(1, Math.round(height * scale)) };
   }
-  /** The next turn draws. */
+  /** Makes the next turn draw. */
   invalidate(): void { this.#redraw = true; }
-  /** Another main character is drawn from now on. */
+  /** Resets the record of the last drawn state, for another main character. */
   forget(): void { this.#drawn = ''; }
 
-  /** A turn of the frame loop. True while it needs further turns. */
+  /** Runs a turn of the frame loop; returns true while further turns are needed. */
   turn(clockS: number, stepS: number): boolean {
     for (const actor of this.#host.actors()) actor.tick(clockS);
     const moved = this.#view.animate(stepS);
@@ -61,9 +61,9 @@ export class Drawing {
     const serial = states.map((s) => s && [s.framesShown, s.frame, s.x, s.z, s.heading]).join();
     const changed = moved || this.#redraw || serial !== this.#drawn;
     if (changed) this.#changedS = clockS;
-    // Methods with a state in time take the time since the last tick for that since the last picture: they are drawn every turn.
+    // A method with temporal state must be drawn every turn: it takes the time between ticks for that between pictures.
     const following = this.#view.element.matches('[method^=montage4d]') && clockS - this.#changedS < FOLLOW_S;
-    // One a turn after the first picture, which does not wait for them, nor does the first use of a slider.
+    // Compiles one program per turn after the first picture: neither that nor the first use of a slider waits for all.
     if (this.shown && state.hasFrame && this.programsMissing) this.programsMissing = actors[0]!.makeNextProgram();
     if ((changed || following) && state.hasFrame) {
       const picture = this.#redraw || following || serial !== this.#drawn;
@@ -74,8 +74,8 @@ export class Drawing {
   }
 
   /**
-   * A PNG of what is shown, at the size and pose of the snapshot if there is one. Null before the first picture. Rejects
-   * with a TypeError, a RangeError or the player's error if there can be no such picture; the one that is shown stays.
+   * Makes a PNG of the shown frame, at the snapshot's size and pose if given; null before the first picture. Rejects
+   * with a TypeError or RangeError for an invalid snapshot, or the player's error. Keeps the shown picture.
    */
   async toBlob(snapshot?: Snapshot): Promise<Blob | null> {
     const { width = this.#size.width, height = this.#size.height, pose: wanted } = snapshot ?? {}, { pose: shown } = this.#view.camera;
@@ -91,7 +91,7 @@ export class Drawing {
     }
   }
 
-  /** Draws what is shown again, at once. */
+  /** Draws the shown frame again, at once. */
   redraw(): void {
     if (this.#host.actors()[0]?.state()?.hasFrame) this.#draw();
   }
@@ -105,14 +105,14 @@ export class Drawing {
     this.#host.firstPicture();
   }
 
-  // Once the main character has a frame.
+  // Draws into the context's canvas. Requires a frame of the main character.
   #paint(width: number, height: number, pose: OrbitPose): void {
     const [main, ...others] = this.#host.actors().filter((actor) => actor.state()?.hasFrame);
     if (!main) return;
     this.#host.stage().fit(this.#host.slot, width, height);
     main.player?.draw(pose, width, height, others.map((actor) => actor.player!));
   }
-  // False, after an error event, if the player cannot.
+  // Draws and presents; returns false, after an error event, if the player fails.
   #draw(): boolean {
     const { width, height } = this.#size;
     try {

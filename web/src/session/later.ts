@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loads the second part of the player in a session, after the first picture or once it is needed, and calls its functions: effects,
-// companions, live streams, renewal by another bake, advice, choice of the upload path. Failed ones are retried at their next use.
+// Loads the second part of the player in a session, after the first picture or on demand, and calls its functions: effects,
+// companions, live streams, renewal by another bake, advice, choice of the upload path. A failed load is retried at the
+// next use.
 import type { LiveStream } from '../live/live.js';
 import type { SessionSide, SideActor } from '../more/session-side.js';
 import { isOn } from '../page/attributes.js';
@@ -13,12 +14,13 @@ import type { Display } from './session-host.js';
 
 export const needsFlow = (align: string): boolean => align.startsWith('flow');
 
-// The rest waits for motion, which would share network and processor with it.
+// "Rest": load of the second part. Waits for this many pictures of motion, at most this long, so as not to compete with
+// them for network and processor.
 const MOVED_PICTURES = 10, LONGEST_REST_MS = 1500;
 
 type Effect = 'useFlow' | 'useLook' | 'useRoom';
 
-/** The session: the members that are used here. */
+/** Members of the session that this file uses. */
 export interface LaterSession extends SessionSide {
   readonly host: SessionSide['host'] & { readonly companions: Iterable<Companion>; readonly overlay: Pick<Display, 'incomplete'>; more(more: More): void };
   readonly ended: boolean;
@@ -28,17 +30,17 @@ export interface LaterSession extends SessionSide {
 
 export class Later {
   readonly #session: LaterSession;
-  readonly #attempts = new Map<Effect, object>(); // the latest of each
+  readonly #attempts = new Map<Effect, object>(); // latest attempt of each effect
   #companions: InstanceType<More['Companions']> | null = null;
-  #looked = false; // a look has been set
-  #unproven = false; // it was loaded anew and could not play yet
+  #looked = false; // a look has been applied
+  #unproven = false; // a renewed bake has not been able to play yet
   #held: ErrorDetail[] | null = null; // errors that wait for the result of #renew
-  readonly #rest = deferred(); // settles once the rest is loaded, or has failed
+  readonly #rest = deferred(); // resolves once the rest is loaded or has failed
   #measures = false;
-  #picturesLeft = 0; // of motion, before the rest is loaded; 0: it has been, or does not wait
+  #picturesLeft = 0; // pictures left before the rest is loaded; 0: not waiting
   #restTimer = 0;
-  #missing = ''; // reason in the last event of a second part that did not load
-  /** The page's side of the second part, once it is there. */
+  #missing = ''; // message of the last error event about the second part
+  /** Exports of fourdvt-more.js; null until loaded. */
   loaded: More | null = null;
 
   constructor(session: LaterSession) {
@@ -63,7 +65,8 @@ export class Later {
   firstPicture(): void {
     if (needsFlow(this.#session.align)) this.#apply('useFlow');
   }
-  /** It can play: the rest is loaded once the character stands or has moved. measures: the upload path, too. */
+  /** Called when the character can play: loads the rest at once if it is paused, else after some motion. measures: also
+   * measures the upload path. */
   onCanPlay(measures: boolean): void {
     this.#unproven = false;
     this.#measures = measures;
@@ -76,20 +79,21 @@ export class Later {
     }
     for (const companion of this.#session.host.companions) this.add(companion);
   }
-  /** Another picture has been drawn. */
+  /** Called for each further drawn picture. */
   onPicture(): void { if (this.#picturesLeft && --this.#picturesLeft === 0) this.#loadRest(); }
   onClose(): void {
     this.#forgetWait();
     this.#companions?.clear();
   }
-  /** Resolves when transitions and the like can begin. */
+  /** Resolves when the rest is loaded, as transitions require, or has failed. */
   rest(): Promise<void> { return this.#rest.promise; }
   #forgetWait(): void {
     clearTimeout(this.#restTimer);
     this.#picturesLeft = 0;
   }
 
-  // Without the second part the character plays on; the reason is dispatched once, here or by an effect.
+  // Loads the second part and completes the session. After a failure the character plays on; an error that an effect has
+  // reported already is not dispatched again.
   #loadRest(): void {
     const session = this.#session;
     this.#forgetWait();
@@ -109,26 +113,26 @@ export class Later {
 
   get hasLook(): boolean { return this.#session.host.element.matches('[look]:not([look=""],[look=none]),[method=montage4d]'); }
 
-  /** Optical flow takes effect when its module is loaded; if it does not load, an error event has the reason. */
+  /** Sets the alignment. Optical flow applies once its module is loaded; a failed load is an error event. */
   setAlign(align: Align): void {
     const session = this.#session;
     session.align = align;
     session.drawing.programsMissing = true;
     if (!needsFlow(align)) session.host.commands.set('align', align);
-    else if (session.drawing.shown) this.#apply('useFlow'); // else it is loaded after the first picture
+    else if (session.drawing.shown) this.#apply('useFlow'); // otherwise firstPicture() loads it
   }
-  /** The room takes effect when its picture is loaded; if it does not load, an error event has the reason. */
+  /** Shows or hides the room. It appears once its picture is loaded; a failed load is an error event. */
   setRoom(on: boolean): void {
     this.#session.room = on;
     this.#session.main?.player?.hideRoom();
     this.#apply('useRoom');
   }
-  /** The element's look takes effect when it is loaded; if it does not load, an error event has the reason. */
+  /** Applies the element's look once it is loaded; a failed load is an error event. */
   useLook(): void {
-    if (this.#looked || this.hasLook) this.#apply('useLook'); // else as filmed
+    if (this.#looked || this.hasLook) this.#apply('useLook'); // without any look there is nothing to undo
   }
 
-  // Only the latest attempt of each counts.
+  // Starts an effect; a later attempt of the same effect replaces it.
   #apply(name: Effect): void {
     const session = this.#session, attempt = {};
     this.#attempts.set(name, attempt);
@@ -147,7 +151,7 @@ export class Later {
 
   get others(): readonly SideActor[] { return this.#companions?.actors ?? []; }
 
-  /** Adds a companion; before the main character can play it waits, then all are added. */
+  /** Adds a companion. Without a main character does nothing: onCanPlay() adds all companions. */
   add(companion: Companion): void {
     const session = this.#session;
     if (!session.main) return;
@@ -166,13 +170,13 @@ export class Later {
 
   // --- another source for the same session ---
 
-  /** Opens the live stream that src names. */
+  /** Creates the live stream of src. */
   async connect(): Promise<LiveStream> {
     const { connectLive } = await this.more();
     return connectLive(this.#session);
   }
 
-  /** True if the error waits for another bake to go on with; without one it is dispatched. */
+  /** Returns true if the error is held back while a new bake is looked for; without one it is dispatched. */
   renews(error: ErrorDetail): boolean {
     if (!this.#session.main || !mayBeOfTwoBakes(error) || (!this.#held && this.#unproven)) return false;
     if (this.#held) this.#held.push(error);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Types that a session and the element that makes it share.
+// Interface between a session and the element that creates it.
 import type { OrbitCamera } from '../camera/orbit-camera.js';
 import type { UploadChoice } from '../decode/upload-path.js';
 import type { RequestOptions } from '../net/transport.js';
@@ -17,55 +17,55 @@ export interface SessionOptions {
   uploadPath: UploadChoice;
   align: Align;
   room: boolean;
-  /** Past the browser's cache. */
+  /** True: bypasses the browser's cache. */
   fresh: boolean;
   credentials: RequestCredentials;
   signer: NonNullable<RequestOptions['signer']>;
 }
 
-/** The element's shadow tree. */
+/** Members of the element's overlay that a session uses. */
 export interface Display {
-  /** Shows this canvas in place of any before. */
+  /** Shows this canvas in place of the last one. */
   showCanvas(canvas: HTMLCanvasElement): void;
-  /** Covers the canvas with its present picture until the next one, which is of a higher rendition. */
+  /** Covers the canvas with a copy of its picture until the next picture, which is of a higher rendition. */
   cover(): void;
-  /** The second part cannot be loaded: the character plays without it. */
+  /** Shows that the second part cannot be loaded and the character plays without it. */
   incomplete(error: ErrorDetail): void;
 }
 
 export interface SessionHost {
-  /** Its attributes have the look of the characters. */
+  /** Element whose attributes define the characters' look. */
   readonly element: Element;
   readonly overlay: Display;
   readonly camera: OrbitCamera;
-  /** The main character's. */
+  /** Commands of the main character. */
   readonly commands: Commands;
-  /** All that have joined, loaded or not. */
+  /** All companions that have joined, loaded or not. */
   readonly companions: Iterable<Companion>;
-  /** Called once per frame before drawing. True if the view or the motion changes by itself. */
+  /** Called per turn before drawing; returns true if the view or the motion changes by itself. */
   animate(stepS: number): boolean;
   emit(name: string, detail?: unknown): void;
   firstPicture(): void;
-  /** Called at each picture that is drawn for another frame or place; the first comes before firstPicture. */
+  /** Called when a picture of another frame or placement has been drawn; for the first one, before firstPicture. */
   picture(): void;
   /** Called when waiting for the network begins, and when it ends. */
   network(waiting: boolean): void;
-  /** Called if a step takes long; null: it goes on. */
+  /** Called if a step takes long, and with null once it progresses. */
   stalled(step: Step | null): void;
-  /** The player's second part is there. Called once or more. */
+  /** Called, possibly more than once, when the player's second part is loaded. */
   more(more: More): void;
-  /** The session has ended with the stage, whose context is lost; `restored` follows if the browser gives it back. */
+  /** Called when the session has ended by loss of the GL context; `restored` follows if the browser restores it. */
   lost(session: object): void;
-  /** True if a session takes its place. */
+  /** Called when the context is restored; returns true if a new session replaces the ended one. */
   restored(session: object): boolean;
-  /** The session has ended because the player has trapped in another viewer's call. */
+  /** Called when the session has ended because the shared player has trapped in another viewer's call. */
   trapped(session: object): void;
 }
 
 export interface Snapshot {
-  /** Pixels; without: those of the viewer. */
+  /** Width and height, pixels; default: the viewer's. */
   width?: number;
   height?: number;
-  /** The parts that differ from the view that is shown; or azimuth, elevation and distance as `camera-orbit` has them. */
+  /** Fields that differ from the present view; or azimuth, elevation and distance in the format of `camera-orbit`. */
   pose?: Partial<OrbitPose> | string;
 }

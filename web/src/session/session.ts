@@ -30,11 +30,11 @@ export class Session implements SessionSide, StageSlot {
   readonly options: SessionOptions;
   readonly host: SessionHost;
   readonly drawing: Drawing;
-  readonly #files: Transport; // of src at first
+  readonly #files: Transport; // first transport of src
   readonly #abort = new AbortController();
   readonly #loop: FrameLoop;
   readonly #watchdog = new Watchdog(() => this.#awaited(), (step) => this.#onStall(step));
-  readonly #steps = new Set<Step>(); // of the start, under way
+  readonly #steps = new Set<Step>(); // active steps of the start
   readonly later = new Later(this);
   transport: Source['transport'];
   main: Actor | null = null;
@@ -43,14 +43,14 @@ export class Session implements SessionSide, StageSlot {
   align: Align;
   room: boolean;
   fresh: boolean;
-  #live: LiveStream | null = null; // the transport, if src is a live stream
+  #live: LiveStream | null = null; // equal to `transport` if src is a live stream
   #stage: Stage | null = null;
   #start: Uint8Array = new Uint8Array();
   #deciding = false; // the upload path is being measured
   #decodes = true;
-  #watched = false; // the visitor would see a picture that comes
-  #distrusted = false; // textures cannot be read back
-  #waiting = 0; // for the network: the character, its companions, the player itself
+  #watched = false; // a new picture would be visible
+  #distrusted = false; // reading textures back has failed
+  #waiting = 0; // number of requests that wait for the network, of character, companions and player
 
   constructor(options: SessionOptions, host: SessionHost) {
     this.options = options;
@@ -77,7 +77,7 @@ export class Session implements SessionSide, StageSlot {
       const path = choosePath(uploadPath, live);
       const early = live || path !== 'i420' || needsFlow(this.align) || this.later.hasLook;
       if (early) expectMore(files, this.network);
-      if (!live) this.#files.expectStart(); // at once, although the manifest may not name it
+      if (!live) this.#files.expectStart(); // before the manifest is read, which may not name the file
       const join = this.#during('player', Stage.join(files, this, this.network).then((stage) => {
         this.#stage = stage;
         if (this.ended) stage.leave(this);
@@ -90,9 +90,9 @@ export class Session implements SessionSide, StageSlot {
       const start = live ? undefined : extensionOf(manifest)?.start?.uri;
       if (start) this.#start = await this.#during('files', this.#files.start(start));
       if (this.ended) return;
-      // Paths other than 'i420' need the second part: it reads the pictures' numbers back.
+      // Paths other than 'i420' need the second part, which reads barcodes back.
       if (isFromCameras(manifest) || path !== 'i420') await this.more();
-      // Without it the character begins with 'baked' and without a look, which load it again and report errors.
+      // After a failure the character begins with 'baked' and without a look; both load again later, and report errors.
       else if (early) await this.more().catch(() => undefined);
       if (this.ended) return;
       this.manifest = manifest;
@@ -112,30 +112,31 @@ export class Session implements SessionSide, StageSlot {
     this.#stage?.leave(this);
   }
 
-  /** After dispose(), or an error that has ended it. */
+  /** True after dispose(), or after an error that has ended the session. */
   get ended(): boolean { return this.signal.aborted; }
   get signal(): AbortSignal { return this.#abort.signal; }
   get module(): WasmModule { return this.#stage!.module; }
   get gl(): WebGL2RenderingContext { return this.#stage!.gl; }
-  /** The stream, if src is one, once the player is loaded. */
+  /** Live stream of src, once the player is loaded; null for a baked character. */
   get live(): LiveStream | null { return this.#live; }
   get character(): CharacterInfo | null { return this.main?.character ?? null; }
-  /** A start file has come: the first picture is near. */
+  /** True if a start file has come: the first picture is imminent. */
   get started(): boolean { return this.#start.length > 0; }
-  // Some browsers return noise, or nothing, to protect their visitors. Planes show that by themselves (#mistrustsPlanes).
+  // True if textures can be read back: against fingerprinting some browsers return noise or nothing. Not tested for
+  // planes, where #mistrustsPlanes detects it.
   get #readable(): boolean { return this.path === 'i420' || (!this.#distrusted && this.later.loaded!.canReadBack(this.gl)); }
-  /** Layer count of the loaded character; undefined before, and for one from cameras. */
+  /** Number of layers of the loaded character; undefined before, and for a character from cameras. */
   get layers(): number | undefined { return this.main ? extensionOf(this.manifest)?.layerCount : undefined; }
-  // The main character first, if there is one.
+  // All actors, the main character's first; empty without it.
   get #actors(): Actor[] { return this.main ? [this.main, ...(this.later.others as Actor[])] : []; }
-  /** The main character's, once its second part is there. */
+  /** Player of the main character; null until the second part is loaded. */
   get wholePlayer(): SidePlayer | null { return this.later.loaded ? this.main?.player ?? null : null; }
   more(): Promise<More> { return this.#during('more', this.later.more()); }
   resize(width: number, height: number): void {
     this.drawing.resize(width, height);
     this.wake();
   }
-  /** active: else the clock stands still and nothing is drawn; decodes: else no decoder is held; onScreen: it is seen. */
+  /** active: false stops clock and drawing. decodes: false releases the decoders. onScreen: the element is visible. */
   setActive(active: boolean, decodes: boolean, onScreen: boolean): void {
     this.#watched = decodes && onScreen;
     if (this.#watched && !this.ended) this.#watchdog.wake();
@@ -153,7 +154,7 @@ export class Session implements SessionSide, StageSlot {
     if (this.main) this.#loop.wake();
   }
 
-  // --- steps that it waits for ---
+  // --- steps that pictures wait for ---
 
   async #during<T>(step: Step, work: Promise<T>): Promise<T> {
     this.#steps.add(step);
@@ -168,7 +169,7 @@ export class Session implements SessionSide, StageSlot {
     const state = this.main?.state(), received = /manifest|player|more|files/.test(step ?? '') && partsReceived();
     return step && { step, progress: [received, state?.framesShown, state?.barcodeChecked, this.main?.decoded].join() };
   }
-  // Null: no step is missing.
+  // Returns the step that the next visible change waits for; null: none.
   #missing(): Step | null {
     const { main, drawing: { shown } } = this, state = main?.state(), [step = null] = this.#steps;
     if (!main || !state) return step;
@@ -177,7 +178,7 @@ export class Session implements SessionSide, StageSlot {
     if (performance.now() - this.#loop.turnedMs > LATE_TURN_MS) return 'display';
     return !state.hasFrame && this.#steps.has('more') ? 'more' : main.missing(state);
   }
-  // Switches to another way where there is one.
+  // Switches to a fallback for the stalled step, where there is one.
   #onStall(step: Step | null): void {
     this.host.stalled(step);
     if (this.ended) return;
@@ -191,7 +192,7 @@ export class Session implements SessionSide, StageSlot {
     }
   }
 
-  // --- its slot on the stage ---
+  // --- interface of StageSlot ---
   show(canvas: HTMLCanvasElement): void { if (!this.ended) this.host.overlay.showCanvas(canvas); }
   redraw(): void { this.drawing.redraw(); }
   bytes(): number { return this.main?.bytes() ?? 0; }
@@ -232,7 +233,7 @@ export class Session implements SessionSide, StageSlot {
       more: () => this.more(),
       fatal: (reason) => this.fatal(reason),
     });
-    if (this.ended) return main.dispose(); // an error during its creation has ended the session
+    if (this.ended) return main.dispose(); // an error during the actor's creation has ended the session
     this.main = main;
     if (main.character && !this.#live?.keepsCamera(main.character)) this.host.camera.setCharacter(main.character);
     if (!this.drawing.shown) this.host.camera.jump();
@@ -246,7 +247,7 @@ export class Session implements SessionSide, StageSlot {
     this.main = null;
   }
 
-  /** Opens another bake of the character, or the same one; it goes on from where it is. */
+  /** Opens another bake of the character, or the same one again, and continues at the present state. */
   reopen(path: UploadPath, bake: Partial<Bake> = {}): void {
     if (!this.main) return;
     this.drawing.forget();
@@ -260,7 +261,7 @@ export class Session implements SessionSide, StageSlot {
       this.fatal(reason);
     }
   }
-  /** Opens the same character on another upload path; it goes on from where it is. */
+  /** Opens the same character on another upload path, and continues at the present state. */
   async reopenOn(path: UploadPath): Promise<void> {
     try {
       await this.more();
@@ -270,7 +271,7 @@ export class Session implements SessionSide, StageSlot {
     }
   }
 
-  /** Goes on with the upload path that was measured as the fastest. */
+  /** Continues on the upload path that was measured as the fastest. */
   async settle(path: UploadPath): Promise<void> {
     this.#deciding = false;
     if (path !== this.path) await this.reopenOn(path);
@@ -292,12 +293,12 @@ export class Session implements SessionSide, StageSlot {
     } else if (name === 'playing' || name === 'pause') {
       this.later.setPlaying(name === 'playing');
     }
-    // The first events come while the actor is being made, which the element's listeners use: they are dispatched later.
+    // Dispatches events from within the actor's constructor later: listeners use `main`, which is not set yet.
     if (this.main) this.host.emit(name, detail);
     else queueMicrotask(() => { if (!this.ended) this.host.emit(name, detail); });
   }
 
-  // Planes with other pictures' numbers are of a damaged file, or of a browser that alters them: pictures are uploaded without them.
+  // Handles planes with wrong barcodes, from a damaged file or a browser that alters planes: changes to path 'rgba'.
   #mistrustsPlanes({ id }: ErrorDetail): boolean {
     if (id !== 'video-invalid' || this.path !== 'i420' || !this.main?.state()?.barcodeMismatches) return false;
     void this.reopenOn('rgba');

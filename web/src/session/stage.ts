@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// One instance of the player and one WebGL2 context, shared by all viewers of the page. A single viewer shows the context's canvas
-// itself. Several are drawn one after the other and show canvases of their own, into which pictures are transferred as bitmaps of an
-// OffscreenCanvas, or copied from the first one's canvas if the others came later or there is no OffscreenCanvas. After a lost context
-// or a trap of the player all viewers begin again on another stage. Does not load or draw characters.
+// One instance of the player and one WebGL2 context, shared by all viewers of the page. A single viewer shows the context's
+// canvas. Several viewers are drawn in turn and show canvases of their own. Their pictures are transferred as bitmaps of an
+// OffscreenCanvas, or copied from the first viewer's canvas if the others came later or OffscreenCanvas is missing. After a
+// lost context or a trap of the player all viewers begin again on another stage. Does not load or draw characters.
 import type { Report } from '../net/requests.js';
 import { keep } from '../page/promises.js';
 import { instantiate } from '../player/wasm-module.js';
 import { ViewerError } from '../report/errors.js';
 import type { WasmModule } from '../wasm/wasm-abi.js';
 
-const LINGER_MS = 2000; // after the last viewer has left: the next one may come at once
+const LINGER_MS = 2000; // lifetime after the last viewer has left, as another may join at once
 
 /** A viewer on the stage. */
 export interface StageSlot {
-  /** Shows this canvas, in place of any before. */
+  /** Shows this canvas in place of the last one. */
   show(canvas: HTMLCanvasElement): void;
-  /** Draws again at once: the canvas that it shows is about to be shared. */
+  /** Draws again at once, since the viewer gets another canvas. */
   redraw(): void;
-  /** In use on the GPU and in the player's memory, by all viewers of its stage. */
+  /** Bytes in use on the GPU and in the player's memory, by all viewers of the stage; 0 without a player. */
   bytes(): number;
-  /** The context is lost; `restored` follows if the browser gives it back. True if the viewer joins again. */
+  /** Called when the context is lost; `restored` follows if the browser restores it. True: the viewer joins again. */
   lost(): void;
   restored(): boolean;
-  /** The player has trapped in another viewer's call: all must be loaded again, on another stage. */
+  /** Called when the player has trapped in another viewer's call: all must load again, on another stage. */
   trapped(): void;
 }
 
@@ -33,9 +33,9 @@ const CONTEXT: WebGLContextAttributes = {
   alpha: true, premultipliedAlpha: true, antialias: false, depth: false, stencil: false, powerPreference: 'high-performance',
 };
 
-const stages = new Map<string, Promise<Stage>>(); // by address of the player's wasm
+const stages = new Map<string, Promise<Stage>>(); // by the address of the wasm file
 const open = new Set<Stage>();
-let spare: ContextCanvas | null = null; // whose context has come back
+let spare: ContextCanvas | null = null; // canvas whose context has been restored
 
 function takeCanvas(several: boolean): ContextCanvas {
   const canvas = spare ?? (several && globalThis.OffscreenCanvas ? new OffscreenCanvas(1, 1) : document.createElement('canvas'));
@@ -46,19 +46,19 @@ function takeCanvas(several: boolean): ContextCanvas {
 export class Stage {
   readonly module: WasmModule;
   readonly gl: WebGL2RenderingContext;
-  /** The context, by its number in the player. */
+  /** Handle of the context in the module. */
   readonly context: number;
   readonly #url: string;
   readonly #canvas: ContextCanvas;
   readonly #slots = new Set<StageSlot>();
-  readonly #own = new Map<StageSlot, Renderer>(); // of viewers that do not show the context's canvas
+  readonly #own = new Map<StageSlot, Renderer>(); // canvases of viewers that do not show the context's canvas
   #timer = 0;
-  #over = false; // no viewer may join any more
+  #over = false; // closed: no viewer may join
 
-  /** Viewers of the page, on a stage or not yet. */
+  /** Number of viewers in the page's documents, with or without a stage. */
   static viewers = 0;
 
-  /** Joins the page's stage. Errors: ViewerError as of `instantiate`, 'gpu-failure'. */
+  /** Joins the page's stage, or creates it. Errors: ViewerError of `instantiate`, 'gpu-failure'. */
   static async join(files: { readonly wasm: string }, slot: StageSlot, report: Report): Promise<Stage> {
     const { wasm: url } = files;
     const stage = await keep(stages, url, () => instantiate(files, report).then((module) => new Stage(url, module)));
@@ -67,12 +67,12 @@ export class Stage {
     return stage;
   }
 
-  /** In use on the GPU and in the player's memory, by all viewers of the page. */
+  /** Bytes in use on the GPU and in the player's memory, by all viewers of the page. */
   static usedBytes(): number {
     let bytes = 0;
     for (const stage of open) {
       for (const slot of stage.#slots) {
-        const held = slot.bytes(); // counts every block of the heap
+        const held = slot.bytes(); // of the whole stage
         bytes += held;
         if (held) break;
       }
@@ -83,7 +83,7 @@ export class Stage {
 
   private constructor(url: string, module: WasmModule) {
     let canvas = takeCanvas(Stage.viewers > 1), gl = canvas.getContext('webgl2', CONTEXT) as WebGL2RenderingContext | null;
-    if (!gl && !('style' in canvas)) { // Safari 16 has such canvases, but not for WebGL
+    if (!gl && !('style' in canvas)) { // Safari 16 has OffscreenCanvas, but without WebGL
       canvas = takeCanvas(false);
       gl = canvas.getContext('webgl2', CONTEXT) as WebGL2RenderingContext | null;
     }
@@ -103,7 +103,7 @@ export class Stage {
     this.#timer = setTimeout(() => this.#end(), LINGER_MS);
   }
 
-  /** A viewer that has left has trapped in a call: the player cannot be used any more. */
+  /** Closes the stage after a trap in a call by a viewer that has left; the other viewers' sessions end. */
   fail(): void {
     this.#end();
     for (const slot of [...this.#slots]) slot.trapped();
@@ -111,14 +111,14 @@ export class Stage {
 
   // --- pictures ---
 
-  /** Makes room for a picture of the viewer, in the lower left corner of the context's canvas. */
+  /** Resizes the context's canvas for the viewer's next picture, which is drawn into the lower left corner. */
   fit(slot: StageSlot, width: number, height: number): void {
     const canvas = this.#canvas, grows = 'style' in canvas && this.#own.has(slot);
     const [w, h] = grows ? [Math.max(canvas.width, width), Math.max(canvas.height, height)] : [width, height];
     if (canvas.width !== w) canvas.width = w;
     if (canvas.height !== h) canvas.height = h;
   }
-  /** Shows the picture that has just been drawn, of this size. */
+  /** Shows the viewer's picture that has just been drawn. width, height: its size, pixels. */
   present(slot: StageSlot, width: number, height: number): void {
     const renderer = this.#own.get(slot);
     if (!renderer) return;
@@ -128,16 +128,16 @@ export class Stage {
     if ('drawImage' in renderer) this.#copy(renderer, width, height);
     else renderer.transferFromImageBitmap((this.#canvas as OffscreenCanvas).transferToImageBitmap());
   }
-  /** A PNG of the picture that has just been drawn, of this size. */
+  /** Makes a PNG of the picture that has just been drawn. width, height: its size, pixels. */
   toBlob(slot: StageSlot, width: number, height: number): Promise<Blob | null> {
     let from = this.#canvas;
     if (!('style' in from)) return from.convertToBlob();
     if (this.#own.has(slot)) {
       from = Object.assign(document.createElement('canvas'), { width, height });
       this.#copy(from.getContext('2d')!, width, height);
-      this.#canvas.width = this.#canvas.height = 1; // one of that size is not needed again
+      this.#canvas.width = this.#canvas.height = 1; // frees the memory of a large snapshot
     }
-    return new Promise((resolve) => (from as HTMLCanvasElement).toBlob(resolve)); // of what the canvas shows now
+    return new Promise((resolve) => (from as HTMLCanvasElement).toBlob(resolve)); // the canvas's present content
   }
 
   #copy(to: CanvasRenderingContext2D, width: number, height: number): void {
@@ -167,7 +167,7 @@ export class Stage {
     slot.show(canvas);
   }
 
-  // Frees the context before the next garbage collection.
+  // Closes the stage, and frees the context without waiting for garbage collection.
   #end(): void {
     this.#close();
     this.gl.getExtension('WEBGL_lose_context')?.loseContext();

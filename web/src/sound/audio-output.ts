@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page's AudioContext, suspended while it has no user, and its clock against the page's. Part of fourdvt-more.js.
-const UNLOCKING = ['pointerup', 'keydown', 'touchend', 'click'] as const; // browsers allow sound after these
-const UNTIMED_S = 1; // a device without times of what it plays by then never has any
-const REST_MS = 5000; // without a user
+// The page's AudioContext, suspended while no sound uses it, and conversion from the page's clock to its own. Part of
+// fourdvt-more.js.
+const UNLOCKING = ['pointerup', 'keydown', 'touchend', 'click'] as const; // events after which browsers allow sound
+const UNTIMED_S = 1; // context time by which a device has output timestamps, if ever
+const REST_MS = 5000; // without a user before the context is suspended
 
 export class AudioOutput {
   static #ofPage: AudioOutput | null = null;
@@ -13,7 +14,7 @@ export class AudioOutput {
   #rests = false;
   #timer: ReturnType<typeof setTimeout> | undefined;
 
-  /** Makes it at the first call. Null where the browser has no sound. */
+  /** Returns the page's output, created at the first call; null where the browser has no sound. */
   static ofPage(): AudioOutput | null {
     if (!this.#ofPage && !this.#failed) {
       try {
@@ -25,9 +26,9 @@ export class AudioOutput {
     }
     return this.#ofPage;
   }
-  /** Sound is due, but is not allowed before the visitor's first touch of the page (autoplay policy). */
+  /** True if sound is due, but the autoplay policy blocks it until the visitor's first input. */
   static get blocked(): boolean { return this.#ofPage !== null && !this.#ofPage.#rests && this.#ofPage.context.state !== 'running'; }
-  /** Removes a user; the context is suspended some seconds after the last one. */
+  /** Removes a user; the context is suspended some seconds after the last one has left. */
   static leave(user: object): void { if (this.#ofPage) this.#ofPage.#leave(user); }
 
   private constructor() {
@@ -36,7 +37,7 @@ export class AudioOutput {
     this.#resume();
   }
 
-  /** Adds a user, and resumes the context. Returns true if it runs; else it will soon, or after the visitor's next touch. */
+  /** Adds a user and resumes the context. True if it runs already; else it starts soon, or at the visitor's next input. */
   enter(user: object): boolean {
     this.#users.add(user);
     clearTimeout(this.#timer);
@@ -61,7 +62,7 @@ export class AudioOutput {
     signal.addEventListener('abort', () => this.#changed.delete(run));
   }
 
-  /** The context's time that is audible at a time of the page's clock, milliseconds. NaN while unknown. */
+  /** Context time, seconds, audible at a time of the page's clock, milliseconds; NaN while unknown. */
   heardAt(pageMs: number): number {
     const { context } = this, { contextTime, performanceTime } = context.getOutputTimestamp?.() ?? {};
     if (contextTime && performanceTime) return contextTime + (pageMs - performanceTime) / 1000;

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decoded segments of one motion's sound, fetched on demand; the least recently used ones are dropped. Part of
+// Cache of decoded segments of one motion's sound, fetched on demand; drops the least recently used ones. Part of
 // fourdvt-more.js.
 import type { SideFiles } from '../more/session-side.js';
 import type { SoundEncoding, SoundSegment, SoundTrack } from './sound-manifest.js';
 
-let nextId = -1; // ranges of the player have ids above 0
+let nextId = -1; // the player's ranges have IDs from 0
 
 export interface DecodedSound {
   buffer: AudioBuffer;
-  /** Time of the first sample that counts. */
+  /** Time of the first sample after the encoder's priming. */
   fromS: number;
 }
 
-/** Samples of the encoder's priming that some decoders return, by the length. */
+/** Seconds of the encoder's priming in a decoded segment, which some decoders return; judged by the segment's length. */
 export function primingIn(decodedS: number, segment: SoundSegment, primingS: number): number {
   return decodedS > segment.durationS + primingS / 2 ? primingS : 0;
 }
 
-/** Sorts the encodings that the browser plays by its certainty; all of them if it names none. */
+/** Returns the encodings that the browser may play, most certain first; all encodings if it reports none as playable. */
 export function playable(encodings: readonly SoundEncoding[], canPlay: (type: string) => string): SoundEncoding[] {
   const rank = ({ type }: SoundEncoding): number => ['probably', 'maybe'].indexOf(canPlay(type));
   const known = encodings.filter((e) => rank(e) >= 0).sort((a, b) => rank(a) - rank(b));
@@ -32,7 +32,7 @@ export class SoundBuffers {
   readonly #held = new Map<number, DecodedSound | 'coming'>();
   #over = false;
 
-  /** files: null while there are none. failed: nothing more will come. */
+  /** files: returns null while there is no session. failed: called when no encoding can be used. */
   constructor(track: SoundTrack, decode: (bytes: ArrayBuffer) => Promise<AudioBuffer>, files: () => SideFiles | null, failed: (reason: unknown) => void) {
     const probe = document.createElement('audio');
     this.#encodings = playable(track.encodings, (type) => probe.canPlayType(type));
@@ -43,11 +43,11 @@ export class SoundBuffers {
 
   get count(): number { return this.#encodings[0]?.segments.length ?? 0; }
 
-  /** The segment, or null if it is not there yet: then it is fetched. `kept` of them are held at most. */
+  /** Returns a segment, or null and begins to fetch it. kept: maximum number of segments in the cache. */
   get(index: number, kept = 1): DecodedSound | null {
     const known = this.#held.get(index);
     if (known) {
-      this.#held.delete(index); // it becomes the last
+      this.#held.delete(index); // moves to the end of the order of use
       this.#held.set(index, known);
       return known === 'coming' ? null : known;
     }
@@ -69,7 +69,7 @@ export class SoundBuffers {
     this.#held.clear();
   }
 
-  // Null if the range was cancelled. An encoding that the browser does not decode after all is given up.
+  // Fetches and decodes a segment; null if cancelled. Drops an encoding that fails to decode and tries the next.
   async #load(index: number, files: SideFiles): Promise<DecodedSound | null> {
     for (;;) {
       const encoding = this.#encodings[0]!, segment = encoding.segments[index]!;

@@ -4,11 +4,11 @@ import { extensionOf } from '../net/manifest.js';
 
 const MAX_SEGMENTS = 65_536, MAX_BYTES = 2 ** 24, MAX_SEGMENT_S = 60, MIN_SEGMENT_S = 0.5;
 
-/** A file of sound in a file of them. */
+/** Byte range of one segment, a sound file by itself, in the file of an encoding. */
 export interface SoundSegment {
   offset: number; // bytes
   bytes: number;
-  /** Without what some decoders give before the others. */
+  /** Duration without the encoder's priming. */
   durationS: number;
 }
 export interface SoundEncoding {
@@ -19,10 +19,10 @@ export interface SoundEncoding {
   segments: SoundSegment[];
 }
 export interface SoundTrack {
-  /** Segment i begins at i times this. */
+  /** Distance between the beginnings of segments, seconds. */
   segmentS: number;
   encodings: SoundEncoding[];
-  /** Class of motions: phases in 0..1 at which a foot comes down and the sound plays. Null: it plays all the time. */
+  /** For a class of motions, phases of footfalls in 0..1, at which the sound plays; null: it plays all the time. */
   steps: number[] | null;
 }
 
@@ -43,7 +43,7 @@ function readEncoding(given: Record<string, unknown>, rate: number): SoundEncodi
   return { uri, type, primingS: priming / rate, segments: list };
 }
 
-/** Null if the motion has none. Errors: TypeError, if the manifest's sound is invalid. */
+/** Reads a motion's sound; null if it has none. Errors: TypeError for an invalid entry. */
 export function readSound(manifest: unknown, sequence: string): SoundTrack | null {
   const { sequences } = (extensionOf(manifest) ?? {}) as { sequences?: { name?: unknown; sound?: unknown }[] };
   const sound = sequences?.find(({ name }) => name === sequence)?.sound as Record<string, unknown> | undefined;

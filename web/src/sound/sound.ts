@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sound of the motion that a viewer shows, in step with its pictures: at its rate, round its loops, after seeks. Part of fourdvt-more.js.
-// Nothing is fetched before it is audible. The pictures' clock leads: sound that is off by more than the tolerance begins anew; while the
-// pictures do not keep up with their own time, it is silent.
+// Plays the sound of the shown motion synchronously with its pictures, over changes of rate, loops and seeks. Part of
+// fourdvt-more.js. Fetches nothing while muted or paused. The pictures' clock is the master: sound restarts if it is off by
+// more than the tolerance, and is silent while the pictures fall behind their own time.
 import type { SideFiles, SidePlayer } from '../more/session-side.js';
 import { viewOf } from '../page/documents.js';
 import { AudioOutput } from './audio-output.js';
@@ -9,20 +9,20 @@ import { SoundBuffers } from './sound-buffers.js';
 import { readSound, type SoundTrack } from './sound-manifest.js';
 import { StepSchedule } from './step-schedule.js';
 
-const TOLERANCE_S = 0.025; // by which sound and picture may differ
-const JUMP_S = 0.1; // that is no drift: a seek, or a wait for pictures
-const DRIFTING_S = 0.15; // beyond the tolerance, before the sound begins anew
-const STEADY_S = 0.3, STEADY_SHARE = 0.1; // pictures that did not keep up do so again: the time, and how exactly
-const DISPLAY_S = 1 / 60; // from a turn of the page's loop to the picture on the screen
-const LEAD_S = 0.02; // before the first sample is due
-const AHEAD_S = 0.6; // of scheduled sound
-const FETCH_S = 2; // before a segment is scheduled
-const FADE_S = 0.008, OVERLAP_S = 0.02; // that segments go on behind their end
-const REST_MS = 700; // without a turn of the page's loop: the viewer does not run
+const TOLERANCE_S = 0.025; // maximum offset between sound and picture
+const JUMP_S = 0.1; // minimum offset that restarts the sound at once: a seek, or a wait for pictures
+const DRIFTING_S = 0.15; // time beyond the tolerance after which the sound restarts
+const STEADY_S = 0.3, STEADY_SHARE = 0.1; // pictures are steady again after this time with at most this relative error
+const DISPLAY_S = 1 / 60; // latency from a turn of the page's loop to the screen
+const LEAD_S = 0.02; // from now to the first scheduled sample
+const AHEAD_S = 0.6; // length of sound scheduled ahead
+const FETCH_S = 2; // time to fetch a segment before it is scheduled
+const FADE_S = 0.008, OVERLAP_S = 0.02; // length of fades; sound available behind a segment's end
+const REST_MS = 700; // time without a turn after which the viewer counts as stopped
 const MAX_RATE = 4;
-const STEPS_AHEAD_S = 0.25; // a step is scheduled so much before it is due
+const STEPS_AHEAD_S = 0.25; // lead of a step's schedule
 
-/** The element: the members that are used here. */
+/** Members of the element that this file uses. */
 export interface Audible extends HTMLElement {
   readonly paused: boolean;
   readonly ended: boolean;
@@ -35,20 +35,20 @@ export interface Audible extends HTMLElement {
   readonly volume: number;
 }
 
-// Time of the window's turn, by the script's clock, which began at another time than that of another window.
+// Time of the present turn in the element's window, ms, on the script's clock: each window's clock has its own origin.
 function turnMs(viewer: Element): number {
   const { document, performance: clock } = viewOf(viewer);
   return Number(document.timeline?.currentTime ?? clock.now()) + clock.timeOrigin - performance.timeOrigin;
 }
 
-/** Character and motion that are shown; null while there are none. */
+/** Shown character and motion; null while there are none. */
 export interface SoundSource {
   readonly session: { readonly manifest: unknown; readonly transport: SideFiles; readonly wholePlayer: SidePlayer | null } | null;
-  /** The motion. */
+  /** Shown motion. */
   readonly current: { readonly name: string; readonly loop: boolean } | null;
 }
 
-// Seconds in the motion by the pictures' clock, with the fraction of a frame.
+// Position in the motion on the pictures' clock, seconds, with fractions of a frame.
 function clockTime(player: SidePlayer | null): number {
   let timeS = 0;
   player?.call((module, handle) => {
@@ -75,14 +75,14 @@ export class Sound {
   #steps: StepSchedule | null = null;
   #volume: GainNode | null = null;
   #playing: Playing[] = [];
-  #anchor: { contextS: number; mediaS: number; rate: number } | null = null; // audible: media time at the context's time
-  #scheduledS = 0; // media time, going on over loops' ends
-  #driftS = NaN; // context's time since which it is off by more than the tolerance
-  #unsteady: { contextS: number; mediaS: number } | null = null; // when pictures were last found not to keep up
-  #turnMs = 0; // of the last turn
+  #anchor: { contextS: number; mediaS: number; rate: number } | null = null; // audible: media time at a context time
+  #scheduledS = 0; // end of the scheduled sound, unrolled media time
+  #driftS = NaN; // context time since which sound is off by more than the tolerance
+  #unsteady: { contextS: number; mediaS: number } | null = null; // when pictures last fell behind
+  #turnMs = 0; // time of the last turn
   #watch: ReturnType<typeof setInterval> | undefined;
 
-  /** changed: called when the motion shown gains or loses sound, and when the browser allows sound or stops it. */
+  /** changed: called when the shown motion gains or loses sound, and when the browser allows or stops sound. */
   constructor(viewer: Audible, source: () => SoundSource, changed: () => void) {
     this.#viewer = viewer;
     this.#source = source;
@@ -91,7 +91,7 @@ export class Sound {
     for (const name of ['pause', 'waiting', 'seeking', 'emptied', 'suspend', 'ended']) viewer.addEventListener(name, () => this.#stop(), { signal });
     viewer.addEventListener('volumechange', () => {
       this.#setVolume();
-      // Resumes the context inside the visitor's gesture, as WebKit requires.
+      // Resumes the context within the visitor's gesture, as WebKit requires.
       if (viewer.muted || !this.present) return;
       AudioOutput.ofPage()?.enter(this);
       if (viewer.paused) AudioOutput.leave(this);
@@ -100,15 +100,15 @@ export class Sound {
     ownerDocument.addEventListener('visibilitychange', () => { if (ownerDocument.hidden) this.#rest(); }, { signal });
   }
 
-  /** The motion has sound. */
+  /** True if the shown motion has sound. */
   get present(): boolean {
     this.#look();
     return this.#track !== null;
   }
-  /** The browser waits for the visitor's first touch. */
+  /** True while the browser blocks sound until the visitor's first input. */
   get blocked(): boolean { return this.present && AudioOutput.blocked; }
 
-  /** A turn of the page's loop. */
+  /** Called per turn of the page's loop. */
   turn(): void {
     this.#turnMs = performance.now();
     const viewer = this.#viewer, rate = viewer.playbackRate;
@@ -130,9 +130,9 @@ export class Sound {
     this.#volume?.disconnect();
   }
 
-  // Reads what is shown, and takes the track of another motion.
+  // Returns the shown character and motion; reads the track of a new motion.
   #look(): SoundSource {
-    const { session, current } = this.#source(), shown = { session, current }; // `current` is read from the player each time
+    const { session, current } = this.#source(), shown = { session, current }; // a copy: the getter `current` reads the player
     if (!session?.manifest || !current || (session.manifest === this.#manifest && current.name === this.#motion)) return shown;
     const { manifest } = session, motion = current.name, had = this.#track !== null;
     this.#stop();
@@ -152,7 +152,7 @@ export class Sound {
     this.#buffers = this.#track = this.#steps = null;
   }
 
-  // Opens the output once something is audible. Null: the browser has no sound.
+  // Returns the output with volume and buffers set up; null if the browser has no sound.
   #output(): AudioOutput | null {
     const output = AudioOutput.ofPage();
     if (!output) return null;
@@ -196,12 +196,12 @@ export class Sound {
       this.#scheduledS = mediaS;
     }
     const now = this.#anchor!.mediaS + (context.currentTime - this.#anchor!.contextS) * rate;
-    if (this.#scheduledS < now) return this.#stop(); // a segment has come too late, or the motion is over
+    if (this.#scheduledS < now) return this.#stop(); // a segment is late, or the motion has ended
     while (this.#scheduledS < now + AHEAD_S * rate && this.#schedule(context, loops)) { /* another segment */ }
-    this.#segmentAt(now + (AHEAD_S + FETCH_S) * rate, loops); // on its way before it is needed
+    this.#segmentAt(now + (AHEAD_S + FETCH_S) * rate, loops); // prefetches
   }
 
-  // Tests if the pictures keep up with their own time; after they have not, over a while.
+  // Returns true if the pictures keep up with their own time; after they fell behind, only once they have for STEADY_S.
   #isSteady(contextS: number, mediaS: number, rate: number, loops: boolean): boolean {
     const { duration } = this.#viewer, since = this.#unsteady;
     if (!since) return true;
@@ -213,7 +213,7 @@ export class Sound {
     return !this.#unsteady;
   }
 
-  // Finds the segment at a media time: its beginning, its end and its samples; null if there is none, or not yet.
+  // Returns beginning, end and samples of the segment at an unrolled media time; null past the end or if not loaded.
   #segmentAt(mediaS: number, loops: boolean): { startS: number; endS: number; sound: NonNullable<ReturnType<SoundBuffers['get']>> } | null {
     const { duration } = this.#viewer, { segmentS } = this.#track!, buffers = this.#buffers!;
     const pass = loops ? Math.floor(mediaS / duration + 1e-9) : 0, within = mediaS - pass * duration;
@@ -223,7 +223,7 @@ export class Sound {
     return sound && { startS: pass * duration + index * segmentS, endS: pass * duration + endS, sound };
   }
 
-  // Schedules the next segment from where the last one ends. False if it is not there yet.
+  // Schedules the next segment at the end of the last one; false if it is not loaded.
   #schedule(context: AudioContext, loops: boolean): boolean {
     const from = this.#scheduledS, segment = this.#segmentAt(from, loops), { contextS, mediaS, rate } = this.#anchor!;
     if (!segment) return false;
@@ -233,7 +233,7 @@ export class Sound {
     return true;
   }
 
-  // Fades in when it begins and out behind its end, where the next one fades in.
+  // Starts a segment with a fade-in at its beginning and a fade-out after its end, a cross-fade with the next segment.
   #start(context: AudioContext, { buffer, fromS }: { buffer: AudioBuffer; fromS: number }, whenS: number, atS: number, lengthS: number, rate: number, endS: number): void {
     const source = context.createBufferSource(), gain = context.createGain(), fadeS = Math.min(FADE_S, OVERLAP_S / rate);
     source.buffer = buffer;
@@ -243,7 +243,7 @@ export class Sound {
     if (endS > whenS + fadeS) gain.gain.setValueAtTime(1, endS);
     gain.gain.linearRampToValueAtTime(0, Math.max(endS, whenS + fadeS) + fadeS);
     source.connect(gain).connect(this.#volume!);
-    source.start(whenS, Math.max(0, fromS + atS), lengthS + fadeS * rate); // rounding may lead before its beginning
+    source.start(whenS, Math.max(0, fromS + atS), lengthS + fadeS * rate); // rounding may give a negative offset
     const playing = { source, gain };
     this.#playing.push(playing);
     source.addEventListener('ended', () => {

@@ -1,29 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-// Predicts the times at which feet come down from the phase of a class of motions. Its speed is measured, since the visitor may change
+// Predicts the times of footfalls from the phase of a class of motions, with measured speed, since the visitor may change
 // it at any time. Part of fourdvt-more.js.
-const JUMP = 0.2; // of the phase between two turns: a seek
-const BACK_S = 0.1; // by which a clock may be corrected
-const MEASURED_S = 0.1; // over which the speed is measured, at least
+const JUMP = 0.2; // minimum change of the phase between two turns that counts as a seek
+const BACK_S = 0.1; // maximum backward correction of a clock
+const MEASURED_S = 0.1; // minimum time over which the speed is measured
 const SMOOTHING = 2;
 
 interface At {
-  phase: number; // going on over loops' ends
+  phase: number; // unrolled: increases over loops
   s: number;
 }
 
 export class StepSchedule {
   readonly #steps: readonly number[];
   #last: At | null = null;
-  #since: At | null = null; // where the speed is measured from
-  #perS = 0; // phases a second
-  #scheduled = 0; // phase up to which steps were given
+  #since: At | null = null; // beginning of the present measurement
+  #perS = 0; // speed, phases per second
+  #scheduled = 0; // phase up to which steps were returned
 
-  /** steps: phases in 0..1. */
+  /** steps: phases of the footfalls, in 0..1. */
   constructor(steps: readonly number[]) {
     this.#steps = steps;
   }
 
-  /** Times at which feet come down within `aheadS` of `nowS`, each given once. phase: at `nowS`, in 0..1. */
+  /** Returns the times of footfalls from `nowS` to `nowS` + `aheadS`, each once. phase: at `nowS`, in 0..1. */
   due(phase: number, nowS: number, aheadS: number, loops: boolean): number[] {
     const last = this.#last;
     const ahead = last ? phase - last.phase + (loops ? Math.round(last.phase - phase) : 0) : NaN;

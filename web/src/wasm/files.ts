@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Addresses of the player's files, written out so that bundlers find them.
+// Addresses of the player's files, as literal `new URL(…, import.meta.url)`, which bundlers recognise.
 
 export interface PlayerFiles {
   readonly wasm: string;
-  /** The second part. */
+  /** Script of the player's second part. */
   readonly more: string;
   readonly moreWasm: string;
   /** The worker that decodes geometry. */
@@ -13,7 +13,7 @@ export interface PlayerFiles {
   readonly opencvWasm: string;
 }
 
-/** Beside this script; no OpenCV where it was not built. */
+/** Files beside this script; `opencv` is empty where it was not built. */
 export const FILES: PlayerFiles = {
   wasm: new URL(`fourdvt-viewer.wasm${FOURDVT_VERSION}`, import.meta.url).href,
   more: new URL(`fourdvt-more.js${FOURDVT_VERSION}`, import.meta.url).href,
@@ -24,7 +24,7 @@ export const FILES: PlayerFiles = {
   opencvWasm: FOURDVT_OPENCV ? new URL(`fourdvt-opencv.wasm${FOURDVT_VERSION}`, import.meta.url).href : '',
 };
 
-/** Addresses for a wasm file that the page names: the others lie beside it, and so does OpenCV's unless the page names that, too. */
+/** Returns all addresses for a page's `wasmUrl`: the others lie beside it, except an `opencvUrl` that the page has set. */
 export function filesOf(wasmUrl: string, opencvUrl: string, base: string): PlayerFiles {
   const wasm = new URL(wasmUrl, base).href, opencv = opencvUrl && new URL(opencvUrl, base).href;
   if (wasm === FILES.wasm && opencv === FILES.opencv) return FILES;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flattens JSON to pairs of JSON pointer and value for native/base/flat_json.h. Leaves out null and empty
-// containers. Errors: ViewerError 'manifest-invalid' for JSON that is nested deeper than any manifest.
+// Flattens JSON to pairs of JSON pointer and value for native/base/flat_json.h. Leaves out nulls and empty containers.
+// Errors: ViewerError 'manifest-invalid' for JSON nested deeper than any manifest.
 
 import { ViewerError } from '../report/errors.js';
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads and writes fields of records in wasm memory, by type and offset: little-endian, texts and bytes as address and
-// length. generated/abi.ts says which fields a record has and where they lie.
+// Reads and writes fields of records in wasm memory, by type and offset: little-endian; texts and bytes are stored as
+// address and length. generated/abi.ts lists each record's fields and offsets.
 const decoder = new TextDecoder();
 
 export class Reader {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The wasm modules as Emscripten makes them: the functions of wasm/abi.txt and what its runtime adds. Those of the second
-// part are there from the start and must not be called before it is (wasm-module.ts). Addresses and
-// handles are numbers.
+// Types of the wasm modules that Emscripten makes: the functions of wasm/abi.txt and those of Emscripten's runtime.
+// Functions of the second part always exist, but throw until it is loaded (wasm-module.ts). Addresses and handles are
+// numbers.
 import type { OpencvExports, PlayerExports } from './generated/abi.js';
 
 export interface WasmModule extends PlayerExports {
   HEAPU8: Uint8Array;
-  /** Called for align mode flow-opencv: does what fdvt_flow_farneback of wasm/abi.txt does, in this module's memory. */
+  /** Implements fdvt_flow_farneback of wasm/abi.txt in this module's memory, for align mode flow-opencv. */
   fourdvtFlow?(a: number, b: number, width: number, height: number, flow: number): number;
   GL: {
     registerContext(context: WebGL2RenderingContext, attributes: object): number;
@@ -14,14 +14,14 @@ export interface WasmModule extends PlayerExports {
   };
 }
 
-/** Calls a function of wasm/abi.txt that returns `ok`. */
+/** Callback that calls one function of wasm/abi.txt and returns its `ok`. */
 export type PlayerCall = (module: WasmModule, handle: number) => number;
 
-/** Runs before and after each tick of a player. */
+/** Callbacks before and after each tick of a player. */
 export interface TurnHook {
   beforeTick(module: WasmModule, handle: number): void;
   afterTick(module: WasmModule, handle: number): void;
-  /** The player is gone. */
+  /** Called when the player is disposed of or gets another hook. */
   leave(): void;
 }
 
