@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// node site/assemble.mjs OUT DIST CHARACTER [CAMERAS]: the folder that is served.
-// node site/assemble.mjs --add OUT DIST CHARACTER [CAMERAS]: the same into a folder that is being served: adds the character's
-// files, its manifest last (those of an earlier one stay, for pages that play it), and the characters from cameras, then the
-// pages that show them; the rest stays.
-// node site/assemble.mjs --pages OUT DIST CHARACTER [CAMERAS]: only what site/ and web/examples have by themselves (web/develop.mjs).
+// node site/assemble.mjs OUT DIST CHARACTER [CAMERAS]: assembles the site in OUT.
+// node site/assemble.mjs --add OUT DIST CHARACTER [CAMERAS]: updates an OUT that is being served: adds the character's
+// files, its manifest last (an earlier character's files stay, for pages that play it), and the characters from cameras,
+// then their pages; does not change the rest.
+// node site/assemble.mjs --pages OUT DIST CHARACTER [CAMERAS]: copies only files of site/ and web/examples (web/develop.mjs).
 // OUT/{index,steer}.html, their scripts, styles and pictures, OUT/live (the console of fourdvt live), OUT/measured (the page of
 // figures), OUT/docs (the documents), OUT/examples, OUT/fourdvt-viewer (DIST, the built web package), OUT/character (a baked
 // one), OUT/character.report (its report, if it lies beside it), OUT/{cameras,methods}.html and OUT/cameras (characters from
@@ -48,7 +48,7 @@ function refuseLinks(folder) {
 const report = `${character}.report`;
 for (const folder of [character, report, cameras]) if (folder && existsSync(folder)) refuseLinks(folder);
 
-// The page without the choices whose module was not built.
+// Removes the lines with data-needs whose file or input is missing.
 function onlyWhatWorks(html) {
   const works = (line) => {
     const needed = line.match(/ data-needs="([^"]+)"/);
@@ -61,14 +61,14 @@ function onlyWhatWorks(html) {
 
 const here = dirname(fileURLToPath(import.meta.url));
 
-// Readers see the old folder or the new one.
+// Replaces a folder by renaming, so that readers see the old one or the new one.
 function replaceFolder(name, folder) {
   cpSync(folder, join(out, `${name}.part`), { recursive: true, dereference: true });
   rmSync(join(out, name), { recursive: true, force: true });
   renameSync(join(out, `${name}.part`), join(out, name));
 }
 
-// Readers see the old manifest with the old files, or the new one with the new ones.
+// Adds the character's files before its manifest, so that every manifest that readers see has its files.
 function addCharacter() {
   const isLast = (name) => /\.(gltf|start\.bin)$/.test(name);
   const names = readdirSync(character).sort((a, b) => isLast(a) - isLast(b) || b.localeCompare(a));
@@ -78,7 +78,7 @@ function addCharacter() {
   }
 }
 
-// The downloads that the player's build lists, in place of a page's mark.
+// Preload links from the player's build, which replace the mark in each page.
 const preload = existsSync(join(dist, 'preload.html')) ? readFileSync(join(dist, 'preload.html'), 'utf8').replace(/^(?=.)/gm, '    ') : '';
 const withPreload = (html) => html.replace('    <!-- preload -->\n', () => preload);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// node site/bake_stamp.mjs [FOLDER…]: prints a hash of the sources that a result of these folders of native/ depends on, by
-// default of `bake`: they and all folders that native/layering.txt allows them directly or not, the shaders that those name, and the
-// command's own files. The player, other commands and other shaders are not in it, nor are compiler and libraries.
+// node site/bake_stamp.mjs [FOLDER…]: prints a hash of the sources on which results of these folders of native/ depend
+// (default: `bake`): the folders, those that native/layering.txt allows them to include, directly or not, shaders named in
+// either, and the command's own files. Not included: the player, other commands and shaders, compiler and libraries.
 import { createHash } from 'node:crypto';
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
@@ -21,7 +21,7 @@ export function foldersBelow(layering, folders) {
   return lines.map(([name]) => name).filter((name) => wanted.has(name));
 }
 
-// Shaders whose names stand in quotes in the code, and what these include.
+// Finds the shaders whose names are string literals in the code, and those that they include.
 function shadersOf(root, code) {
   const found = new Set();
   const add = (name) => {

@@ -33,13 +33,13 @@ function kept(name, make) {
 const studio = (name, options) => kept(name, (folder) => run(kLab, 'studio', 'procedural', '-o', folder, '--no-truth', '--images', '--size', '480x640',
   ...options.split(' ')));
 
-// The fields of a capture that readers need, with other frames.
+// Writes a capture's capture.json with the fields that readers need, for other frames.
 function describe(folder, from, frames) {
   const { name, fps, units, up_axis, ground_y, background } = JSON.parse(readFileSync(join(from, 'capture.json'), 'utf8'));
   writeFileSync(join(folder, 'capture.json'), JSON.stringify({ name, fps, units, up_axis, ground_y, background, sequences: [{ name: 'take', frames, mesh: null }] }));
 }
 
-// A capture from the pictures of another one: frame i of camera c is picture frameOf(c, i), with its true matte if `truth`.
+// Makes a capture of another one's pictures: frame i of camera c is picture frameOf(c, i), with its true matte if `truth`.
 // poseOf(line, c) changes a line of images.txt.
 function retime(folder, from, { sequence, frames, frameOf = (c, i) => i, poseOf = (line) => line, truth = true, plates = false }) {
   const digits = (i) => `${String(i).padStart(6, '0')}.png`;
@@ -60,7 +60,7 @@ function retime(folder, from, { sequence, frames, frameOf = (c, i) => i, poseOf 
   describe(folder, from, frames);
 }
 
-// The line of images.txt of a camera that is panned by `degrees`.
+// Pans the camera of a line of images.txt by `degrees`.
 function panned(line, degrees) {
   const [id, ...words] = line.split(' '), [w, x, y, z, tx, ty, tz] = words.slice(0, 7).map(Number), half = degrees * Math.PI / 360;
   const [c, s] = [Math.cos(half), Math.sin(half)], [c2, s2] = [Math.cos(2 * half), Math.sin(2 * half)];
@@ -73,7 +73,7 @@ const reportOf = (folder) => JSON.parse(readFileSync(join(folder, 'reconstruct.j
 const sheets = (folder, stem) => readdirSync(folder).filter((name) => name.startsWith(`${stem}-`)).sort((a, b) => parseInt(a.split('-')[1]) - parseInt(b.split('-')[1]))
   .map((name) => join(folder, name));
 
-// Overlap of every camera, mean over the frames; scores at the held-out cameras.
+// Returns each camera's overlap, mean over the frames.
 const overlaps = (folder) => {
   const frames = Object.values(reportOf(folder).sequences).flat();
   return frames[0].overlap.map((_, c) => frames.reduce((sum, { overlap }) => sum + overlap[c], 0) / frames.length);
@@ -153,7 +153,7 @@ function mattes() {
   return { rows: [0, 1].map((row) => columns.map((cells) => cells[row])), height: 330, figures };
 }
 
-// Somebody who walks on the spot, without plates; then with hints in the first frame of every camera.
+// Captures of a performer who walks on the spot: without plates; below, with hints in the first frame of every camera.
 const walker = () => disturbed('room-clips', '--frames 20 --no-plates');
 const guessed = () => preview('mattes-clips', walker());
 

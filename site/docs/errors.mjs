@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tables of errors by ID, from the code: every ID has a comment "meaning; remedy" beside it.
+// Makes the documents' tables of errors by ID from comments "meaning; remedy" in the code:
 //   enum class ErrorId of native/base/result.h:      FileMissing,  // meaning; remedy
 //   the page's own IDs in web/src/report/errors.ts:         //   insecure-context: meaning; remedy
 
@@ -13,7 +13,7 @@ function row(name, comment, where) {
 
 const table = (rows) => ['| ID | meaning | remedy |', '|---|---|---|', ...rows].join('\n');
 
-/** { tool, page }: Markdown tables. Errors: an ID without a name, a meaning or a remedy. */
+/** Returns { tool, page }, Markdown tables. Throws for an ID without a name, a meaning or a remedy. */
 export function errorTables(header, source, page) {
   const [, list] = /enum class ErrorId : int \{([\s\S]*?)\n\};/.exec(header) ?? [];
   if (!list) throw new Error('native/base/result.h has no enum class ErrorId');

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture of native/layering.txt, as SVG: a box for each folder, bottom → top, a line to each folder below that it may
-// include and does not reach through another one, and the way of a capture as a thick line.
+// Draws native/layering.txt as SVG: a box per folder, bottom → top; a line to each folder below that it may include,
+// unless it reaches that through another one; a thick line along the data flow of a capture.
 // parseLayering(text) → { flow, folders: [[name, [allowed]]] }; layeringPicture(text) → SVG.
 
-/** Lines "folder: allowed", groups "@name: folders", "flow: folders". Errors: an unknown group. */
+/** Parses lines "folder: allowed", groups "@name: folders" and "flow: folders". Throws for an unknown group. */
 export function parseLayering(text) {
   const groups = new Map(), folders = [];
   let flow = [];
@@ -22,7 +22,7 @@ export function parseLayering(text) {
   return { flow, folders };
 }
 
-// Folders of one top folder are one box: name → the boxes below it.
+// Merges the folders of each top folder into one box. Returns names → boxes that a box may include.
 function boxesOf(folders) {
   const top = (name) => name.split('/')[0];
   const boxes = new Map();
@@ -33,7 +33,7 @@ function boxesOf(folders) {
   return boxes;
 }
 
-// The boxes that can be reached, by one step or more.
+// Computes the transitive closure: all boxes that a box can reach.
 function reachOf(boxes) {
   const reach = new Map();
   const visit = (name, path) => {
@@ -105,7 +105,7 @@ ${[...place].map(box).join('\n')}
 `;
 }
 
-// From the border of one box to that of another one.
+// Draws a line between the borders of two boxes.
 function arrow(from, to) {
   const leave = border(from, to), arrive = border(to, from);
   return `<path class="flow" marker-end="url(#head)" d="M${leave.x} ${leave.y}L${arrive.x} ${arrive.y}"/>`;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// node site/docs/make.mjs [--check]: writes what the documents take from the code: layering.svg from native/layering.txt,
-// and the tables of errors.md from native/base/result.h, native/base/result.cpp and web/src/report/errors.ts.
+// node site/docs/make.mjs [--check]: generates parts of the documents from the code: layering.svg from
+// native/layering.txt, tables of errors.md from native/base/result.h, native/base/result.cpp, web/src/report/errors.ts.
 // --check writes nothing and exits with 1 if one of the files would change.
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -9,7 +9,7 @@ import { fileURLToPath, pathToFileURL } from 'node:url';
 import { errorTables } from './errors.mjs';
 import { layeringPicture } from './layering.mjs';
 
-/** [path, text] of every file that is made. */
+/** Returns [path, text] of every generated file. */
 export function made(root) {
   const read = (path) => readFileSync(join(root, path), 'utf8');
   const tables = errorTables(read('native/base/result.h'), read('native/base/result.cpp'), read('web/src/report/errors.ts'));
@@ -20,7 +20,7 @@ export function made(root) {
   ];
 }
 
-/** Paths of the files that are not what the code says; written unless only checking. */
+/** Returns the paths of outdated files; writes them unless `check`. */
 export function run(root, check) {
   return made(root).filter(([path, text]) => {
     let old = '';

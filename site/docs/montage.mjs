@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sets parts of pictures into one labelled picture, in a browser's canvas.
-//   montage(browser, { rows, height }, path, look)   writes `path` as WebP and `look`, the same, as PNG
+// Composes parts of pictures into one labelled picture, in a browser's canvas.
+//   montage(browser, { rows, height }, path, look)   writes the picture to `path` as WebP and to `look` as PNG
 // rows: lists of { file, label, cell | crop }; every part is `height` pixels high.
 //   cell: [camera, "picture" | "shape"]   of a contact sheet of reconstruct
 //   crop: [x, y, width, height]           any rectangle; without either, the whole picture
@@ -103,7 +103,7 @@ async function strokes(data) {
   stroke('#fff', wide / 16, (xs) => xs[xs.length >> 1]);
   stroke('#000', wide / 60, (xs) => xs[0] - far);
   stroke('#000', wide / 60, (xs) => xs.at(-1) + far);
-  const painted = context.getImageData(0, 0, wide, tall);  // either colour or nothing: hints have no half tones
+  const painted = context.getImageData(0, 0, wide, tall);  // alpha 0 or 255: hints have no intermediate values
   for (let i = 0; i < painted.data.length; i += 4) painted.data[i + 3] = painted.data[i + 3] > 127 ? 255 : 0;
   context.putImageData(painted, 0, 0);
   const bytes = new Uint8Array(await (await canvas.convertToBlob({ type: 'image/png' })).arrayBuffer());

@@ -2,8 +2,8 @@
 // Makes the pages of docs/ from the Markdown files that pages.mjs lists.
 //   renderDocs(root, OUT): writes OUT/*.html, their style and pictures; Markdown of the repository in, pages out
 //   renderPage(page, text): the HTML of one page
-// Links between documents work in both places: a link to a listed file becomes its page, a path in backquotes as well; a
-// link to any other file of the repository becomes plain text. Comments are left out.
+// A link to a listed file, or its path in backquotes, becomes a link to its page; a link to another file of the
+// repository becomes plain text. Comments are left out.
 import { copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { dirname, join, posix } from 'node:path';
@@ -15,17 +15,17 @@ const MarkdownIt = createRequire(new URL('../../web/package.json', import.meta.u
 const kCopied = ['docs.css', 'layering.svg', ...capturePictures, ...classPictures];
 const pageOf = new Map(pages.map((page) => [page.source, `${page.name}.html`]));
 
-/** A heading's anchor, as code hosts make it: "1.2 Penalties, and X" → "12-penalties-and-x". */
+/** Makes a heading's anchor as code hosts do: "1.2 Penalties, and X" → "12-penalties-and-x". */
 export function slug(title) {
   return title.toLowerCase().replace(/[^\p{L}\p{N}\s_-]/gu, '').trim().replace(/\s/g, '-');
 }
 
-/** The address in docs/ of a file of the repository, or null where the site does not have it. */
+/** Returns the address, relative to docs/, of a file of the repository; null if the site does not have it. */
 export function addressOf(path) {
   return pageOf.get(path) ?? served.get(path) ?? null;
 }
 
-// The address that a link of `source` has on its page: itself if it leads out of the repository, null if nowhere.
+// Returns the address for a link in `source`: unchanged if it is external; null if the site does not have its target.
 function rewritten(href, source) {
   if (/^([a-z]+:|#)/.test(href)) return href;
   const [path, fragment] = href.split('#');
@@ -52,7 +52,7 @@ function addAnchors(markdown) {
   });
 }
 
-// A link whose file the site does not have becomes its text.
+// Rewrites links; one whose file the site does not have becomes plain text.
 function rewriteLinks(children, source) {
   const open = [];
   for (const token of children) {
@@ -79,7 +79,7 @@ function makeMarkdown() {
     for (const token of tokens) if (token.type === 'inline') rewriteLinks(token.children, env.source);
   });
   const { rules } = markdown.renderer, code = rules.code_inline;
-  // Keyboards scroll what is wider than the page; screen readers list tables by their numbers.
+  // Makes wide tables scrollable by keyboard, with numbers by which screen readers list them.
   rules.table_open = (tokens, i, options, env) => `<div class="scroll" tabindex="0" role="region" aria-label="Table ${(env.tables = (env.tables ?? 0) + 1)}">\n<table>\n`;
   for (const name of ['fence', 'code_block']) {
     const code = rules[name];
@@ -87,7 +87,7 @@ function makeMarkdown() {
   }
   const header = (end) => (tokens, i, ...rest) => {
     const text = tokens[end ? i - 1 : i + 1].content, cell = rest.at(-1).renderToken(tokens, i, rest[0]);
-    return text ? cell : cell.replace('th', 'td'); // no header is empty
+    return text ? cell : cell.replace('th', 'td'); // an empty header is a plain cell
   };
   rules.th_open = header(false);
   rules.th_close = header(true);
@@ -106,7 +106,7 @@ function navigation(current) {
     `<li><a href="${name}.html"${name === current ? ' aria-current="page"' : ''}>${escaped(text)}</a></li>`).join('\n')}\n</ul>`).join('\n');
 }
 
-// The headings of a long page.
+// Makes the table of contents of a page with at least four headings.
 function contentsOf(list) {
   if (list.length < 4) return '';
   const items = list.map(({ id, title }) => `<li><a href="#${escaped(id)}">${escaped(title)}</a></li>`);

@@ -14,7 +14,7 @@ const kTool = process.env.FOURDVT_BIN ?? join(kRoot, 'build/release/native/tools
 const kLab = process.env.FOURDVT_LAB_BIN ?? join(kRoot, 'build/release/native/lab/tools/fourdvt-lab');
 const kStudio = 'procedural --sequences walk --no-truth --frames 24 --noise 3';
 const studio = (cameras, seed, more = '') => `--cameras ${cameras} --seed ${seed} ${more}`.trim();
-// Names, options of the studio (null: the sample), offsets that are declared to the sample, degrees by which cameras are turned.
+// Rows: names, options of the studio (null: the sample), time offsets declared for the sample, rotation of cameras, degrees.
 const kRows = [
   { name: 'right-4', title: 'studio, 4 cameras, as they are', options: studio(4, 84) },
   { name: 'right-6', title: 'studio, 6 cameras, as they are', options: studio(6, 86) },
@@ -84,13 +84,13 @@ function solved(a, b) {
   return m.map((row, i) => row.at(-1) / row[i]);
 }
 
-const kBody = [];  // points where the performer is
+const kBody = [];  // points within the performer's volume
 for (let y = 0.1; y < 1.8; y += 0.3) for (let k = 0; k < 4; ++k) kBody.push([0.3 * Math.cos(1.57 * k + y), y, 0.3 * Math.sin(1.57 * k + y)]);
 const kMiddle = [0, 0.9, 0];
 const moved = (p, g) => add(add(kMiddle, apply(rotation(g.slice(0, 3)), add(p, kMiddle, -1))), g.slice(3));
 const project = ({ r, t, f }, p) => { const q = add(apply(r, p), t); return [f * q[0] / q[2], f * q[1] / q[2]]; };
 
-/** Degrees by which each camera is off: root mean square over the body, less the motion of the whole rig that explains most. */
+/** Angular error of each camera, degrees: RMS over kBody, after the rigid motion of the rig that best explains it. */
 function degreesOff(truth, found, wholeRig) {
   let g = [0, 0, 0, 0, 0, 0];
   const names = Object.keys(truth), step = 1e-5;
@@ -144,7 +144,7 @@ function measureRow(row) {
   const off = degreesOff(posesOf(from), posesOf(found), (row.turned?.length ?? 0) > 2), turned = row.turned ?? [];
   const most = (names) => (names.length ? Math.max(...names.map((name) => off[name])) : null);
   const sequences = JSON.parse(readFileSync(join(found, 'capture.json'), 'utf8')).sequences;
-  // Frames by which the camera's pictures come later than the instant that they are read for.
+  // Delay of the camera's pictures against their nominal times, frames.
   const late = (name, c) => -(filmedJson.studio?.offset_frames_true?.[c] ?? 0);
   let timeError = 0, timeBefore = 0;
   for (const sequence of sequences) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is measured and shown, as data: commands, figures, and the tables of the page site/measured/index.html. A new
-// figure is a line in `figures`; a table shows it as {id}. Does NOT hold any value: collect.mjs takes them from the runs.
+// figure is a line in `figures`; a table shows it as {id}. Contains no values: collect.mjs reads them from the runs.
 //
 // A figure: { id, what, unit, digits, scale, from, each, better, spread, clock }
 //   value      taken by `from`, times `scale` (default 1), shown with `digits` decimals and `unit`
@@ -61,7 +61,7 @@ export const runs = {
   parity: { what: 'the same poses drawn natively and in Chromium', command: 'bash tests/run.sh -R web/parity' },
 };
 
-// The papers' table: a column per method.
+// Columns of the papers' table: one per method.
 export const methods = [
   ['fvvr', 'FVVR'], ['fvvr-as-given', 'FVVR, mesh and cameras as given'], ['fvvr-closest', 'FVVR, M = 3'], ['naive', 'NO'], ['spatial', 'SO'], ['temporal-paper', 'TO (4DVT Eq. 5)'], ['per-texel', 'per texel'],
   ['joint', 'ours, 512²'], ['joint-default', 'ours, default'],
@@ -88,7 +88,7 @@ const tableFigures = perMethod((method, title) => [
   { id: `penalty.${method}`, what: `mean layer-1 penalty, ${title}`, unit: '', digits: 3, each, better: 'less', from: row('labels', method, 'mean_penalty', { setting: 'layer=1' }) },
 ]).flat();
 
-// The joint labelling with and without its liberties.
+// Variants of the joint labelling, with and without its liberties.
 export const labelParts = [
   ['spatial', 'SO'], ['joint-neither', 'ours, neither liberty'], ['joint-no-unseen', 'ours, unseen faces stay empty'],
   ['joint-no-partial', 'ours, no cameras that see a face in part'], ['joint', 'ours'],
@@ -159,9 +159,9 @@ const variantFigures = ['high', 'crf31'].map((name) => [
   { id: `${name}.bake`, what: `bake without the class, per frame, ${name}`, unit: 's', digits: 2, better: 'less', from: { variant: name, take: (r) => (r.resumed ? null : r.wall_s_per_frame) } },
 ]).flat();
 
-// How two motions of a class are brought together.
+// Alignments of two motions of a class.
 export const alignments = [['none', 'plain blend'], ['flow-gpu', 'flow, GPU'], ['flow-gpu-detail', 'flow, GPU, contrast put back'], ['flow-dis', 'fast flow, GPU'], ['flow-opencv', 'flow, OpenCV'], ['baked-mean', 'baked, mean only'], ['baked', 'baked']];
-const kBetween = ['0.20', '0.40', '0.50', '0.60', '0.80'];  // all that a study of the studio may have between its ends
+const kBetween = ['0.20', '0.40', '0.50', '0.60', '0.80'];  // all that a study of the studio may have between the ends
 const alignmentFigures = alignments.map(([method, title]) => [
   ...['truth', 'blend'].map((mesh) => [
     { id: `truth.psnr.${mesh}.${method}`, what: `PSNR-FG between two motions on the ${mesh === 'truth' ? 'true' : 'blended'} mesh, ${title}`, unit: 'dB', digits: 1, each: 'w', only: kBetween, better: 'more', from: { truth: 'motion-appearance', method, setting: `mesh=${mesh} region=common`, quantity: 'psnr_fg_db' } },
@@ -210,7 +210,7 @@ const playerFigures = [
     { id: `player.${part}.left`, what: `left of the limit of the player ${title}, gzip`, unit: 'kB', digits: 1, from: { difference: [`player.${part}.limit`, `player.${part}`] } },
     { id: `player.${part}.files`, what: `files of the player ${title}, gzip`, ...kilobytes, each: 'file', from: { player: [part] } },
     { id: `player.${part}.plain`, what: `files of the player ${title}`, ...kilobytes, each: 'file', from: { player: [part], quantity: 'bytes' } },
-  ]).flat().filter(({ id }) => !/demand\.l/.test(id)),  // what is loaded on demand has no limit
+  ]).flat().filter(({ id }) => !/demand\.l/.test(id)),  // parts on demand have no limit
   { id: 'player.both', what: 'player before and after the first picture, gzip', ...kilobytes, better: 'less', from: { player: ['first', 'more'] } },
 ];
 
@@ -241,9 +241,8 @@ const derivedFigures = [
 export const figures = [tableFigures, partFigures, meanFigures, layerFigures, worthFigures, characterFigures, variantFigures, alignmentFigures,
   motionFigures, speedFigures, playerFigures, otherFigures, derivedFigures].flat();
 
-// What the page leaves to a study's own report: whole tables, or quantities of a table. Every other row whose table,
-// quantity or method no figure above takes is shown as it is at the end of the page, so that nothing measured is left
-// out in silence.
+// Tables, or quantities of a table, that are only in a study's own report. All other rows that no figure above uses are
+// listed at the end of the page, so that nothing measured is left out silently.
 export const leftToTheReport = {
   about: '*', bake: '*', 'held-out-views': '*', layers: '*', multiview: '*', 'multiview-codec': '*', pictures: '*', rate: '*',
   table1: ['video_bytes', 'geometry_bytes', 'label_bytes', 'other_bytes', 'video_bps', 'multiview_codec_bytes', 'ssim_full', 'ssim_box', 'psnr_fg_db', 'psnr_fg_se_db', 'psnr_full_db', 'psnr_box_db', 'psnr_common_db'],

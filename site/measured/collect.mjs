@@ -38,7 +38,7 @@ function isNumeric(text) {
   return text !== '' && Number.isFinite(Number(text));
 }
 
-// In order of appearance; numbers ascend.
+// Returns the distinct values, in order of appearance; numbers in ascending order.
 function distinct(values) {
   const out = [...new Set(values)].filter((value) => value !== undefined && value !== '');
   return out.every(isNumeric) ? out.sort((a, b) => a - b) : out;
@@ -49,7 +49,7 @@ function combine(rows, over) {
   return kOver[over ?? 'mean']((whole.length ? whole : rows).map((row) => row.value));
 }
 
-// Values with another quantity of the same row divided out or taken off.
+// Divides values by another quantity of the same row, or subtracts it.
 function withPartner(study, rows, { against, less }) {
   if (!against && !less) return rows;
   return rows.flatMap((row) => {
@@ -72,7 +72,7 @@ function fromStudy(study, table, figure) {
   return Object.fromEntries(outside.length ? [...values, ...outside].sort(([a], [b]) => order.indexOf(a) - order.indexOf(b)) : values);
 }
 
-// What lies outside of the range that was measured has words instead of a value.
+// Returns words in place of a value outside of the measured range.
 function beyondRange(study, table, figure) {
   const { method, setting, beyond } = figure.from;
   if (!beyond) return [];
@@ -157,7 +157,7 @@ function fromCurve(study, { curve, method, setting, at, minus }) {
   }));
 }
 
-// Of numbers, or of groups: per key that all of them have.
+// Applies the operation to numbers, or to groups of values for each key that all of them have.
 function derived(operation, parts) {
   if (parts.every((part) => typeof part === 'number')) return operation(...parts);
   if (parts.some((part) => typeof part === 'number')) return NaN;
@@ -165,7 +165,7 @@ function derived(operation, parts) {
   return Object.fromEntries(keys.map((key) => [key, operation(...parts.map((part) => part[key]))]));
 }
 
-// What a figure is, or NaN where its run was not given.
+// Returns a figure's value, or NaN where its run was not given.
 function valueOf(figure, sources, known) {
   const { from } = figure;
   if (from.study) return sources.study ? fromStudy(sources.study, from.study, figure) : NaN;
@@ -180,7 +180,7 @@ function valueOf(figure, sources, known) {
   return derived(kDerived[kind], from[kind].map((id) => known.get(id) ?? NaN));
 }
 
-// Where a reader finds it again.
+// Describes where the value is in the reports.
 function origin({ from }) {
   const name = ['study', 'truth'].find((key) => from[key]);
   if (name) {
@@ -200,13 +200,13 @@ function origin({ from }) {
 const byId = new Map(catalogue.map((figure) => [figure.id, figure]));
 const derivedFrom = ({ from }) => Object.entries(from).find(([name]) => kDerived[name])?.[1] ?? [];
 
-// The parts that a figure of the catalogue is measured in.
+// Returns the parts in which a figure of the catalogue is measured.
 export function partsOf(figure) {
   const own = partOfRun[origin(figure).run];
   return own ? [own] : [...new Set(derivedFrom(figure).flatMap((id) => partsOf(byId.get(id))))].sort();
 }
 
-// A hundredth of what is shown is kept.
+// Rounds to two digits more than are shown.
 function kept(value, digits) {
   return Number(value.toFixed(digits + 2));
 }
@@ -273,7 +273,7 @@ export function withBefore(figures, before) {
   return figures.map((figure) => (old.has(figure.id) ? { ...figure, before: old.get(figure.id) } : figure));
 }
 
-// The runs used; one of a part that was not measured as it was described then.
+// Describes the runs used; a run of a part that was not measured now keeps its old description.
 function describeRuns(sources, used, old, measured) {
   const out = Object.fromEntries(Object.entries(runs).filter(([name]) => used.has(name))
     .map(([name, run]) => [name, measured.includes(partOfRun[name]) ? { ...run } : { ...(old[name] ?? run) }]));
@@ -286,14 +286,14 @@ function describeRuns(sources, used, old, measured) {
   return out;
 }
 
-// One figure a line, so that a change of one is a change of one line.
+// Prints one figure per line, so that diffs have one line per changed figure.
 export function printed({ parts: records, runs: used, figures }) {
   const lines = figures.map((figure) => `  ${JSON.stringify(figure)}`);
   const block = (value) => JSON.stringify(value, null, 2).replaceAll('\n', '\n ');
   return `{\n "made_by": "node site/measured/collect.mjs",\n "parts": ${block(records)},\n "runs": ${block(used)},\n "figures": [\n${lines.join(',\n')}\n ]\n}\n`;
 }
 
-// The same of a part with tables of its own.
+// Prints a part with tables of its own in the same way.
 export function printedTables(part, { record, facts, rows }) {
   const lines = rows.map((row) => `  ${JSON.stringify(row)}`);
   return `{\n "made_by": "node site/measured/collect.mjs",\n "parts": ${JSON.stringify({ [part]: record })},\n "facts": ${JSON.stringify(facts)},\n "rows": [\n${lines.join(',\n')}\n ]\n}\n`;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cameras.md, hulls.md and methods.md, as text made from the tables of their parts (PART.json). Holds no value.
+// Makes the texts of cameras.md, hulls.md and methods.md from their parts' tables (PART.json). Contains no values.
 import { chosenAgainstTruth, regretSummary } from './regret.mjs';
 import { machineNote, timed, timedTitle } from './yardstick.mjs';
 

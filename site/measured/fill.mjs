@@ -20,7 +20,7 @@ import { summary } from './summary.mjs';
 const kFilled = ['README.md', 'site/docs/measured.md', 'site/index.html'];
 const kChecked = [...kFilled, 'site/docs/README.md', 'site/steer.html'];
 
-// Numbers with a unit that were not measured: each with the reason why it may stand there.
+// Numbers with a unit that are allowed outside of the markers: not measured, each with a reason.
 export const allowedNumbers = [
   { file: 'site/index.html', text: '100 %', reason: 'the slider of a look where it begins' },
   { file: 'site/index.html', text: '0.00 s', reason: 'the clock of the player before it plays' },
@@ -35,7 +35,7 @@ function goalText(shown, { goal, run }) {
   return goal.text + (met === null ? '' : (met ? ': met' : ': **missed**') + shown.scope(run));
 }
 
-// Markdown: a plain space does.
+// Makes the Markdown table of the headline rows; values keep plain spaces.
 function headlines(shown) {
   const sample = shown.fill('{sample.cameras} cameras, {sample.frames} frames, {sample.faces} faces; {sample.layers} layers, the first of {sample.texture} a side, CRF {sample.crf}') ?? kNotMeasured;
   const caption = `Measured on ${shown.runs.study?.what ?? 'the sample capture'} (${sample}). Several values in one cell are those of its motions.`;
@@ -44,7 +44,7 @@ function headlines(shown) {
   return [caption, '', '| what | measured | goal |', '|---|---|---|', ...lines].join('\n').replaceAll('\u00a0', ' ');
 }
 
-// The few rows of README.
+// Makes README's Markdown table from the rows of summary.mjs.
 function summaryTable(shown) {
   const rows = summary.map(({ what, ours, other }) => `| ${what} | ${shown.fill(ours) ?? kNotMeasured} | ${shown.fill(other) ?? kNotMeasured} |`);
   return ['| | fourdvt | compared with |', '|---|---|---|', ...rows].join('\n').replaceAll('\u00a0', ' ');
@@ -70,7 +70,7 @@ const kPatterns = [
   /(?<![\w.])[01]?\.\d{2,4}(?![\w.])/g,                                               // SSIM: .749
 ];
 
-// What a reader sees: without code, drawings and tags; the texts of alt, title, content and aria-label stay.
+// Returns the visible text: without code, drawings and tags, with the texts of alt, title, content and aria-label.
 function visible(text, path) {
   const marked = text.replace(kBlock, ' ').replace(kFigure, ' ');
   if (!path.endsWith('.html')) return marked.replace(/```[\s\S]*?```/g, ' ');
@@ -79,7 +79,7 @@ function visible(text, path) {
     .replace(/<[^>]*>/g, (tag) => [...tag.matchAll(/\b(?:alt|title|content|aria-label)="([^"]*)"/g)].map((m) => m[1]).join(' ') || ' ');
 }
 
-// Numbers with a unit outside of the markers, as messages.
+// Returns one message per number with a unit outside of the markers.
 export function unmarked(text, path, allowed = allowedNumbers) {
   let seen = visible(text, path);
   for (const { file, text: constant } of allowed) if (file === path) seen = seen.replaceAll(constant, ' ');
@@ -96,7 +96,7 @@ function outputs(root, data) {
   return [...filled, ...documents, ['site/measured/index.html', makePage(shown, records)]];
 }
 
-// Returns what is wrong with the tree; writes what differs unless only checking.
+// Returns problems of the tree, as messages; writes outdated files unless `check`.
 export function run(root, check) {
   const problems = [];
   const data = JSON.parse(readFileSync(join(root, 'site/measured/figures.json'), 'utf8'));

@@ -37,7 +37,7 @@ const git = (...words) => execFileSync('git', words, { cwd: kRoot, encoding: 'ut
 const hash = createHash('sha256').update([...git('ls-tree', '-r', 'HEAD', 'native', 'shaders').split('\n').filter((line) => !line.endsWith('.md')), kStudio].join('\n')).digest('hex').slice(0, 16);
 const folder = join('build/measured/knobs', hash);
 
-/** What a program printed, or null and the last line that it complained with. */
+/** Runs a program; returns its output, or null and the last line of its error output. */
 function output(program, ...words) {
   const { status, stdout, stderr } = spawnSync(program, words, { cwd: kRoot, encoding: 'utf8', maxBuffer: 1 << 26 });
   return status === 0 ? { text: stdout + stderr } : { text: null, error: stderr.trim().split('\n').at(-1) ?? `status ${status}` };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of all figures, site/measured/index.html, as text.
+// Makes the text of site/measured/index.html, the page of all figures.
 import { constants, sections } from './catalogue.mjs';
 import { partOfRun, parts } from './parts.mjs';
 import { fixed, kNotMeasured } from './shown.mjs';
@@ -15,7 +15,7 @@ ${rows.map((row) => `<tr>${row}</tr>`).join('\n')}
 
 const slug = (title) => title.toLowerCase().replace(/[^a-z0-9]+/g, '-');
 
-// Columns without any figure are left out; a row without any says so.
+// Makes a table; leaves out columns without figures, and marks rows without figures.
 function matrix(shown, { title, columns, matrix: rows }) {
   const filled = rows.map(([what, ...values]) => [what, ...values.map((value) => shown.fill(value))]);
   const used = columns.map((_, i) => i === 0 || filled.some((row) => row[i] !== null));
@@ -49,7 +49,7 @@ function section(shown, data, runs) {
   return `<section aria-labelledby="${slug(data.title)}">\n<h2 id="${slug(data.title)}">${escaped(data.title)}</h2>\n${text}${run}${body}\n</section>`;
 }
 
-// The rows that README has, too.
+// Makes the table of the headline rows, which README has, too.
 function overview(shown, runs) {
   const rows = sections.flatMap((part) => part.rows ?? []).filter(({ headline }) => headline);
   const lines = rows.map((row) => cells('td', [escaped(shown.fill(row.what) ?? row.what), escaped(shown.fill(row.measured) ?? kNotMeasured),
@@ -73,7 +73,7 @@ function worse(shown) {
   return `<section aria-labelledby="worse">\n<h2 id="worse">What got worse since the version before</h2>\n<p>Times differ between two runs of one version, too.</p>\n${table('What got worse', ['what', 'before', 'now'], rows)}\n</section>`;
 }
 
-// A table of a study that no section above shows: a row per sequence, method and setting, a column per quantity.
+// Makes a study's table that no section shows: a row per sequence, method and setting, a column per quantity.
 function otherTable(shown, name, list) {
   const quantities = [...new Set(list.map((figure) => figure.what))], rows = new Map();
   for (const figure of list) {
@@ -100,7 +100,7 @@ function constantsTable() {
 
 const took = ({ minutes, yardstick }) => (minutes === undefined ? '–' : `${fixed(minutes, 1)}\u00a0min${inYardsticks([minutes], 'min', yardstick)}`);
 
-// The commit is where the measurement began; the hash names its inputs whatever the history is.
+// Makes the table of parts. Commit: HEAD when the measurement began; hash: identifies the inputs in any history.
 function partTable(records) {
   const rows = Object.entries(parts).map(([name, { what }]) => {
     const record = records[name];
@@ -129,13 +129,13 @@ const introduction = `<header>
 <p>Every figure of this page, of the README and of the front page comes from one file, <a href="figures.json">figures.json</a>, which is made from what the tool itself wrote. “FG” counts the silhouettes only; ± is the standard error over the views. Several values in one cell are those of the motions. Seconds whose machine was measured carry their ratio to a fixed job, in <a href="../docs/measured.html#yardsticks">yardsticks</a>.</p>
 </header>`;
 
-// Links to the sections, by the ids of their titles.
+// Makes links to the sections, by the ids of their titles.
 function contents(body) {
   const links = body.map((text) => text.match(/<h2 id="([^"]+)">(.*?)<\/h2>/)).map(([, id, title]) => `<a href="#${id}">${title}</a>`);
   return `<nav class="contents" aria-label="Sections">\n${links.join('\n')}\n</nav>`;
 }
 
-// records: of the parts, by name.
+// Makes the page. records: of the parts, by name.
 export function makePage(shown, records) {
   const { runs } = shown;
   const body = [overview(shown, runs), ...sections.map((data) => section(shown, data, runs)), missed(shown), worse(shown), constantsTable(), others(shown), partTable(records), runList(runs)].filter(Boolean);

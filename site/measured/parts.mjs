@@ -1,6 +1,6 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: Apache-2.0
-// The parts that figures are measured in, and the inputs of each: a part whose inputs are unchanged is not measured again.
+// Parts of the measurement, with the inputs of each: a part whose inputs are unchanged is not measured again.
 //   parts.mjs --list                     state, date and minutes of every part
 //   parts.mjs --stale                    names of the parts that are out of date or were never measured
 //   parts.mjs --hash PART [--at COMMIT]  hash of the part's inputs: of the working tree, or of a commit
@@ -20,8 +20,8 @@ const native = (...folders) => folders.map((folder) => `native/${folder}`);
 
 const kBuild = ['CMakeLists.txt', 'native/precompiled.cmake', 'native/quick_build.cmake', 'shaders'];
 const kSample = ['site/sample/actor_a'];
-// From capture to drawn character. A folder has every place that it was in: one that a tree lacks adds nothing, so that
-// the rule holds for older commits, too.
+// Folders from capture to drawn character. Lists former places of moved folders as well, for hashes of older commits;
+// missing folders add nothing.
 const kPlayed = native('base', 'gpu', 'package', 'motion', 'render', 'stream', 'player', 'platform', 'edge');
 const kBaked = [...kPlayed, ...native('store', 'encode', 'capture', 'silhouette', 'mattes', 'refine', 'jobs', 'bake', 'report')];
 const kJudged = [...kBaked, ...native('measure', 'lab/measure')];
@@ -31,7 +31,7 @@ const kStudio = native('studio', 'lab/studio');
 const kBenches = ['CMakeLists.txt', 'bake_memory.sh', 'blend_cost.h', 'blend_ratio.cpp', 'class_frame.cpp', 'draw_ratio.cpp', 'first_frame.h', 'or_stop.h', 'wasm']
   .map((name) => `tests/bench/${name}`).concat('tests/package');
 
-// The commands are no inputs: they parse and call, and defaults live with their modules.
+// Folders of commands are not inputs: they only parse and call; defaults are in the modules.
 // runs: those of catalogue.mjs. inputs: files and folders; Markdown in them is left out. targets: CMake targets whose
 // folders must be among the inputs (tests/tree/figures.test.mjs).
 export const parts = {
@@ -82,7 +82,7 @@ export function isInput(part, path) {
 const git = (root, words, input) => execFileSync('git', ['-C', root, ...words], { encoding: 'utf8', input, maxBuffer: 1 << 26 });
 const names = (text) => text.split('\0').filter(Boolean);
 
-// "MODE BLOB" by path, as `git ls-tree` lists a commit.
+// Returns "MODE BLOB" by path for a commit, from `git ls-tree`.
 function entriesAt(root, commit) {
   return new Map(names(git(root, ['ls-tree', '-r', '-z', '--full-tree', commit])).map((line) => {
     const [facts, path] = line.split('\t'), [mode, , blob] = facts.split(' ');
@@ -90,7 +90,7 @@ function entriesAt(root, commit) {
   }));
 }
 
-// The same of the working tree: what a commit of all its files, but for ignored ones, would list.
+// Returns "MODE BLOB" by path for the working tree, as if all files except ignored ones were committed.
 function entriesNow(root) {
   const out = new Map(names(git(root, ['ls-files', '-s', '-z'])).map((line) => {
     const [facts, path] = line.split('\t'), [mode, blob] = facts.split(' ');
@@ -104,18 +104,18 @@ function entriesNow(root) {
   return out;
 }
 
-// Hash of the tree of a part's inputs, from their modes, paths and blobs. commit: of this one; otherwise of the working
-// tree, which has the same hash once it is committed.
+// Hashes a part's inputs: modes, paths and blobs. commit: the commit to hash; default: the working tree, with the same
+// result once it is committed.
 export function inputHash(part, { root = kRoot, commit } = {}) {
   const lines = [...(commit ? entriesAt(root, commit) : entriesNow(root))].filter(([path]) => isInput(part, path)).map(([path, entry]) => `${entry}\t${path}\n`).sort();
   if (!lines.length) throw new Error(`${part}: no file of ${root} is an input of this part; mend site/measured/parts.mjs`);
   return createHash('sha256').update(lines.join('')).digest('hex').slice(0, 16);
 }
 
-// Where a part's record stands beside its figures.
+// Path of the file with a part's record and figures.
 export const fileOf = (part) => (parts[part].runs.length ? 'site/measured/figures.json' : `site/measured/${part}.json`);
 
-// { inputs, date, commit, minutes, yardstick }, or null where the part was never measured.
+// Reads a part's record { inputs, date, commit, minutes, yardstick }; null if the part was never measured.
 export function recordOf(part, root = kRoot) {
   const path = join(root, fileOf(part));
   if (!existsSync(path)) return null;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// node site/measured/phones.mjs [--before SITE --before-commit NAME] [--table] [ROW…]: what playing costs a page, by the ways that pictures can
-// take, and how it goes without WebCodecs; writes site/measured/phones.json and phones.md. Needs the site (bash site/demo.sh
-// --prepare), bench_yardstick of a release build with -DFOURDVT_TESTS=ON, Chromium and Firefox. About 27 minutes.
+// node site/measured/phones.mjs [--before SITE --before-commit NAME] [--table] [ROW…]: measures the cost of playing in a
+// page, per upload path and without WebCodecs; writes site/measured/phones.json and phones.md. Needs the site (bash
+// site/demo.sh --prepare), bench_yardstick of a release build with -DFOURDVT_TESTS=ON, Chromium and Firefox. About 27
+// minutes.
 //   Resume     rows are measured again only if they are named, or missing; each keeps the commit that it was measured at, and the
 //              yardstick beside it
 //   --before   the site of an earlier version (its build/site): the rows that are compared with it

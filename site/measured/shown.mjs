@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Figures as text: values with their unit and rounding, seconds with their ratio to the yardstick, texts that hold {id}, goals.
-// Knows figures.json and the catalogue; does NOT know HTML, Markdown or files.
+// Depends on figures.json and the catalogue, not on HTML, Markdown or files.
 import { figures as catalogue } from './catalogue.mjs';
 import { inYardsticks, kSecondsOf } from './yardstick.mjs';
 
 export const kNotMeasured = 'not measured in this run';
 
-// "−0.07", "41,361"; a negative value that rounds to zero has no sign.
+// Formats a number: "−0.07", "41,361"; a negative value that rounds to zero has no sign.
 export function fixed(value, digits) {
   const number = Math.abs(value).toLocaleString('en', { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: Math.abs(value) >= 1e4 });
   return value < 0 && /[1-9]/.test(number) ? `−${number}` : number;
@@ -29,7 +29,7 @@ export class Shown {
     this.known = new Set(catalogue.map((figure) => figure.id));
   }
 
-  // The figure of this id, or all that were made of it, one per key. A wrong id is a mistake of the text that holds it.
+  // Returns the figures of an id: one, or one per key. Throws for an unknown id, an error of the text that contains it.
   group(id) {
     const one = this.byId.get(id);
     if (one) return [one];
@@ -39,7 +39,7 @@ export class Shown {
     return group;
   }
 
-  // "5.7 / 5.8 / 5.1 Mbit/s"; null where it was not measured.
+  // Returns a figure as text, such as "5.7 / 5.8 / 5.1 Mbit/s"; null if it was not measured.
   text(id) {
     const group = this.group(id);
     if (!group.length) return null;
@@ -62,25 +62,25 @@ export class Shown {
     return this.group(id).map((figure) => keyText(figure.key ?? '')).join(' / ');
   }
 
-  // A text with its {id} filled in; null where none of them was measured.
+  // Replaces each {id} of a text by its figure; null if none of them was measured.
   fill(template) {
     const ids = [...template.matchAll(/\{(?!keys:)([^}]+)\}/g)].map((m) => m[1]);
     if (ids.length && ids.every((id) => this.text(id) === null)) return null;
     return template.replace(/\{(keys:)?([^}]+)\}/g, (_, keys, id) => (keys ? this.keys(id) : this.text(id) ?? kNotMeasured)).replace(/,(?: at)? *(?: Mbit\/s)?$/, '');
   }
 
-  // true, false, or null where it was not measured.
+  // Tests a goal: true, false, or null if its figure was not measured.
   met({ of, min = -Infinity, max = Infinity }) {
     const group = this.group(of);
     return group.length ? group.every(({ value }) => value !== null && value >= min && value <= max) : null;
   }
 
-  // What a verdict holds for: a quick run has seen one motion only, and says nothing of the others.
+  // Returns the restriction of a verdict: a quick run has measured one motion only.
   scope(run) {
     return this.runs[run]?.quick ? ' on the one motion of a quick run' : '';
   }
 
-  // Figures that moved the wrong way by more than is shown since an earlier run.
+  // Returns the figures that got worse since an earlier run by more than rounding.
   worse() {
     return this.figures.filter(({ better, value, before, digits }) => typeof before === 'number' && value !== null && better &&
       fixed(value, digits) !== fixed(before, digits) && (better === 'more' ? value < before : value > before));

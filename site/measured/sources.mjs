@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads what collect.mjs takes figures from: a study's rows, a character's report, the scores of a character, the text
-// that a bench printed, the player's sizes. Does NOT know any figure: catalogue.mjs does.
+// Reads the sources of collect.mjs: a study's rows, a character's report, the scores of a character, a bench's output,
+// the player's sizes. Figures are defined in catalogue.mjs.
 import { existsSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
@@ -66,7 +66,7 @@ export function matchesFilter(setting, filter) {
 }
 
 export class Study {
-  // about: what evaluate.json says of the run beside the rows.
+  // Second argument: fields of evaluate.json about the run.
   constructor(rows, { generator, quick } = {}) {
     this.generator = generator;
     this.quick = quick;

@@ -6,7 +6,7 @@
 
 export const kSecondsOf = { s: 1, ms: 1e-3, min: 60 };
 
-/** The yardstick of these runs, each { cpu_s, wall_s, others_s, job }. */
+/** Summarises runs of the yardstick, each { cpu_s, wall_s, others_s, job }. */
 export function summaryOf(runs) {
   const jobs = new Set(runs.map(({ job }) => job));
   if (jobs.size !== 1) throw new Error(`yardsticks of different jobs (${[...jobs].join('; ')}); measure anew, with one FFmpeg`);
@@ -33,7 +33,7 @@ export function timed(values, unit, digits, yardstick) {
   return yardstick && values.some(known) ? `${text} (${ratios(values, unit, yardstick)})` : text;
 }
 
-/** The title of a column of such cells. yardsticks: of its rows. */
+/** Title of a column of cells by `timed`. yardsticks: of its rows. */
 export const timedTitle = (title, ...yardsticks) => (yardsticks.some(Boolean) ? `${title} (yardsticks)` : title);
 
 /** "1.07 s of CPU (1.05 to 1.23), other programs on up to 0.02 cores" */
@@ -48,5 +48,5 @@ export function machinesText(yardsticks) {
   return seconds.length ? `${Math.min(...seconds).toFixed(2)} to ${Math.max(...seconds).toFixed(2)} s of CPU` : 'not measured';
 }
 
-/** One as Markdown for documents of site/measured/. */
+/** A yardstick as Markdown, for documents of site/measured/. */
 export const machineNote = (yardstick) => `[yardstick](../docs/measured.md#yardsticks): ${yardstick ? machineText(yardstick) : 'not measured'}`;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Synthesises the sounds of the sample capture: one step, and the steps of its two loops at the frames in which the bake finds that feet come down.
+// Synthesises the sounds of the sample capture: one step, and the steps of its two loops, at the frames of the footfalls
+// that the bake finds.
 //   node site/sample/sounds.mjs
 import { writeFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 
 const RATE = 24_000, FPS = 25;
-const LEAD_S = 0.1; // that the recordings begin before the first picture ("offset_ms" in capture.json)
+const LEAD_S = 0.1; // time from the recordings' beginning to the first picture ("offset_ms" in capture.json)
 const folder = fileURLToPath(new URL('actor_a/sounds/', import.meta.url));
 
 // A pseudo-random number in -1..1, the same in every run.
