@@ -4,10 +4,10 @@
 // working tree. Default: HEAD where the tree has changes, else HEAD~1. Needs one whole run of tests/run.sh before it, whose
 // builds' graphs it reads.
 //
-// How a file touches a test: by Ninja's graph of the three builds (sources and headers → objects → libraries →
-// programs), by the files and folders that a test declares to be for (ctest's REQUIRED_FILES), by the imports of tests/web,
-// and by kDerived. Tests of the tree always run. Left to the whole run: what pages and commands do with characters of a
-// changed bake, and long tests with sanitizers or where a change lies outside of what they are for.
+// A file touches a test by Ninja's graph of the three builds (sources and headers → objects → libraries → programs), by
+// the files and folders that the test declares (ctest's REQUIRED_FILES), by the imports of tests/web, or by kDerived.
+// Tests of the tree always run. Only a whole run tests pages and commands with characters of a changed bake, and runs long
+// tests with sanitizers, or long tests whose declared files have not changed.
 import { execFileSync } from 'node:child_process';
 import { existsSync, readFileSync } from 'node:fs';
 import { join, posix } from 'node:path';
@@ -53,7 +53,7 @@ export function edgesOf(manifest, deps, folder) {
   return edges;
 }
 
-// Everything that is made from the files, the files included.
+// Returns all results that depend on the files, and the files themselves.
 export function closure(files, edges, derived = kDerived) {
   const outputs = new Map();
   for (const [input, output] of edges) outputs.set(input, [...(outputs.get(input) ?? []), output]);
@@ -66,7 +66,7 @@ export function closure(files, edges, derived = kDerived) {
   return reached;
 }
 
-// A file that no build has read yet counts as every file of its folder: it may be new there.
+// Replaces a file that no build has read yet, perhaps a new one, by all files of its folder.
 export function withFolders(files, edges) {
   const inputs = new Set(edges.map(([input]) => input));
   return files.flatMap((file) => {
@@ -90,7 +90,7 @@ function fail(message) {
 function readEdges() {
   return kBuilds.flatMap((folder) => {
     const manifest = join(kRoot, folder, 'build.ninja');
-    if (folder === 'build/fuzz32' && !existsSync(manifest)) return [];  // of long tests alone
+    if (folder === 'build/fuzz32' && !existsSync(manifest)) return [];  // only long tests use it
     if (!existsSync(manifest)) fail(`${folder} is not built yet; run bash tests/run.sh once`);
     const deps = execFileSync('ninja', ['-C', join(kRoot, folder), '-t', 'deps'], { encoding: 'utf8', maxBuffer: 1 << 30 });
     return edgesOf(readFileSync(manifest, 'utf8'), deps.replace(/^ninja: .*\n/, ''), folder);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// node tests/needed.mjs [CTEST…]: what the tests that these arguments of ctest select need built, one line each: a build folder and its
-// targets, or "site" where one opens the site or reads a baked character. build/release must be configured.
-// node tests/needed.mjs --share SECONDS: the label of the long tests whose turn it is at this time (since 1970): the next ones
-// every three hours, so that all of them are run within some landings.
+// node tests/needed.mjs [CTEST…]: prints what must be built for the tests that these arguments of ctest select: one line
+// per build folder with its targets, and "site" if a test opens the site or reads a baked character. build/release must be
+// configured.
+// node tests/needed.mjs --share SECONDS: prints the label of the long tests due at this time (since 1970); it changes
+// every three hours, so that all of them run over some landings.
 import { execFileSync } from 'node:child_process';
 import { existsSync, readFileSync } from 'node:fs';
 import { join, posix, relative, resolve } from 'node:path';
@@ -31,7 +32,7 @@ export function modulesOf(file, seen = new Set()) {
 const property = (test, name) => [test.properties?.find((p) => p.name === name)?.value ?? []].flat();
 export const labelsOf = (test) => property(test, 'LABELS');
 
-// Files that a test reads: its program or script with what that imports, and those that it declares.
+// Returns the files that a test reads: its program or script with all imports, and those that it declares.
 export function inputsOf(test) {
   const words = (test.command ?? []).map((word) => nameOf('.', word));
   const scripts = words.filter((word) => word.endsWith('.mjs')).flatMap((word) => [...modulesOf(word)]);
@@ -41,7 +42,7 @@ export function inputsOf(test) {
 export const readTests = (args = []) => JSON.parse(execFileSync('ctest', ['--test-dir', join(kRoot, 'build/release'), '--show-only=json-v1', ...args],
   { encoding: 'utf8', maxBuffer: 1 << 28 })).tests;
 
-/** Targets by build folder, for tests that are not built yet, too; "site" has none. */
+/** Returns targets by build folder, also for tests that are not built yet; "site" has no targets. */
 export function neededBy(tests) {
   const needed = new Map();
   for (const test of tests) {
@@ -54,7 +55,7 @@ export function neededBy(tests) {
   return needed;
 }
 
-/** The label whose turn it is, of those that begin with long_. */
+/** Returns the due label among those that begin with long_. */
 export function shareAt(seconds, tests) {
   const labels = [...new Set(tests.flatMap(labelsOf))].filter((label) => label.startsWith('long_')).sort();
   return labels[Math.floor(seconds / kShareSeconds) % labels.length];

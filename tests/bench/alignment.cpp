@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_alignment [VIEW_ERROR_MM [WRINKLES]]: half way between two motions whose surfaces have drifted by 3, 6 and 12
-// mm, PSNR on the figure against the undrifted surface in held-out views: plain blend, run-time flow in the picture as
-// 4DVT does it (OpenCV's Farnebäck, Eq. 7 corrected), baked alignment; what the bake found, and its seconds a frame.
+// bench_alignment [VIEW_ERROR_MM [WRINKLES]]: blends two motions at equal weights whose textures are displaced by 3, 6
+// and 12 mm; PSNR on the figure against the undisplaced texture in held-out views: plain blend, run-time flow in the
+// picture as in 4DVT (OpenCV's Farnebäck, Eq. 7 corrected), baked alignment; error of the baked displacement, and its
+// seconds per frame.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -20,7 +21,7 @@ using namespace fourdvt::testing;
 
 cv::Mat matOf(Image& image) { return {image.height, image.width, CV_8UC4, image.pixels.data()}; }
 
-// Over mid-grey, so that the background says nothing.
+// Luma over mid-grey, so that the background does not influence the flow.
 cv::Mat lumaOf(Image& image) {
   cv::Mat luma, alpha;
   cv::cvtColor(matOf(image), luma, cv::COLOR_RGBA2GRAY);
@@ -39,7 +40,7 @@ cv::Mat warped(Image& picture, const cv::Mat& flow, float share) {
   return out;
 }
 
-// 4DVT Eq. 7 corrected at w = 1/2.
+// Blend by 4DVT Eq. 7, corrected, at w = 1/2.
 Image flowBlend(Image first, Image other) {
   cv::Mat flow;
   cv::calcOpticalFlowFarneback(lumaOf(first), lumaOf(other), flow, 0.5, 5, 15, 3, 5, 1.1,

@@ -14,9 +14,9 @@
 
 namespace fourdvt::bench {
 
-// Processor time: a busy machine hardly changes it.
+// Processor time, ms: hardly affected by other processes.
 #ifdef __EMSCRIPTEN__
-EM_JS(double, benchNow_ms, (), {  // std::clock is the wall's there
+EM_JS(double, benchNow_ms, (), {  // in node std::clock returns wall time
   const used = process.cpuUsage();
   return (used.user + used.system) / 1000;
 });
@@ -25,7 +25,7 @@ inline double now_ms() { return benchNow_ms(); }
 inline double now_ms() { return 1e3 * double(std::clock()) / CLOCKS_PER_SEC; }
 #endif
 
-// Milliseconds a call: the least of some runs, what else the machine does only adds.
+// Milliseconds per call: the minimum of several runs, since other processes only add time.
 inline double blendCost_ms(const package::ChunkFrames& frames, uint32_t row, const package::StreamIndex& index,
                            const motion::BlendWeights& weights) {
   constexpr int kRuns = 9, kBlends = 1000;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_blend_ratio [FRAMES]: milliseconds of a frame of a made-up character of 8000 faces and 3 layers: one member;
-// two members blended plainly, aligned as baked, aligned by optical flow; two looks in transition. Alternating in one
-// run, medians, and ratios to the plain blend of two.
+// bench_blend_ratio [FRAMES]: milliseconds per frame of a synthetic character of 8000 faces and 3 layers: one member;
+// two members blended plainly, with baked alignment, and aligned by optical flow; two looks in a transition.
+// Alternating in one run; medians, and ratios to the plain blend of two members.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -20,7 +20,7 @@ using fourdvt::testing::orStop;
 
 constexpr int kRound = 80, kRows = 50, kLayers = 3, kMembers = 2, kCameras = 8, kSide = 512;
 
-// A vase of a person's size.
+// Vase-shaped mesh of a person's size.
 package::BaseMesh makeMesh() {
   package::BaseMesh mesh;
   for (int row = 0; row <= kRows; ++row)
@@ -52,7 +52,7 @@ package::Character makeCharacter(const package::BaseMesh& mesh) {
   return character;
 }
 
-// The nearest cameras of every face, another order for every member.
+// Labels of each face: its nearest cameras, in an order that differs between members.
 std::vector<uint8_t> makeLabels(const package::BaseMesh& mesh, const package::Character& character) {
   const size_t faces = mesh.topology.faceCount();
   std::vector<uint8_t> labels(kMembers * kLayers * faces);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // bench_camera_frames CAMERAS LAYERED [SEQUENCE [FRAMES]]: milliseconds of a video frame of a character from cameras,
 // by part and number of cameras M: upload of the pictures (all tiles in one picture, or M whole ones, as in OVH03 5.3),
-// depth maps, colours of unseen surface, shading; against the draw of a layered character. Alternating in one run,
+// depth maps, colours of unseen surface, shading; and of the draw of a layered character. Alternating in one run,
 // medians.
 #include <algorithm>
 #include <chrono>
@@ -28,7 +28,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-// A picture's planes, of any content.
+// Planes of a picture of arbitrary content.
 struct Planes {
   Planes(int w, int h) : width(w), height(h), bytes(size_t(w) * h * 3 / 2, 90) {}
   I420View view() const {
@@ -51,7 +51,7 @@ class Bench {
     one_ = orStop(gpu::makeTarget(device, {.colors = {color_.id()}, .label = "resolved"}));
   }
 
-  // Medians of the works, done in turn.
+  // Medians of the works' times, measured in turn.
   std::vector<double> medians(const std::vector<std::function<void()>>& works) {
     std::vector<std::vector<double>> times(works.size());
     for (int i = 0; i < frames_ + 2; ++i)
@@ -61,7 +61,7 @@ class Bench {
         works[w]();
         wait();
         const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-        if (i >= 2) times[w].push_back(ms);  // the first ones make programs
+        if (i >= 2) times[w].push_back(ms);  // the first ones compile programs
       }
     std::vector<double> out;
     for (auto& t : times) out.push_back(median(std::move(t)));

@@ -1,9 +1,10 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: Apache-2.0
-// cameras.mjs FOURDVT FOURDVT_LAB CAPTURE OUT [SEQUENCE]: characters from cameras at the held-out cameras: hull, refined
-// hull and the capture's own mesh, textured from the raw videos and as baked, from M cameras; bytes of pictures and
-// surfaces; and layers against cameras over the bitrate, on the capture's own mesh. Writes OUT/rows.json, of which
-// site/measured/documents.mjs makes site/measured/cameras.md. A run that was killed goes on after what is finished.
+// cameras.mjs FOURDVT FOURDVT_LAB CAPTURE OUT [SEQUENCE]: scores of characters from cameras at the held-out cameras:
+// hull, refined hull and the capture's own mesh, textured from the raw videos and as baked, from M cameras; bytes of
+// pictures and surfaces; and layers against cameras over the bitrate, on the capture's own mesh. Writes OUT/rows.json,
+// from which site/measured/documents.mjs makes site/measured/cameras.md. A killed run resumes after its finished
+// results.
 import { existsSync, mkdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
@@ -17,7 +18,7 @@ if (!out) {
 mkdirSync(out, { recursive: true });
 const counts = [2, 3, 4, 6, 8];
 const rates = [24, 29, 32, 36, 40];
-const methods = ['fvvr', 'sweep'];  // the raw videos are drawn by the first, characters by default by the last
+const methods = ['fvvr', 'sweep'];  // the first draws the raw videos, the last is the characters' default
 const only = ['--sequences', sequence];
 
 function surfaceFolder(name, options) {
@@ -29,13 +30,13 @@ function surfaceFolder(name, options) {
 function bake(name, folder, options) {
   const character = join(out, name);
   if (!existsSync(join(character, 'character.gltf'))) run(tool, 'bake', folder, '-o', character, ...only, '--no-classes', ...options);
-  // The sequence's row: video, surfaces or positions, labels, offsets, alignment, index, total, Mbit/s (video + rest).
+  // Row of the sequence: video, surfaces or positions, labels, offsets, alignment, index, total, Mbit/s (video + rest).
   const row = run(tool, 'inspect', character).split('\n').filter((line) => line.startsWith(sequence) && line.includes('+')).at(-1);
   const [, all, pictures, surfaces] = /([\d.]+) \(([\d.]+) \+ ([\d.]+)\)/.exec(row).map(Number);
   return { character, all, pictures, surfaces };
 }
 
-// Means over the held-out views, as printed.
+// Means over the held-out views, from the printed table.
 function rawScores(folder, closest) {
   const row = run(lab, 'surfaces', folder, ...only, '--closest', `${closest}`).trim().split('\n').at(-1).trim().split(/\s+/);
   return { views: Number(row[1]), psnr_db: Number(row[2]), ssim: Number(row[3]) };

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cost of a frame of a baked character on one core, in the build that a page runs or natively: decoding the geometry
-// of every motion, and blending the mesh of a class at several weights, linear and hybrid. Goal: the hybrid blend in at
-// most 0.5 ms in wasm.
+// Cost per frame of a baked character on one core, in the page's wasm build or natively: decoding the geometry of every
+// motion, and blending the mesh of a class at several weights, linear and hybrid. Goal: a hybrid blend takes at most
+// 0.5 ms in wasm.
 //   NODE_PATH=/usr/share/nodejs ninja -C build/wasm bench_class_frame &&
 //     node build/wasm/tests/bench/wasm/bench_class_frame.js build/character
 //   build/release/tests/bench/bench_class_frame build/character
-// How far either blend is from the non-linear one: bench_mesh_blend.
+// Errors of both blends against the non-linear one: bench_mesh_blend.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -58,7 +58,7 @@ struct Stream {
   }
 };
 
-// Milliseconds: of opening a GOP's decoder, of each row, and of each part of a row, which is the least that a page
+// Milliseconds: of opening a GOP's decoder, of each row, and of each part of a row, the smallest unit that a page
 // decodes in one turn.
 struct DecodingCost {
   std::vector<double> open, row, part;
@@ -86,7 +86,7 @@ DecodingCost decodeOnce(const Stream& stream, const package::ChunkMesh& mesh, pa
   return cost;
 }
 
-// Takes the least of some runs of each: other work on the machine only adds.
+// Uses the minimum of several runs of each, since other processes only add time.
 package::ChunkFrames printDecoding(const Stream& stream, const package::ChunkMesh& mesh) {
   constexpr int kRuns = 4;
   package::ChunkFrames contents;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_draw_ratio CHARACTER [FRAMES]: milliseconds of the layered draw against a plain draw of layer 1 alone (one
-// texture, no view dependence) of the same frame, size and multisampling; alternating in one run, medians and ratio.
+// bench_draw_ratio CHARACTER [FRAMES]: milliseconds of the layered draw and of a plain draw of layer 1 alone (one
+// texture, no view dependence), of the same frame, size and multisampling; alternating in one run, medians and ratio.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -20,7 +20,7 @@ using fourdvt::testing::orStop;
 
 constexpr int kWidth = 720, kHeight = 960, kSamples = 4;
 
-// The least that draws the character with one texture: no labels, no normals, no weights.
+// Minimal shader that draws the character with one texture: no labels, no normals, no weights.
 constexpr const char* kPlainVertex = R"(
 precision highp float;
 precision highp sampler2D;
@@ -70,7 +70,7 @@ int main(int argc, char** argv) {
   const render::CharacterModel& model = scene.figure.model;
   const render::Look look{&scene.figure.appearance, &scene.picture};
   const render::Part part{&look, {{0, 1}}};
-  const render::CharacterView own{view.clip_from_world, view.eye_in_world};  // it stands in the origin
+  const render::CharacterView own{view.clip_from_world, view.eye_in_world};  // the character stands at the origin
   orStop(layered.prepare(*device, model, part, own, {}));
 
   const auto timed = [&](const auto& draw) {

@@ -1,9 +1,11 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: Apache-2.0
-// Resources that a page holds after long use: ten minutes of play, 50 viewers one after the other, 200 motion changes, lost contexts,
-// a hidden tab. node endurance.mjs SITE [--minutes 10] [--loads 50] [--changes 200] [--losses 10] [--hidden-s 120] [--out FILE.json]
-// Counted in the page: wasm memory (which never shrinks), what of it the allocator has given out, JavaScript's heap after a collection, WebGL textures, buffers and
-// programs that are alive and the bytes of textures, video decoders and frames that are open, contexts that are not lost.
+// Resources that a page holds after long use: ten minutes of playback, 50 viewers in sequence, 200 motion changes, lost
+// contexts, a hidden tab.
+// node endurance.mjs SITE [--minutes 10] [--loads 50] [--changes 200] [--losses 10] [--hidden-s 120] [--out FILE.json]
+// Counted in the page: wasm memory (which never shrinks), its allocated part, JavaScript's heap after a collection,
+// live WebGL textures with their bytes, buffers and programs, open video decoders and frames, contexts that are not
+// lost.
 import { writeFileSync } from 'node:fs';
 import { parseArgs } from 'node:util';
 
@@ -20,7 +22,7 @@ if (!site) {
   process.exit(2);
 }
 
-// In the page, before its scripts. Objects of a context that is lost are gone.
+// Runs in the page before its scripts. Objects of a lost context count as released.
 function count() {
   const held = (globalThis.held = { decoders: 0, frames: new Set(), memories: [], contexts: [] });
   const known = new WeakMap();
@@ -125,7 +127,7 @@ const open = () => page.evaluate(() => {
 });
 const close = () => page.evaluate(() => document.querySelector('fourdvt-viewer').remove());
 const settle = () => page.waitForTimeout(1000);
-// With a row after a fifth of the times, because caches fill at first.
+// Repeats `action`; the first row follows after a fifth of `times`, because caches fill at first.
 async function often(times, title, action, rest) {
   for (let i = 0; i < times; ++i) {
     await action(i);

@@ -19,12 +19,12 @@ namespace fourdvt::testing {
 struct FirstFrame {
   package::Character character;
   package::BaseMesh mesh;
-  package::ChunkFrames chunk;  // that it is the first frame of
+  package::ChunkFrames chunk;  // chunk that begins with the frame
   render::PlainFigure figure;
   render::PictureTextures picture;
   Positions positions;
 
-  // The first member's.
+  // Labels of the first member.
   std::span<const uint8_t> labels() const {
     return std::span<const uint8_t>(chunk.labels).first(size_t(character.layer_count) * character.face_count);
   }

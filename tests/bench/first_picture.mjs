@@ -1,15 +1,16 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: Apache-2.0
-// Time and bytes from navigation to the first picture, time to ten pictures and until the first sequence has come whole in
-// its highest rendition, and the share of time waited afterwards, in headless Chromium with a cold cache and DevTools'
-// throttling; texts and wasm are sent with gzip.
+// Time and bytes from navigation to the first picture, time to ten pictures and until the first sequence has arrived
+// whole in its highest rendition, and the share of later time spent waiting, in headless Chromium with a cold cache and
+// DevTools' throttling; texts and wasm are sent with gzip.
 //   node first_picture.mjs SITE [--runs 5] [--pages front,plain,paused,steer,cameras] [--rates 2000/150,8000/50,700/300]
 //                          [--watch SECONDS] [--pictures FOLDER] [--out FILE.json]
-// SITE: an assembled site (site/assemble.mjs). A page of its own is served for `plain`: one tag with the first sequence; `paused`
-// does not play by itself, and stands where the poster was taken: there the time counts until the picture no longer changes.
-// SECONDS: after the tenth picture, in which the waiting is counted (default 10).
-// Prints medians, what every byte before the first and before the tenth picture was, and the yardstick. FOLDER: gets pictures of the first run of each
-// at 1, 2, 3 and 5 s; those of `paused` are compared with the poster (SSIM). FILE: { commit, yardstick, results }.
+// SITE: an assembled site (site/assemble.mjs). `plain`: a generated page of one tag with the first sequence. `paused`:
+// stands at the poster's view without playing; its time ends when the picture no longer changes.
+// SECONDS: period after the tenth picture in which waiting is counted (default 10).
+// Prints medians, the bytes before the first and before the tenth picture by kind, and the yardstick. FOLDER: receives
+// pictures of the first run of each page at 1, 2, 3 and 5 s; those of `paused` are compared with the poster (SSIM).
+// FILE: { commit, yardstick, results }.
 import { mkdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { parseArgs } from 'node:util';
@@ -46,8 +47,8 @@ const { values: options, positionals: [site] } = parseArgs({
 });
 const kWatchedS = Number(options.watch);
 
-// In the page: when the viewer's counter of shown pictures has reached 1 and 10, when each rendition was shown first, and how
-// much of the time after the first picture it waited. A viewer that is replaced counts anew.
+// Runs in the page: records when the viewer's counter of shown pictures reaches 1 and 10, when each rendition is first
+// shown, and the time spent waiting after the first picture. Counts restart when a viewer is replaced.
 function watch() {
   globalThis.watched = { waitingMs: 0, renditions: {} };
   let before = performance.now();
@@ -67,7 +68,8 @@ function watch() {
   requestAnimationFrame(look);
 }
 
-// The page's picture at each of the times, { seconds: PNG }; `stands`: of the viewer alone, transparent around the figure.
+// Pictures of the page at each of the times, { seconds: PNG }; `stands`: of the viewer alone, transparent around the
+// figure.
 async function takePictures(page, stands) {
   const pictures = {};
   for (const s of kPictureTimesS) {
@@ -76,7 +78,8 @@ async function takePictures(page, stands) {
   }
   return pictures;
 }
-// SSIM, inside the figures, between each picture of a standing viewer and the poster, which then takes the viewer's place.
+// SSIM, inside the figures, between each picture of a standing viewer and the poster, which is then shown in the
+// viewer's place.
 async function comparePoster(page, pictures) {
   await page.evaluate(async () => {
     const image = Object.assign(new Image(), { src: 'character/poster.webp', className: 'poster' });

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_floating_cost CAPTURE [SEQUENCE [REPEATS]]: milliseconds of a view of a capture's first frame by Floating
-// Textures in its forms, by their blend without flow and by FVVR, from three and from four cameras, and their ratios;
-// one flow of the view's size, as the pairs have, and one of half of it, as the mean form's last round; what share of
-// the pairs their flows are, and what they would take with flows of half the size. A still scene: no depth map is drawn
-// again. Alternating in one run, medians; a time ends when the GPU is done.
+// bench_floating_cost CAPTURE [SEQUENCE [REPEATS]]: milliseconds of a view of a capture's first frame by the variants
+// of Floating Textures, by their blend without flow, and by FVVR, from three and from four cameras, with ratios; one
+// flow at the view's size, as between pairs, and one at half of it, as in the mean variant's last round; the flows'
+// share of the pairs' time, and an estimate with flows of half the size. The scene is still: depth maps are drawn once.
+// Alternating in one run, medians; times include waiting for the GPU.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -29,14 +29,14 @@ constexpr int kWidth = 720, kHeight = 960;
 struct Lane {
   const char* name;
   const char* method;
-  bool new_picture;  // before each view, as while it plays
+  bool new_picture;  // set before each view, as in playback
   std::unique_ptr<bake::FrameDrawing> stage = nullptr;
   std::vector<double> times_ms = {};
 };
 
 struct Flow {
   const char* name;
-  int octaves;  // of size below the view's
+  int octaves;  // levels below the view's size
   std::unique_ptr<render::FlowSource> source;
   std::vector<double> times_ms = {};
 };
@@ -103,7 +103,7 @@ int main(int argc, char** argv) {
       render::viewFromCamera(cameraFromOrbit(defaultOrbit(bounds, double(kWidth) / kHeight), kWidth, kHeight));
   std::printf("%s, %zu faces, view of %d x %d, medians of %d\n", device->caps().renderer.c_str(), surface.faces.size(),
               kWidth, kHeight, repeats);
-  // Two pictures of the view that differ as the methods' do.
+  // Two different pictures of the view, by two methods, as input of the flows.
   for (int k = 0; k < 2; ++k) {
     lanes[k].stage->setMethod(orStop(render::makeCameraMethod(*device, lanes[k].method)));
     orStop(lanes[k].stage->draw(view, {.closest = 3 - 2 * k}, targets[k].id()));
@@ -139,7 +139,7 @@ int main(int argc, char** argv) {
         orStop(lane.stage->draw(view, {.closest = cameras_used}, target.id()));
         wait();
         const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
-        if (i > 0) lane.times_ms.push_back(time.count());  // the first one makes programs
+        if (i > 0) lane.times_ms.push_back(time.count());  // the first one compiles programs
       }
     double ms[std::size(lanes)];
     for (size_t l = 0; l < std::size(lanes); ++l) ms[l] = median(lanes[l].times_ms);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_flow CHARACTER [REPEATS]: two appearances on one mesh and view (the first two members of the first class, or
-// the first two sequences on the first one's mesh) at four phases; end-point difference of the GPU's flow from OpenCV's
-// on the same pictures, and how well each explains the second picture, inside the character; milliseconds of each,
-// medians, with ratios to the GPU's Farneback.
+// bench_flow CHARACTER [REPEATS]: flow between two appearances on one mesh and view (the first two members of the first
+// class, or the first two sequences on the first one's mesh) at four phases: end-point difference between the GPU's
+// flow and OpenCV's, the residual of the second picture for each, inside the character; milliseconds of each, medians,
+// with ratios to the GPU's Farneback.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -26,7 +26,7 @@ namespace {
 using namespace fourdvt;
 using fourdvt::testing::orStop;
 
-// A sequence's stream, and one decoded picture of it at a time.
+// Stream of a sequence, with one decoded picture at a time.
 class Source {
  public:
   Source(gpu::Device& device, const std::filesystem::path& folder, const package::Sequence& sequence)
@@ -51,7 +51,7 @@ class Source {
     return out;
   }
 
-  // Labels, layout and picture of a member at a frame, ready to be drawn on the figure's mesh.
+  // Shows labels, layout and picture of a member at a frame, for drawing on the figure's mesh.
   const render::PictureTextures& show(render::PlainFigure& figure, const package::ChunkMesh& mesh,
                                       const Positions& positions, uint32_t frame, uint32_t member) {
     const uint32_t chunk = index_.chunkOfFrame(frame);
@@ -103,7 +103,7 @@ struct Picture {
   gpu::Target target;
 };
 
-// Of the character at a phase: a, b.
+// Draws the two appearances of the character at a phase, a and b.
 void drawPair(gpu::Device& device, const package::Character& character, const package::BaseMesh& base,
               std::vector<Source>& sources, double phase, const render::View& view, Picture* pair) {
   const package::ChunkMesh mesh = package::makeChunkMesh(base);
@@ -151,7 +151,7 @@ double mean(const std::vector<double>& values) {
   return sum / values.size();
 }
 
-// Appends over the pixels inside: differences between two methods, and the second's flow length.
+// Appends, over the pixels inside: differences between two methods, and the length of the second one's flow.
 void compare(const Method& ours, const Method& theirs, const std::vector<uint8_t>& rgba,
              std::vector<double>& difference, std::vector<double>& length) {
   for (size_t i = 0; i < ours.flow.size(); ++i) {
@@ -161,7 +161,7 @@ void compare(const Method& ours, const Method& theirs, const std::vector<uint8_t
   }
 }
 
-// Mean difference of a's luma from b's where the flow leads, grey levels, inside. Everything top row first.
+// Mean difference, grey levels, between a's luma and b's at the flow's end, inside. All pictures top row first.
 double residual(const std::vector<uint8_t>* rgba, const std::vector<glm::vec2>& flow, int width, int height) {
   const auto luma = [&](int x, int y) {
     const uint8_t* p = &rgba[1][4 * (size_t(glm::clamp(y, 0, height - 1)) * width + glm::clamp(x, 0, width - 1))];

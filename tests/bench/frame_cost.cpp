@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_frame_cost CHARACTER [FRAMES]: a frame of a phone's canvas (780 × 1688, 4 samples), multisampled in the
-// figures' region against the whole view: bytes of the targets, and draw times, alternating in one run, with quartiles.
+// bench_frame_cost CHARACTER [FRAMES]: a frame on a phone's canvas (780 × 1688, 4 samples), multisampled in the
+// figures' region only or in the whole view: bytes of the targets, and draw times, alternating in one run, with
+// quartiles.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -55,7 +56,7 @@ std::vector<render::View> orbit(const BoundingBox& bounds, const Canvas& canvas,
 
 struct Variant {
   const char* name;
-  bool in_region, shares;  // corners, and its shadow has fewer faces
+  bool in_region, shares;  // shared corners, and a shadow of fewer faces
   std::unique_ptr<render::Recipe> recipe;
   render::PlainFigure figure;
   uint64_t bytes = 0;
@@ -69,7 +70,7 @@ Variant makeVariant(gpu::Device& device, const FirstFrame& frame, const char* na
   return out;
 }
 
-// A new frame, of which every face is drawn by itself unless the variant shares corners.
+// Sets a new frame, with separate corners for every face unless the variant shares them.
 void setFrame(gpu::Device& device, const FirstFrame& frame, Variant& variant) {
   render::CharacterModel& model = variant.figure.model;
   variant.figure.setFrame(device, frame.positions, frame.labels());
@@ -89,9 +90,9 @@ void printVariant(const Variant& v, const Variant& first) {
               double(v.bytes) / 1e6, at(v.ms, 0.5), at(v.ms, 0.25), at(v.ms, 0.75), at(v.ms, 0.5) / at(first.ms, 0.5));
 }
 
-// New frames from all round, their shadows included.
+// Draws new frames from all sides, shadows included.
 void race(gpu::Device& device, const FirstFrame& frame, const Canvas& canvas, int frames) {
-  render::Scene unseen;  // with it the whole view is multisampled
+  render::Scene unseen;  // forces multisampling of the whole view
   const std::vector<render::SceneCorner> far_below(3, render::SceneCorner{{0, -1000, 0}});
   unseen.meshes.push_back(orStop(render::makeSceneMesh(device, far_below, true)));
   unseen.ground_y_m = float(frame.character.ground_y_m);
@@ -118,9 +119,9 @@ void race(gpu::Device& device, const FirstFrame& frame, const Canvas& canvas, in
   for (const Variant& variant : variants) printVariant(variant, variants[0]);
 }
 
-// Vertices that are shaded by a GPU that keeps the last `kept` of them.
+// Number of vertices shaded by a GPU that caches the last `kept` of them.
 size_t shadedOf(std::span<const uint32_t> corners, size_t kept) {
-  std::vector<size_t> shaded_at(1 + *std::max_element(corners.begin(), corners.end()), 0);  // from 1; 0: never
+  std::vector<size_t> shaded_at(1 + *std::max_element(corners.begin(), corners.end()), 0);  // 1-based; 0: never
   size_t shaded = 0;
   for (const uint32_t corner : corners)
     if (!shaded_at[corner] || shaded_at[corner] + kept <= shaded) shaded_at[corner] = ++shaded;
@@ -175,7 +176,7 @@ int main(int argc, char** argv) {
   const FirstFrame frame = testing::loadFirstFrame(*device, argv[1]);
   std::printf("%s, %u faces, %d frames\n", device->caps().renderer.c_str(), frame.figure.model.face_count, frames);
   race(*device, frame, makeCanvas(*device, 780, 1688, 4), frames);
-  race(*device, frame, makeCanvas(*device, 78, 169, 0), frames);  // of which vertices are the most
+  race(*device, frame, makeCanvas(*device, 78, 169, 0), frames);  // small, so that vertices dominate
   countVertices(frame);
   return 0;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_fvvr_ratio CHARACTER CAPTURE [FRAMES [CLOSEST]]: LVDT 4.4, frame rate of the layered character against
-// free-viewpoint rendering from all cameras and from the CLOSEST ones (3), with the parts of a frame.
+// bench_fvvr_ratio CHARACTER CAPTURE [FRAMES [CLOSEST]]: LVDT 4.4, frame rates of the layered character and of
+// free-viewpoint rendering from all cameras and from the CLOSEST (3) nearest ones, with the parts of a frame.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

@@ -1,10 +1,10 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: Apache-2.0
-// hulls.mjs FOURDVT FOURDVT_LAB CAPTURE OUT [SEQUENCES]: surfaces from silhouettes against their tolerance, and refined by
-// stereo. Hulls on one thread, stereo on all: overlap with the silhouettes, triangles, milliseconds a frame by stage,
-// fallbacks; at the test frames distances to the capture's own meshes and plain projective texturing at the held-out
-// cameras. Writes OUT/rows.json, of which site/measured/documents.mjs makes site/measured/hulls.md. A killed run goes on after
-// what is finished.
+// hulls.mjs FOURDVT FOURDVT_LAB CAPTURE OUT [SEQUENCES]: surfaces from silhouettes by tolerance, and refined by stereo.
+// Hulls on one thread, stereo on all: overlap with the silhouettes, triangles, milliseconds per frame by stage,
+// fallbacks; at the test frames, distances to the capture's own meshes, and plain projective texturing at the held-out
+// cameras. Writes OUT/rows.json, from which site/measured/documents.mjs makes site/measured/hulls.md. A killed run
+// resumes after its finished results.
 import { existsSync, mkdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
@@ -33,7 +33,7 @@ const cases = [
 
 const only = sequences ? ['--sequences', sequences] : [];
 
-// Means over the sequences' views of the columns that `fourdvt-lab surfaces` prints after the name.
+// Means over the sequences' views of the columns that `fourdvt-lab surfaces` prints after the sequence's name.
 function scores(folder) {
   const rows = run(lab, 'surfaces', folder, '--reference', capture, ...only).trim().split('\n').slice(1).map((line) => line.trim().split(/\s+/).slice(1).map(Number));
   const column = (k) => rows.reduce((sum, row) => sum + row[k] * row[0], 0) / rows.reduce((sum, row) => sum + row[0], 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shared by cameras.mjs, hulls.mjs and methods.mjs: finished results are kept in OUT/kept, each written as a whole, so
-// that a run that was killed goes on after them; scores of a character; OUT/rows.json.
+// Shared by cameras.mjs, hulls.mjs and methods.mjs: keeps finished results in OUT/kept, written atomically, so that a
+// killed run resumes after them; scores of a character; OUT/rows.json.
 import { execFileSync } from 'node:child_process';
 import { existsSync, mkdirSync, readFileSync, renameSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -14,7 +14,7 @@ function writeWhole(path, value) {
   renameSync(`${path}.part`, path);
 }
 
-// Returns what `measure` returned in an earlier run of the same name, or now.
+// Returns the kept result of an earlier run under this name, or else measures and keeps it.
 export function kept(out, name, measure) {
   const folder = join(out, 'kept'), path = join(folder, `${name.replace(/[^A-Za-z0-9.]+/g, '-')}.json`);
   if (existsSync(path)) return JSON.parse(readFileSync(path, 'utf8'));
@@ -37,17 +37,17 @@ export function meanScores(views) {
   };
 }
 
-// The same of a character at the capture's held-out cameras.
+// Means of a character at the capture's held-out cameras.
 export function characterScores(lab, capture, character, folder, options) {
   run(lab, 'score', character, '--capture', capture, '-o', folder, '--input-every', '0', '--flicker', '0', ...options);
   return meanScores(parseCsv(readFileSync(join(folder, 'evaluate.csv'), 'utf8')).filter((row) => row.kind === 'held-out'));
 }
 
-// rows: { table, … }; a number without a unit in its name is a ratio or a count. facts: texts. collect.mjs reads both.
+// rows: { table, … }; a number without a unit in its name is a ratio or a count. facts: texts. Read by collect.mjs.
 export function writeRows(out, facts, rows) {
   writeWhole(join(out, 'rows.json'), `${JSON.stringify({ facts, rows })}\n`);
 }
 
-// A row with its numbers kept to six digits.
+// Row with its numbers rounded to six digits.
 export const rounded = (row) => Object.fromEntries(Object.entries(row)
   .map(([key, value]) => [key, typeof value === 'number' ? places(Number(value.toPrecision(6)), 6) : value]));

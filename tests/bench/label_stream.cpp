@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the streams of a baked character cost beside the video, part by part: kbit/s, bytes of labels per frame, and
-// processor time to decode all parts as the player does. A class carries every member's labels and positions.
+// Cost of a baked character's streams besides the video, part by part: kbit/s, bytes of labels per frame, and processor
+// time to decode all parts as the player does. A class has labels and positions of every member.
 // Usage: bench_label_stream CHARACTER_FOLDER [RUNS]
 #include <algorithm>
 #include <cstdio>
@@ -22,7 +22,7 @@ using fourdvt::testing::orStop;
 
 namespace {
 
-// Processor time: a busy machine does not change it.
+// Processor time, ms: unaffected by other processes.
 double now_ms() { return 1e3 * double(std::clock()) / CLOCKS_PER_SEC; }
 
 struct Cost {
@@ -39,7 +39,7 @@ void countChanges(const package::ChunkFrames& frames, Cost& cost) {
   cost.compared += frames.labels.size() - per_frame;
 }
 
-// The root motion is what the coded parts leave.
+// Counts bytes by part; the root motion's are the remainder.
 void countBytes(std::span<const uint8_t> chunk, const package::StreamIndex& index, Cost& cost) {
   ByteReader lengths(chunk);
   uint64_t root = chunk.size();

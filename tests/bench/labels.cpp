@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // bench_labels CAPTURE SEQUENCE [--dump FILE] [--joint WEIGHTS]: every labelling on a captured sequence: seams, flips
-// and penalties per layer, energy, milliseconds a frame with one and two jobs, and the windowed solve's energy against
-// one solve of the whole sequence. --dump FILE: the joint labels as raw bytes [frame][layer][face], faces in the
+// and penalties per layer, energy, milliseconds per frame with one and two jobs, and the energy of the windowed solve
+// and of one solve of the whole sequence. --dump FILE: the joint labels as raw bytes [frame][layer][face], faces in the
 // character's order.
-// --joint: only this one beside spatial, once for each list of weights θ1,θ2,θ3,ω1,ω2,ω3,η,τ (lists separated by ':').
+// --joint: prints joint against spatial only, once per list of weights θ1,θ2,θ3,ω1,ω2,ω3,η,τ (lists separated by ':').
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -29,7 +29,7 @@ using namespace fourdvt;
 using bake::Labelling;
 using fourdvt::testing::orStop;
 
-constexpr size_t kHysteresisFrames = 2;  // to each side, as the bake's survey
+constexpr size_t kHysteresisFrames = 2;  // to each side, as in the bake's survey
 
 struct Measured {
   bake::FaceGraph graph;
@@ -119,7 +119,7 @@ std::string list(const std::vector<double>& values, const char* format) {
 
 double msPerFrame(const bake::LabelStatistics& s) { return 1000 * s.seconds / s.frames; }
 
-// Layer 1 of joint against spatial. "all" counts the edge of what no camera sees, which no labelling can avoid.
+// Prints layer 1 of joint against spatial. "all" includes borders of unseen regions, which no labelling can avoid.
 void printComparison(const char* what, const std::vector<double>& flips, const std::vector<double>& spatial_flips,
                      const std::vector<double>& seams, const std::vector<double>& spatial_seams) {
   std::printf(

@@ -1,13 +1,13 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: Apache-2.0
-// The rendition on screen while the throughput changes: one motion of a character, long enough not to be held whole, in
-// headless Chromium with DevTools' throttling; the throughput changes in equal parts of the time. Prints rungs and bytes held
-// over time, stalls, frames shown and late, wrong pairs of picture and geometry (by barcode), and, with --pictures, how much
-// the pictures change at a switch against the changes between other frames.
+// Renditions shown under a changing throughput: plays one motion of a character, too long to be held whole, in headless
+// Chromium with DevTools' throttling; each throughput lasts an equal part of the time. Prints rungs and bytes held over
+// time, stalls, frames shown and late, mismatched pairs of picture and geometry (by barcode), and, with --pictures, the
+// change of the pictures at a switch against that between other frames.
 //   node ladder.mjs CHARACTER [--sequence NAME] [--seconds 90] [--rates 8000,2000,8000] [--latency 50] [--dist DIST]
 //                   [--pictures FOLDER] [--out FILE.json]
-// CHARACTER: a baked folder; --dist: the built web package that plays it (default: that of web/). Time is counted from the
-// first picture. --pictures: the frame before and after every switch, as PNG; playback is not paused for them.
+// CHARACTER: a baked folder; --dist: the built web package that plays it (default: that of web/). Time starts at the
+// first picture. --pictures: the frames before and after every switch, as PNG; playback is not paused for them.
 import { existsSync, mkdirSync, mkdtempSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
@@ -42,7 +42,8 @@ for (const [path, remedy] of [[join(character, 'character.gltf'), 'bake a charac
 }
 const rates = options.rates.split(',').map(Number), latencyMs = Number(options.latency);
 
-// In the page, before anything else: samples, switches, stalls; pictures of the frames round a switch where they are wanted.
+// Runs in the page, before its scripts: records samples, switches, stalls; on request pictures of the frames around a
+// switch.
 function watch({ sampleMs, pictures }) {
   const kept = (globalThis.kept = { samples: [], switches: [], stalls: [], changes: [] });
   const original = HTMLCanvasElement.prototype.getContext;
@@ -97,7 +98,7 @@ function watch({ sampleMs, pictures }) {
   requestAnimationFrame(look);
 }
 
-// Makes one folder of player and character.
+// Assembles a site of player and character.
 function siteOf(folder) {
   const site = mkdtempSync(join(tmpdir(), 'fourdvt-ladder-'));
   symlinkSync(resolve(options.dist), join(site, 'fourdvt-viewer'));
@@ -105,7 +106,7 @@ function siteOf(folder) {
   return site;
 }
 
-// Returns what the page kept, with times in ms since the first picture.
+// Returns the page's records, with times in ms since the first picture.
 async function play(browser, url) {
   const prepare = (page) => page.addInitScript(watch, { sampleMs: kSampleMs, pictures: Boolean(options.pictures) });
   const opened = await openThrottled(browser, url, { kbps: rates[0], latencyMs }, { viewport: kSide, prepare });
@@ -138,7 +139,7 @@ function writePictures(switches) {
   }
 }
 
-// A row every few seconds and at every switch.
+// Rows every few seconds and at every switch.
 function rowsOf({ samples, switches, set }) {
   const at = [...switches.map(({ ms }) => ms), ...samples.filter(({ ms }, i) => i === 0 || Math.floor(ms / kRowMs) > Math.floor(samples[i - 1].ms / kRowMs)).map(({ ms }) => ms)];
   return at.toSorted((a, b) => a - b).map((ms) => {

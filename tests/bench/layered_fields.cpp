@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // bench_layered_fields CHARACTER [PICTURES]: milliseconds of a whole picture of a layered character by Montage4D over
-// layers against the plain blend, in turns in one run. Distances from the seams are for new geometry only, so there are
-// two kinds of pictures: of the frame that was shown before, and of a new one.
+// layers and by the plain blend, in turns in one run. Distances from the seams are computed for new geometry only;
+// hence two kinds of pictures: of the frame shown before, and of a new one.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
   const auto plain = orStop(render::Recipe::create(*device)), montage = orStop(render::Recipe::create(*device));
   montage->setLayered(orStop(render::makeLayeredMontage(*device)));
   const render::Figure figure = orStop(player->player().figure());
-  // A new frame's mesh is uploaded for both alike, so that it is left out.
+  // Excludes the upload of a new frame's mesh, which is the same for both.
   auto& model = const_cast<render::CharacterModel&>(*figure.model);
   const render::View view = render::viewFromCamera(
       cameraFromOrbit(defaultOrbit(character.bounds, double(kWidth) / kHeight), kWidth, kHeight));
@@ -46,7 +46,7 @@ int main(int argc, char** argv) {
   const auto target = orStop(gpu::makeTarget(*device, {.colors = {color.id()}, .label = "picture"}));
 
   struct Cost {
-    double wall_ms = 0, processor_ms = 0;  // of all threads; other work of the machine hardly changes it
+    double wall_ms = 0, processor_ms = 0;  // of all threads; hardly affected by other processes
   };
   const auto timed = [&](render::Recipe& recipe, bool new_frame) {
     if (new_frame) model.geometry_serial += 1'000'000;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cost of a frame of a live stream, step by step, on one core: six cameras of the sample, reduced to 320 x 240 and
-// to 640 x 480 texels, at several tolerances of the outlines. Goal: the sum below a frame's time at 25 and 12 frames a
-// second. Then the pipeline itself at that pace, beside a thread that makes the cameras' outlines.
+// Cost of a frame of a live stream, step by step, on one core: six cameras of the sample, reduced to 320 x 240 and to
+// 640 x 480 texels, at several tolerances of the outlines. Goal: the sum is below a frame's time at 25 and 12 frames a
+// second. Then runs the pipeline itself at that rate, with a second thread that makes the cameras' outlines.
 //   build/release/tests/bench/bench_live_frame site/sample/actor_a
 #include <algorithm>
 #include <cstdio>
@@ -42,7 +42,7 @@ struct Setup {
   std::vector<std::vector<Seen>> frames;  // [frame][camera]
 };
 
-// The whole upright picture in the middle of a lying one, as a camera on its tripod would see it.
+// Camera whose landscape picture has the whole portrait picture in its middle, as if it stood on a tripod.
 PinholeCamera boxedCamera(PinholeCamera camera, int width, int height) {
   const double scale = double(height) / camera.height;
   camera.fx *= scale, camera.fy *= scale, camera.cx *= scale, camera.cy *= scale;

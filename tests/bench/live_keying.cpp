@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cost of keying a picture live, on one core, beside the offline key of the same picture; and how both mattes agree
-// with the true ones. Pictures are scaled to the height and widened at their borders.
+// Cost of live keying of a picture, on one core, and of the offline key of the same picture; and agreement of both
+// mattes with the true ones. Pictures are scaled to the height and widened at their borders.
 // Usage: bench_live_keying [CAPTURE [FOLDER_OF_TRUE_MATTES]]
 #include <cstdio>
 #include <ctime>
@@ -21,14 +21,14 @@ using fourdvt::testing::orStop;
 
 namespace {
 
-// Processor time: a busy machine does not change it.
+// Processor time, ms: unaffected by other processes.
 double now_ms() { return 1e3 * double(std::clock()) / CLOCKS_PER_SEC; }
 
 cv::Mat wrapped(const Image& image) {
   return cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<uint8_t*>(image.pixels.data()));
 }
 
-// Scaled to the height; at the sides the border of `beside` goes on: a picture has there what its plate has.
+// Scales to the height; pads the sides with the border of `beside`, so that a picture equals its plate there.
 Image fitted(const Image& from, const Image& beside, int width, int height) {
   const int inner = std::min(width, from.width * height / from.height), left = (width - inner) / 2;
   Image out(width, height, from.channels);
@@ -77,7 +77,7 @@ std::vector<View> readViews(const capture::Capture& capture, const std::string& 
   return views;
 }
 
-// The least of some runs: what else the machine does only adds.
+// Minimum of several runs, since other processes only add time.
 template <class Work>
 double leastCost_ms(int runs, const Work& work) {
   double min_ms = 1e9;

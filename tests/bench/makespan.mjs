@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// node makespan.mjs PLAN MEASURED FRAMES [TAKES [PLANNING_S]]: how long a plan would take on 1, 2, 4 … 256 workers, by pieces that were
-// measured on another capture.
+// node makespan.mjs PLAN MEASURED FRAMES [TAKES [PLANNING_S]]: simulated duration of a plan on 1, 2, 4 … 256 workers,
+// with times of pieces measured on another capture.
 //   PLAN       plan.json of a long capture: the graph
-//   MEASURED   job folder of a capture with the cameras in question, all of whose pieces are done
-//   FRAMES     its frames: seconds grow in proportion to frames, the start of a process included
-//   TAKES      number of captures like PLAN's in one, as sequences of their own (1)
-//   PLANNING_S seconds of planning, before which no piece starts (0)
-// List scheduling in the plan's order, on whole workers; each piece ends `latency` seconds later for those that wait, as
-// Snakemake polls and starts. Prints a table as Markdown.
+//   MEASURED   job folder of a capture with the same cameras, with all pieces finished
+//   FRAMES     frames of MEASURED: times grow in proportion to frames, process start included
+//   TAKES      number of captures like PLAN's in one, as separate sequences (1)
+//   PLANNING_S seconds of planning, before any piece starts (0)
+// List scheduling in the plan's order, on whole workers; a piece's dependants can start `latency` seconds after its
+// end, as Snakemake polls. Prints a table as Markdown.
 import { existsSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 const kLatency_s = 12, kWorkers = [1, 2, 4, 8, 16, 32, 64, 128, 256];
-// Kinds whose pieces have a fixed number of frames; the others' seconds grow with the frames of the whole capture.
+// Kinds whose pieces have a fixed number of frames; times of other kinds grow with the frames of the whole capture.
 const kFixed = { survey: 32, gop: 20, align: 20, frames: 32, labels: 96 };
-// Measured on the sample: putting windows of labels together takes this share of solving them; the last piece this much
-// a frame, besides what it takes for any capture.
+// Measured on the sample: share of a labels' solve that joining its windows takes; seconds per frame of the last piece,
+// besides its constant part.
 const kJoining = 0.02, kFinish_s = 0.03;
 const kWhole = new Set(['colours', 'graph', 'room', 'finish']);
-const kOfASequence = new Set(['method', 'room', 'first']);  // the same for any length; of several takes, as of one
+const kOfASequence = new Set(['method', 'room', 'first']);  // same for any length; once for several takes
 const kColourFrames = 32, kColourEvery = 4;  // colours are matched on every fourth of a take's first 32 frames
 
-/** Seconds of a piece of each kind, for one frame or for all of it. */
+/** Seconds of a piece of each kind, per frame or in total. */
 export function measuredSeconds(folder) {
   const plan = JSON.parse(readFileSync(join(folder, 'plan.json'), 'utf8'));
   const sums = {};
@@ -39,7 +39,7 @@ export function measuredSeconds(folder) {
   return sums;
 }
 
-/** Seconds of every piece of the plan, which is of so many takes. `frames`: of the measured capture. */
+/** Seconds of every piece of a plan of `takes` takes. `frames`: number in the measured capture. */
 export function scaled(plan, sums, frames, takes = 1) {
   return plan.pieces.map((piece) => {
     const kind = sums[piece.kind];
@@ -47,7 +47,7 @@ export function scaled(plan, sums, frames, takes = 1) {
     if (kOfASequence.has(piece.kind)) return kind.seconds / kind.pieces;
     if (piece.kind === 'colours')
       return kind.seconds * takes * kColourFrames / kColourEvery / Math.ceil(Math.min(kColourFrames, frames) / kColourEvery);
-    // A short capture's labels are one window: solved in the piece that else puts windows together.
+    // Labels of a short capture are one window: the piece that joins windows also solves it.
     if (piece.kind === 'finish') return kind.seconds + kFinish_s * plan.frames;
     const perFrame = kind.seconds / frames * (kind.solves && piece.kind === 'label' ? kJoining : 1);
     if (kFixed[piece.kind]) return perFrame * Math.min(kFixed[piece.kind], plan.frames);
@@ -56,7 +56,7 @@ export function scaled(plan, sums, frames, takes = 1) {
   });
 }
 
-/** A plan of several takes: all pieces once a take, those of the whole capture (kWhole) once. */
+/** Plan of several takes: all pieces once per take, those of the whole capture (kWhole) once. */
 export function repeated(plan, takes) {
   const nameOf = (id, take) => (kWhole.has(id) ? id : `${id}@${take}`);
   const out = new Map();
@@ -66,7 +66,7 @@ export function repeated(plan, takes) {
       if (known) known.needs.push(...needs.filter((need) => !known.needs.includes(need)));
       else out.set(id, { ...piece, id, needs });
     }
-  // Each after those that it needs.
+  // Sorts topologically.
   const pieces = [], done = new Set();
   for (let left = [...out.values()]; left.length;) {
     const [now, later] = [left.filter((p) => p.needs.every((need) => done.has(need))), left.filter((p) => !p.needs.every((need) => done.has(need)))];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Motion classes of a capture in figures: time-warp, foot skate, the error of linear and hybrid blends against the full
-// non-linear one, and what each costs. Usage: bench_mesh_blend CAPTURE_FOLDER [MEMBER MEMBER]
-// With two sequences named: their frames, paired by share of the whole, as a harder pair.
+// Measurements of a capture's motion classes: time-warp, foot skate, the errors of linear and hybrid blends against the
+// full non-linear one, and the cost of each. Usage: bench_mesh_blend CAPTURE_FOLDER [MEMBER MEMBER]
+// MEMBER: two sequences, as a harder pair; frames are paired by their share of the whole.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -1,9 +1,10 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: Apache-2.0
-// method_choice.mjs FOURDVT_LAB CAPTURE OUT [SEQUENCES [FRAMES [AXIS_FRAMES [METHODS_JSON]]]]: what the bake would choose under every
-// condition of methods.mjs, from the input cameras alone, against the scores at the held-out cameras that METHODS_JSON
-// (default site/measured/methods.json) has. Prints a table; with METHODS_JSON given, replaces its rows "chosen", from which
-// `node site/measured/fill.mjs` makes methods.md. A run that was killed goes on after what is finished.
+// method_choice.mjs FOURDVT_LAB CAPTURE OUT [SEQUENCES [FRAMES [AXIS_FRAMES [METHODS_JSON]]]]: method that the bake
+// would choose under every condition of methods.mjs, from the input cameras alone, against the scores at the held-out
+// cameras in METHODS_JSON (default site/measured/methods.json). Prints a table; with METHODS_JSON given, replaces its
+// rows "chosen", from which `node site/measured/fill.mjs` makes methods.md. A killed run resumes after its finished
+// results.
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_method_costs CAPTURE [SEQUENCE [REPEATS]]: what a new frame costs by every method that a bake may choose, in
-// frames of FVVR, on the capture's first surface simplified and split to the sizes of the table that the bake uses
-// (native/bake/method/method_costs.inc). Prints that file's rows as measured; exits with 1 where the table is off by
-// more than 30 %. Surface and picture are new for every frame; 720 × 960, 4 cameras; alternating in one run, medians.
+// bench_method_costs CAPTURE [SEQUENCE [REPEATS]]: cost of a new frame by every method that a bake may choose, relative
+// to FVVR, on the capture's first surface, simplified and split to the sizes of the bake's table
+// (native/bake/method/method_costs.inc). Prints that file's rows as measured; exits with 1 if an entry differs by more
+// than 30 %. Surface and picture are new for every frame; 720 × 960, 4 cameras; alternating in one run, medians.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -29,7 +29,7 @@ using fourdvt::testing::orStop;
 constexpr int kWidth = 720, kHeight = 960;
 constexpr double kOff = 0.3;
 
-// Every triangle becomes four.
+// Splits every triangle into four.
 TriangleMesh split(const TriangleMesh& mesh) {
   TriangleMesh out{mesh.positions, {}};
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> middles;
@@ -91,7 +91,7 @@ int main(int argc, char** argv) {
         orStop(drawing.setFrame(surface, captured.pictures));
         const auto start = std::chrono::steady_clock::now();
         orStop(drawing.render(view, {}));
-        if (i > 0)  // programs and targets are made for the first one
+        if (i > 0)  // the first one creates programs and targets
           times_s[method].push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
       }
     for (const std::string& method : methods) {

@@ -1,14 +1,15 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: Apache-2.0
-// methods.mjs FOURDVT_LAB CAPTURE OUT [SEQUENCES [FRAMES [AXIS_FRAMES [CHARACTERS]]]]: the methods of characters from
-// cameras against each other, by `fourdvt-lab methods`. Writes OUT/rows.json, of which site/measured/documents.mjs makes
-// methods.md, beside the report OUT/methods/report.html.
+// methods.mjs FOURDVT_LAB CAPTURE OUT [SEQUENCES [FRAMES [AXIS_FRAMES [CHARACTERS]]]]: compares the methods of
+// characters from cameras by `fourdvt-lab methods`. Writes OUT/rows.json, from which site/measured/documents.mjs makes
+// methods.md, and the report OUT/methods/report.html.
 //   SEQUENCES    default run,pickup; constants were chosen on the sample's walk, which has rows of its own in the
 //                cross-validation alone
-//   FRAMES       test frames of each (default 2); AXIS_FRAMES: the same where no choice is made (default 1)
-//   CHARACTERS   a folder of characters from cameras that were baked from CAPTURE, as the demo's build/cameras: their
+//   FRAMES       test frames per sequence (default 2); AXIS_FRAMES: the same for conditions without a choice (default
+// 1)
+//   CHARACTERS   a folder of characters from cameras baked from CAPTURE, such as the demo's build/cameras: adds their
 //                scores after the codec
-// A run that was killed goes on after what is finished.
+// A killed run resumes after its finished results.
 import { mkdirSync, readFileSync, readdirSync } from 'node:fs';
 import { join } from 'node:path';
 
@@ -18,7 +19,7 @@ import { chosenRows } from './method_choice.mjs';
 
 const [lab, capture, out, sequences = 'run,pickup', frames = '2', axisFrames = '1', characters] = process.argv.slice(2);
 const kTunedOn = 'walk', kBaseline = 'linear';
-const kSteps = 'about,proxies,cameras,calibration,cross-validation,choice,stages';  // the report's pictures are left out
+const kSteps = 'about,proxies,cameras,calibration,cross-validation,choice,stages';  // without the report's pictures
 if (!out) {
   console.error('usage: methods.mjs FOURDVT_LAB CAPTURE OUT [SEQUENCES [FRAMES [AXIS_FRAMES [CHARACTERS]]]]');
   process.exit(2);
@@ -47,7 +48,7 @@ function meanOf(place, quantity) {
   return found.length ? mean(found) : undefined;
 }
 
-// Mean over the views with its standard error, and the same of the difference to linear blending, view by view.
+// Mean over the views with its standard error; and both for the difference to linear blending, view by view.
 function overViews(place, quantity) {
   const of = (method) => new Map(views.filter((row) => isAt(row, { ...place, method }) && row.quantity === quantity)
     .map((row) => [`${row.sequence} ${row.keys.get('view')} ${row.keys.get('frame')}`, row.value]));
@@ -84,7 +85,7 @@ const crossRows = crossKeys.map((text) => {
 });
 const passes = ofTable('stage').map((row) => rounded({ table: 'pass', pass: row.keys.get('pass'), method: row.method, frame_ms: row.value }));
 
-// Over all held-out views of what was streamed, by character and method.
+// Means over all held-out views of the streamed characters, by character and method.
 const names = characters ? readdirSync(characters, { withFileTypes: true }).filter((entry) => entry.isDirectory()).map(({ name }) => name) : [];
 const methods = distinct(places.map(({ method }) => method));
 const streamed = methods.flatMap((method) => names.map((character) => ({

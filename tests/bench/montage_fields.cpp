@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_montage_fields CAMERAS [SEQUENCE [FRAMES]]: what a picture of a character from cameras costs by FVVR, by
-// Holoportation's blend and by Montage4D, in milliseconds and as a ratio to FVVR: of a new frame, and of another view
-// of the same frame; and how much of Montage4D's are its fields (which cameras see a vertex, votes, seams and their
-// distances; what the view wants, and what follows it). Alternating in one run, medians.
+// bench_montage_fields CAMERAS [SEQUENCE [FRAMES]]: milliseconds of a picture of a character from cameras by FVVR,
+// Holoportation's blend and Montage4D, with ratios to FVVR: of a new frame, and of another view of the same frame; and
+// the part of Montage4D's time that its fields take (visibility of vertices, votes, seams and their distances; the
+// view's target values, and their smoothing over time). Alternating in one run, medians.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -49,7 +49,7 @@ int main(int argc, char** argv) {
                                                             .label = "multisampled"}));
   const gpu::Texture color = orStop(gpu::makeTexture(*device, {.width = kWidth, .height = kHeight, .label = "one"}));
   const gpu::Target one = orStop(gpu::makeTarget(*device, {.colors = {color.id()}, .label = "one"}));
-  const auto wait = [&] {  // for all that was asked for before, in order
+  const auto wait = [&] {  // for all earlier GPU work, in order
     device->beginPass({.target = one.id(), .width = 1, .height = 1, .clear_color = true});
     device->endPass();
     uint8_t pixel[4];

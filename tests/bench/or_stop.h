@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a bench unwraps results: an error is printed with the bench's name, and ends it.
+// Unwraps a bench's results; prints an error with the bench's name and exits.
 #pragma once
 
 #include <cerrno>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a polyhedral visual hull costs on one core: outlines of six pictures of 320 x 240 pixels, and the hull of their
-// cones, at the tolerance that gives 400 to 500 triangles and at others. Goal: 30 hulls a second and more, twice what
-// OVH03 reports (15 with six cameras).
+// Cost of a polyhedral visual hull on one core: outlines of six pictures of 320 x 240 pixels, and the hull of their
+// cones, at the tolerance that gives 400 to 500 triangles and at others. Goal: at least 30 hulls a second, twice the
+// rate of OVH03 (15 with six cameras).
 //   build/release/tests/bench/bench_polyhedral_hull
 #include <algorithm>
 #include <cstdio>
@@ -17,7 +17,7 @@ using fourdvt::testing::orStop;
 
 namespace {
 
-// A puppet of balls: head, trunk, and limbs that stand off.
+// Figure of balls: head, trunk, and spread limbs.
 Shape puppet() {
   Shape all = ballShape({0, 0.62, 0}, 0.13);
   const auto add = [&](const glm::dvec3& from, const glm::dvec3& to, double radius_m, int balls) {
@@ -31,7 +31,7 @@ Shape puppet() {
   return all;
 }
 
-// The least of some runs: what else the machine does only adds.
+// Minimum of several runs, since other processes only add time.
 template <class Work>
 double leastCost_ms(const Work& work) {
   double min_ms = 1e9;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_room [OUT]: the room's picture that a bake would make of the virtual studio's plates, against the studio's own
-// colours: 1/N, the recurrence and feathering, for exact cameras, for cameras with gain and noise, and for cameras that
-// are also calibrated with errors. Writes the pictures into the folder OUT.
+// bench_room [OUT]: error of the room's picture that a bake makes from the virtual studio's plates, against the
+// studio's own colours: mean (1/N), recurrence and feathering, for exact cameras, for cameras with gain and noise, and
+// for cameras with calibration errors as well. Writes the pictures into the folder OUT.
 #include "bake/room/room.h"
 
 #include <cmath>
@@ -54,11 +54,11 @@ std::vector<Blend> blends() {
   return out;
 }
 
-// What is known about the picture's texels: the studio's colour, and which cameras see the texel.
+// Truth per texel of the picture: the studio's colour, and the set of cameras that see the texel.
 struct Truth {
   package::Room room;
   Image picture;
-  std::vector<uint32_t> cameras;  // as a set; 0: none, or no texel of the floor or a wall
+  std::vector<uint32_t> cameras;  // bit set; 0: none, or no texel of the floor or a wall
 };
 
 Truth truthOf(const studio::Room& room, const std::vector<bake::RoomPlate>& plates) {
@@ -100,12 +100,12 @@ Truth truthOf(const studio::Room& room, const std::vector<bake::RoomPlate>& plat
 }
 
 struct Score {
-  double psnr_db = 0, seam = 0;  // of what cameras see; levels
+  double psnr_db = 0, seam = 0;  // over texels that cameras see; levels
 };
 
-// Seam: the step that the picture has and the truth has not where what a camera sees ends. Detail that the cameras do
-// not resolve makes such steps everywhere, so the steps from one set of cameras to another are first averaged over all
-// of their border, with sign; the result is the mean of these over all borders and channels.
+// Seam: step across the border of a camera's view that the picture has and the truth lacks. Detail that the cameras do
+// not resolve makes such steps everywhere; hence the signed steps between two sets of cameras are averaged over all of
+// their border first. The result is the mean of the averages' magnitudes over all borders and channels.
 Score scoreOf(const Image& picture, const Truth& truth) {
   struct Step {
     glm::dvec3 sum{0};

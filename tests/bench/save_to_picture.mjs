@@ -1,10 +1,12 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: Apache-2.0
-// Seconds from a saved shader, TypeScript and C++ file to a changed picture of the front page, in headless Chromium under
-// web/develop.mjs; with --whole by the whole build instead: build/wasm, web/build.mjs, site/assemble.mjs, reload.
+// Seconds from saving a shader, TypeScript or C++ file to a changed picture of the front page, in headless Chromium
+// under web/develop.mjs; with --whole by a complete build instead: build/wasm, web/build.mjs, site/assemble.mjs,
+// reload.
 //   node tests/bench/save_to_picture.mjs [--runs 3] [--kinds shader,TypeScript,C++] [--whole] [--site build/site]
-// Edits files of this tree so that the picture becomes magenta, and restores them. Needs an assembled site (site/demo.sh --prepare);
-// build/wasm-dev, which web/develop.mjs builds, where C++ is measured. --whole assembles build/site anew.
+// Edits files of this tree so that the picture becomes magenta, and restores them. Needs an assembled site
+// (site/demo.sh --prepare), and for C++ build/wasm-dev, which web/develop.mjs builds. --whole assembles build/site
+// anew.
 import { execFileSync, spawn } from 'node:child_process';
 import { existsSync, readFileSync, writeFileSync } from 'node:fs';
 import { loadavg } from 'node:os';
@@ -29,7 +31,7 @@ const { values: options } = parseArgs({
   },
 });
 
-// In the page: a hundredth of the canvas or more is magenta.
+// Runs in the page: true if at least a hundredth of the canvas is magenta.
 function isMagenta() {
   const viewer = document.querySelector('fourdvt-viewer'), canvas = viewer?.shadowRoot?.querySelector('canvas');
   if (!canvas?.width || !(viewer.stats?.framesShown > 0)) return null;

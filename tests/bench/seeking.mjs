@@ -1,13 +1,13 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: Apache-2.0
-// Commands on a throttled network: the time from a seek, a move of the slider or a change of the motion to the first
-// picture of what was wanted, and the bytes that came and were thrown away meanwhile. Headless Chromium, cold cache,
-// DevTools' throttling, texts and wasm with gzip; a page with one tag. Every run is a visit of its own.
+// Latency of commands on a throttled network: time from a seek, a move of the slider or a change of the motion to the
+// first picture of the target, and the bytes fetched in vain meanwhile. Headless Chromium, cold cache, DevTools'
+// throttling, texts and wasm with gzip; a page with one tag. Every run is a new visit.
 //   node seeking.mjs SITE [--other SITE2] [--names now,before] [--runs 5] [--rates 2000/150] [--commands seek,…]
 //                    [--motion pickup] [--out FILE.json]
-// SITE, SITE2: assembled sites (site/assemble.mjs), of any version of the player. --motion: the one sought in, the first
-// where the character lacks it. A visit takes 10 to 30 s; with --out every visit is kept, and a run that was killed goes on
-// after it. Commands that the character has no motions for are left out:
+// SITE, SITE2: assembled sites (site/assemble.mjs), of any version of the player. --motion: the one sought in; the
+// first one if the character lacks it. A visit takes 10 to 30 s; with --out every visit is saved, and a killed run
+// resumes after it. Commands are skipped if the character lacks the motions for them:
 //   seek       the motion plays; to three quarters of it at its first pictures. A short motion is held by then
 //   twice      the motion plays; to its end at its first pictures, and 200 ms later to the middle: counted from the latter
 //   elsewhere  the first motion plays; three quarters of --motion at once: its header and one GOP
@@ -16,8 +16,8 @@
 //   select     the first motion plays; another at once
 //   instead    the same, and 600 ms later --motion: counted from the latter
 //   go         the first motion plays; another by the motion graph: the transition's first picture, and its end
-// fetched: all bytes between command and picture; begun before: those of requests older than the command; thrown away:
-// all that had come of requests that were cancelled from the first command to the picture.
+// Columns: fetched: all bytes between command and picture; begun before: those of requests older than the command;
+// thrown away: bytes received by requests that were cancelled between the first command and the picture.
 import { existsSync, readFileSync, renameSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { parseArgs } from 'node:util';
@@ -30,7 +30,7 @@ import { besideYardstick } from './yardstick.mjs';
 
 const kPatienceMs = 60_000;
 const kSettledMs = 4000; // the first motion is held, and the motion graph
-const kCommands = {  // in: what plays; motions: how many the character must have; class: it must have one
+const kCommands = {  // in: motion that plays; motions: minimum number in the character; class: needs one
   seek: { in: 'motion', afterMs: 0 }, twice: { in: 'motion', afterMs: 0 },
   elsewhere: { in: 'first', afterMs: kSettledMs, motions: 2 }, slider: { in: 'class', afterMs: kSettledMs, class: true },
   'to-class': { in: 'first', afterMs: kSettledMs, class: true }, select: { in: 'first', afterMs: kSettledMs, motions: 3 },
@@ -57,8 +57,8 @@ if (!site || unknown) {
   process.exit(2);
 }
 
-// Measures in the page. Returns times in ms: of the first command, of the one that counts, of the first picture of what it wants, of
-// its end.
+// Measures in the page. Returns times in ms: of the first command, of the counted one, of its target's first picture
+// and of the end.
 async function command({ name, motion, patienceMs }) {
   const viewer = document.querySelector('fourdvt-viewer');
   const once = (...types) => new Promise((done) => {
@@ -95,7 +95,7 @@ async function command({ name, motion, patienceMs }) {
   return { originMs: performance.timeOrigin, first, from, picture: pictureMs, over: over ? await Promise.race([over(), late]) : pictureMs };
 }
 
-// Sums the bytes that came until the picture.
+// Sums the bytes received until the picture.
 function bytesOf(requests, { first, from, picture }) {
   const sum = (list, holds) => list.flatMap(({ parts }) => parts).filter(holds).reduce((all, { bytes }) => all + bytes, 0);
   const during = ({ atMs }) => atMs >= from && !(atMs > picture), files = {};
@@ -108,7 +108,7 @@ function bytesOf(requests, { first, from, picture }) {
     thrown: sum(cancelled, () => true), cancelled: cancelled.length, files };
 }
 
-// Finds the motion that each kind of page plays, and the commands that the character has motions for.
+// Finds the motion that each kind of page plays, and the commands for which the character has motions.
 async function motionsOf(server) {
   const manifest = await (await fetch(`${server.url}character/character.gltf`)).json();
   const { sequences } = manifest.extensions.FOURDVT_layered_video_texture;
@@ -127,7 +127,7 @@ async function visit(browser, server, rate, name, motion) {
     await page.waitForFunction(() => document.querySelector('fourdvt-viewer')?.stats?.framesShown > 1, null, { timeout: kPatienceMs, polling: 20 });
     await page.waitForTimeout(afterMs);
     const times = await page.evaluate(command, { name, motion, patienceMs: kPatienceMs });
-    await page.waitForTimeout(300); // DevTools' events come late
+    await page.waitForTimeout(300); // DevTools' events arrive late
     return { picture_ms: times.picture - times.from, end_ms: times.over - times.from, ...bytesOf(traffic.requestsSince(times.originMs), times) };
   } finally {
     await opened.close();

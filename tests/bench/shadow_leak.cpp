@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // bench_shadow_leak CAPTURE [SEQUENCE FRAME [OUT.png]]: pixels that cameras texture through an occluder, by kind and
-// size of the depth maps, on an arm before a body and on the capture's mesh; and the time of a depth map. OUT.png gets
-// the frame textured from one camera alone, without what it leaves out: none, then plain, offset and fattened small
-// maps.
+// size of the depth maps, on an arm in front of a body and on the capture's mesh; and the time of a depth map. OUT.png:
+// the frame textured from one camera alone, other pixels left out: without depth maps, then with plain, offset and
+// fattened small maps.
 #include "render/shadow_leak.h"
 
 #include <algorithm>
@@ -54,7 +54,7 @@ double depthMap_ms(gpu::Device& device, const Scene& scene, const DepthMapOption
     return out;
   }();
   orStop(fvvr->setFrame(scene.positions, pictures));
-  // A small picture looks into all maps: it waits until they are drawn.
+  // Draws a small picture that samples all maps, and waits until it is finished.
   const render::View small = render::viewFromCamera(scaledCamera(scene.views[0], 24, 32));
   const auto wait = [&] { orStop(fvvr->renderStill(small, {.samples = 0})); };
   wait();
@@ -122,7 +122,7 @@ CaptureScene captureScene(const char* folder, const char* sequence, uint32_t fra
   return out;
 }
 
-// The performer from 60 degrees beside the first camera, textured from that camera alone.
+// Performer seen from 60 degrees beside the first camera, textured from that camera alone.
 Image contactSheet(gpu::Device& device, const CaptureScene& scene) {
   glm::dvec3 middle(0);
   for (const glm::vec3& p : scene.positions) middle += glm::dvec3(p) / double(scene.positions.size());

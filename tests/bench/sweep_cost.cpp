@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_sweep_cost CHARACTER [SEQUENCE [FRAMES [WIDTH HEIGHT]]]: what a frame of "sweep" costs against one of "fvvr" on
-// a character from cameras, by number of planes, alternating in one run: before the main pass (depth maps and unseen
-// surface, of both), and in it.
+// bench_sweep_cost CHARACTER [SEQUENCE [FRAMES [WIDTH HEIGHT]]]: cost of a frame by "sweep" and by "fvvr" on a
+// character from cameras, by number of planes, alternating in one run: before the main pass (depth maps and unseen
+// surface, in both methods), and in it.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -41,7 +41,7 @@ class Bench {
     one_ = orStop(gpu::makeTarget(device, {.colors = {color_.id()}, .label = "resolved"}));
   }
 
-  // Milliseconds of what comes before the main pass, and of that pass.
+  // Milliseconds before the main pass, and in it.
   struct Frame {
     double before = 0, main = 0;
   };
@@ -105,7 +105,7 @@ int main(int argc, char** argv) {
       model.geometry_serial += 1'000'000;
       const auto a = bench.frame(*fvvr, model, *figure.cameras, view, options);
       const auto b = bench.frame(*sweep, model, *figure.cameras, view, options);
-      if (i < 2) continue;  // they make programs
+      if (i < 2) continue;  // they compile programs
       for (const auto& [k, value] : {std::pair(0, a.before), {1, a.main}, {2, b.before}, {3, b.main}})
         times[k].push_back(value);
     }

@@ -1,14 +1,14 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: Apache-2.0
-// sweep_curve.mjs FOURDVT_LAB OUT CAPTURE [CAPTURE2 …] [--sequences A,B] [--quick]: held-out PSNR-FG and SSIM-FG of the method
-// "sweep" against its number of planes and its band, beside "fvvr", on the surfaces of each capture. Prints a table and
-// writes OUT/sweep_curve.json and OUT/sweep_curve.md. The defaults of SweepOptions follow from it.
+// sweep_curve.mjs FOURDVT_LAB OUT CAPTURE [CAPTURE2 …] [--sequences A,B] [--quick]: held-out PSNR-FG and SSIM-FG of the
+// method "sweep" over its number of planes and its band, and of "fvvr", on the surfaces of each capture. Prints a table
+// and writes OUT/sweep_curve.json and OUT/sweep_curve.md. The defaults of SweepOptions are chosen from it.
 import { execFileSync } from 'node:child_process';
 import { mkdirSync, writeFileSync } from 'node:fs';
 import { basename, join, resolve } from 'node:path';
 
 const kPlanes = [4, 8, 12, 16, 24, 32], kBands_mm = [4, 8, 16, 32, 64];
-const kPlanesOfBands = 12, kBandOfPlanes_mm = 32;  // what is held while the other changes
+const kPlanesOfBands = 12, kBandOfPlanes_mm = 32;  // fixed while the other one varies
 
 const args = process.argv.slice(2), further = [];
 if (args.includes('--quick')) further.push(...args.splice(args.indexOf('--quick'), 1));

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shared by seeking.mjs and ladder.mjs: a page with one viewer, DevTools' throttling, and what came over the network by
-// the page's clock.
+// Shared by seeking.mjs and ladder.mjs: a page with one viewer, DevTools' throttling, and the network traffic by the
+// page's clock.
 import { execFileSync } from 'node:child_process';
 import { fileURLToPath } from 'node:url';
 
-/** "2000/150": kbit/s and ms. */
+/** Parses "2000/150": kbit/s and latency in ms. */
 export const rateOf = (text) => {
   const [kbps, latencyMs = 50] = text.split('/').map(Number);
   return { kbps, latencyMs };
@@ -14,7 +14,7 @@ export const median = (values) => values.toSorted((a, b) => a - b)[Math.floor(va
 
 export const table = (head, rows) => [head, head.map(() => '---'), ...rows].map((row) => `| ${row.join(' | ')} |`).join('\n');
 
-/** The commit of this tree; with + where files differ from it. */
+/** Commit of this tree, with + if files differ from it. */
 export function commitOfTree() {
   const git = (...words) => execFileSync('git', ['-C', fileURLToPath(new URL('../..', import.meta.url)), ...words], { encoding: 'utf8' }).trim();
   return git('rev-parse', '--short', 'HEAD') + (git('status', '--porcelain', '--untracked-files=no') ? '+' : '');
@@ -31,7 +31,7 @@ export function pageWithTag(src, attributes) {
 /** Records the requests of a page. */
 class Traffic {
   #requests = new Map();
-  #wallS = 0; // of DevTools' clock
+  #wallS = 0; // by DevTools' clock
 
   constructor(cdp) {
     cdp.on('Network.requestWillBeSent', (event) => this.#begin(event));
@@ -61,7 +61,7 @@ class Traffic {
   }
 }
 
-/** Opens `url` with a cold cache: { page, traffic, setRate, close }. Pictures take the path on which barcodes are read. */
+/** Opens `url` with a cold cache: { page, traffic, setRate, close }. Selects the upload path that reads barcodes. */
 export async function openThrottled(browser, url, rate, { viewport, deviceScaleFactor = 1, prepare }) {
   const context = await browser.newContext({ viewport, deviceScaleFactor });
   const page = await context.newPage(), cdp = await context.newCDPSession(page);

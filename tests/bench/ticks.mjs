@@ -1,11 +1,11 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: Apache-2.0
-// Time for which the player holds up a page: the longest tick of a seek whose geometry is not decoded yet, the time until
-// another picture is shown and until the wanted one is; and the longest tick of two seconds of playing from there.
-// Headless Chromium. A tick decodes geometry and uploads meshes; it draws nothing.
+// Time for which the player blocks a page: the longest tick of a seek to undecoded geometry, the times until another
+// picture and until the wanted one is shown; and the longest tick of the following two seconds of playback. Headless
+// Chromium. A tick decodes geometry and uploads meshes; it does not draw.
 //   node ticks.mjs SITE [--other SITE2] [--names now,before] [--runs 5] [--frame 19]
-// SITE, SITE2: assembled sites (site/assemble.mjs), of any version of the player. For every motion of the character: paused
-// at frame 0, then to --frame, or the last. Each run is a page of its own; medians.
+// SITE, SITE2: assembled sites (site/assemble.mjs), of any version of the player. For every motion of the character:
+// paused at frame 0, then seeks --frame, or the last one. Each run opens a new page; medians.
 import { existsSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { parseArgs } from 'node:util';
@@ -78,7 +78,7 @@ async function visit(browser, folder, motion) {
     await page.addInitScript(timeTicks, name);
     await page.goto(`${server.url}one.html`);
     await page.waitForFunction(() => document.querySelector('fourdvt-viewer').stats?.framesShown > 5, null, { timeout: 60_000 });
-    await page.waitForTimeout(2000); // the second part of the player
+    await page.waitForTimeout(2000); // loads the second part of the player
     const frames = await page.evaluate((wanted) => document.querySelector('fourdvt-viewer').sequences.find(({ name }) => name === wanted).frames, motion);
     return await page.evaluate(seek, { motion, frame: Math.min(Number(options.frame), frames - 1) });
   } finally {

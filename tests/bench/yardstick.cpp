@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_yardstick VIDEO…: one job that is always the same, whose CPU seconds are what published seconds are divided by.
-// Decodes the videos, one after the other, and encodes their frames as one video by x264, on one thread; keeps nothing.
-// Prints a line of JSON for each of three runs: CPU and wall seconds, CPU seconds that all other programs took
-// meanwhile (left out where /proc/stat is not there), and `job`, a text that differs where two runs must not be
-// compared. tests/bench/yardstick.mjs runs it.
+// bench_yardstick VIDEO…: a constant job, by whose CPU seconds published seconds are divided. Decodes the videos, one
+// after the other, and encodes their frames as one video by x264, on one thread; discards the result. Prints a line of
+// JSON for each of three runs: CPU and wall seconds, CPU seconds of all other programs meanwhile (omitted without
+// /proc/stat), and `job`, a text that differs between runs that cannot be compared. Run by tests/bench/yardstick.mjs.
 #include <unistd.h>
 
 #include <algorithm>
@@ -23,7 +22,7 @@ using fourdvt::testing::orStop;
 
 namespace {
 
-// Changing one of these begins a new series: no older yardstick can be compared any more.
+// Changing one of these starts a new series: results of older yardsticks are no longer comparable.
 constexpr int kRuns = 3, kFps = 25;
 constexpr const char *kEncoder = "libx264", *kPreset = "medium", *kCrf = "23";
 
@@ -106,7 +105,7 @@ double ownCpu_s() {
   return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
-// CPU seconds of all programs since the machine started, and those that its host took from it.
+// CPU seconds of all programs since the machine started, plus those stolen by its host.
 std::optional<double> machineCpu_s() {
   std::ifstream stat("/proc/stat");
   std::string name;

@@ -1,7 +1,8 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: Apache-2.0
-// Runs the yardstick, one fixed job (bench_yardstick: two cameras of the sample's walk, decoded and encoded by FFmpeg on one
-// thread), beside a bench: published seconds carry their ratio to the CPU seconds that it takes, because machines differ.
+// Runs the yardstick, one fixed job (bench_yardstick: decodes two cameras of the sample's walk and encodes them by
+// FFmpeg on one thread), before and after a bench: published seconds come with their ratio to its CPU seconds, because
+// machines differ.
 //   node yardstick.mjs PROGRAM …     runs a bench with the yardstick before and after, and prints it below what the bench prints
 //   node yardstick.mjs --keep FILE   adds three runs to FILE, a line of JSON each
 import { execFileSync, spawnSync } from 'node:child_process';
@@ -21,7 +22,7 @@ export function yardstickRuns() {
   return execFileSync(program, kVideos, { encoding: 'utf8', stdio: ['ignore', 'pipe', 'inherit'] }).trim().split('\n').map((line) => JSON.parse(line));
 }
 
-/** What `measure` returns, and the yardstick before and after it. runs: those of an earlier part of the measurement; gets the new ones. */
+/** Result of `measure`, with the yardstick before and after it. runs: earlier runs; new ones are appended. */
 export async function besideYardstick(measure, runs = []) {
   runs.push(...yardstickRuns());
   const value = await measure();

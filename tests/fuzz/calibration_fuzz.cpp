@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calibrations of other programs: the first byte chooses the reader, the rest is the file. EasyMocap's two files and
-// COLMAP's rigs and frames are parted by a form feed.
+// Calibrations of other programs: the first byte selects the reader, the rest is the file. A form feed separates
+// EasyMocap's two files, and COLMAP's rigs and frames.
 #include <cmath>
 #include <cstdlib>
 
@@ -13,7 +13,7 @@ namespace {
 using namespace fourdvt;
 using namespace fourdvt::capture;
 
-// A message names the file; a camera that is accepted has finite numbers and a rotation.
+// Checks that a message names the file, and that an accepted camera has finite numbers and a rotation.
 template <class T>
 bool named(const Result<T>& result) {
   if (!result.ok() && !result.error().message.starts_with("fuzz")) std::abort();

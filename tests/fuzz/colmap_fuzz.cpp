@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// COLMAP text: cameras.txt and images.txt in one input, parted by the first NUL or form feed.
+// COLMAP text: cameras.txt and images.txt in one input, separated by the first NUL or form feed.
 #include <cmath>
 #include <cstdlib>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// HEVC decoder configuration records, in which an alpha layer is looked for. Bytes that are cut off can only hide it.
+// HEVC decoder configuration records, searched for an alpha layer. Truncated bytes may hide one, but never add one.
 #include <cstdlib>
 
 #include "platform/video_alpha.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Live messages: "C" + one from a camera, "S" + one to a camera, "F" + a frame of the stream. Whatever is accepted is
-// within the limits and writes back to the same bytes.
+// Live messages: "C" + one from a camera, "S" + one to a camera, "F" + a frame of the stream. Accepted messages are
+// within the limits and are written back as the same bytes.
 #include <cstdlib>
 
 #include "live/protocol/camera_messages.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The live player of the manifest of live_stream_fixture.h, fed with any messages (each after its length in 4 bytes,
-// little endian; length 0: an interruption) and with pictures of any frames: it shows only what fits, and holds little.
+// Live player with the manifest of live_stream_fixture.h, fed with arbitrary messages (each after its length in 4
+// bytes, little endian; length 0: an interruption) and pictures of arbitrary frames: it shows only matching pairs, and
+// its memory is bounded.
 #include <cstdlib>
 #include <cstring>
 
@@ -16,7 +17,7 @@ void require(bool condition) {
   if (!condition) std::abort();
 }
 
-// The decoder reads the frame's number, or anything, out of the sample.
+// Decodes a sample as the number of its frame, or as an arbitrary one.
 void decode(LivePlayer& player) {
   for (Request request; player.nextRequest(request);) {
     const auto* sample = std::get_if<DecodeSample>(&request);

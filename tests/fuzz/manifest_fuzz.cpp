@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Manifests as lines "POINTER=nNUMBER", "POINTER=sTEXT" or "POINTER=bT" below the extension: whatever is accepted is
-// safe to allocate and index by.
+// Manifests as lines "POINTER=nNUMBER", "POINTER=sTEXT" or "POINTER=bT" below the extension: accepted values are safe
+// for allocation and indexing.
 #include <cctype>
 #include <cmath>
 #include <cstdlib>

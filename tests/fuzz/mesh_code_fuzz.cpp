@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Base meshes in the start file's coding: whatever is accepted has indices in range and finite values, and can be
-// encoded again.
+// Base meshes in the start file's coding: accepted ones have indices in range and finite values, and can be encoded
+// again.
 #include <cmath>
 #include <cstdlib>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// PLY, GLB, glTF and OBJ of free topology, chosen by their first bytes, and animated glTF with UVs: whatever is
-// accepted is consistent, finite and not much larger than the input.
+// PLY, GLB, glTF and OBJ of any topology, selected by their first bytes, and animated glTF with UVs: accepted meshes
+// are consistent, finite and not much larger than the input.
 #include <cmath>
 #include <cstdlib>
 

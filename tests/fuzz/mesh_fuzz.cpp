@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draco base meshes: whatever is accepted has indices in range and finite values.
+// Draco base meshes: accepted ones have indices in range and finite values.
 #include <cmath>
 #include <cstdlib>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Motion graphs of a character with a loop of 4 frames, a class of two motions and 3 frames, and 2 frames that end:
-// whatever is accepted leads only to frames and weights that exist, and writes back to the same bytes.
+// accepted ones refer only to existing frames and weights, and are written back as the same bytes.
 #include <cmath>
 #include <cstdlib>
 

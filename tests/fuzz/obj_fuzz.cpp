@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OBJ text: whatever is accepted is consistent, and has the same faces where its polygons are split as before.
+// OBJ text: accepted meshes are consistent, and have the same faces if their polygons are triangulated as before.
 #include <cstdlib>
 
 #include "capture/capture.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names of a folder's pictures, a line each: they are strangers'.
+// Names of a folder's pictures, one per line, from an untrusted source.
 #include <cstdlib>
 #include <string_view>
 

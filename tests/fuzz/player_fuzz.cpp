@@ -2,10 +2,10 @@
 // Drives the player with a damaged or hostile folder and with calls in any order.
 // Input:
 //   number of edits; for each edit: file, offset (2 bytes), kind, value
-//   flags: 1 the files' hashes are made to agree again, 2 characters from cameras are allowed
-//   events: what, operand (1 byte each) until the end
-// Checks for every input: what is shown can be drawn, memory is bounded, the device sees no wrong call. Without edits
-// also: picture and geometry on screen are of one frame, but in a cross-fade.
+//   flags: 1: update the files' hashes after the edits, 2: allow characters from cameras
+//   events: kind, operand (1 byte each) until the end
+// Checks for every input: shown frames can be drawn, memory is bounded, the device receives no invalid call. Without
+// edits also: picture and geometry on screen are of one frame, except in a cross-fade.
 #include <cstdlib>
 #include <deque>
 
@@ -20,7 +20,7 @@ using namespace fourdvt::testing;
 namespace {
 
 constexpr uint64_t kBudget_bytes = 64u << 10;
-constexpr uint64_t kMaxHeld_bytes = 1u << 20;  // the budget, and the GOPs that are played
+constexpr uint64_t kMaxHeld_bytes = 1u << 20;  // the budget, and the GOPs in use
 constexpr int kMaxEvents = 2000;
 constexpr size_t kMaxWaiting = 64;
 
@@ -52,7 +52,7 @@ const FakeCharacter& honest() {
   return character;
 }
 
-// Changes files or numbers of the manifest. True if anything is another than before.
+// Changes files or numbers of the manifest. Returns true if anything differs.
 bool edit(FakeCharacter& character, Input& in) {
   static const char* const kNumbers[] = {"/sequences/0/frameCount",
                                          "/sequences/0/stream/byteLength",
@@ -99,7 +99,7 @@ struct Gpu {
   }
 };
 
-// Stands for the page: answers the player's requests when an event of the input does, in the input's order.
+// Simulates the page: answers the player's requests at events of the input, in the input's order.
 class Page {
  public:
   Page(const FakeCharacter& character, bool is_honest) : character_(character), honest_(is_honest) {
@@ -180,7 +180,7 @@ class Page {
     }
   }
 
-  // Geometry from a worker: on, off, frames of another size or of no job, or what a good worker does.
+  // Geometry from a worker: on, off, frames of a wrong size or of no job, or valid ones.
   void fromWorker(int value) {
     const std::optional<DecodeJob> job = player_->decodeJob(size_t(value % 3));
     const std::vector<uint8_t> bytes(static_cast<size_t>(value), 7);
@@ -223,17 +223,17 @@ class Page {
   }
 
   void answer(uint8_t value) {
-    if (fetches_.empty()) return player_->onRangeFailed(value, "fuzz");  // nobody asked
+    if (fetches_.empty()) return player_->onRangeFailed(value, "fuzz");  // not requested
     const size_t which = value % fetches_.size();
     const FetchRange fetch = fetches_[which];
-    if (value != 255) fetches_.erase(fetches_.begin() + long(which));  // else it is answered twice
+    if (value != 255) fetches_.erase(fetches_.begin() + long(which));  // else it is answered again
     const auto file = character_.files.find(fetch.uri);
     if (file == character_.files.end() || fetch.offset + fetch.bytes > file->second.size() || value % 32 == 31)
       return player_->onRangeFailed(fetch.id, "fuzz");
     player_->onRangeReceived(fetch.id, std::span(file->second).subspan(size_t(fetch.offset), size_t(fetch.bytes)));
   }
 
-  // Delivers the oldest or the newest picture that was asked for; of another size only with an edited folder.
+  // Delivers the oldest or the newest requested picture; one of another size only with an edited folder.
   void picture(uint8_t value) {
     if (samples_.empty()) return;
     const Sample sample = value % 4 ? samples_.front() : samples_.back();

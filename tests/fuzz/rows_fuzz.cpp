@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows of a study as an interrupted run left them: what is accepted comes back the same after writing it again.
+// Rows of a study as left by an interrupted run: accepted rows are unchanged after writing and reading them again.
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>

@@ -14,7 +14,7 @@ if (!kept) {
 const name = basename(program), label = program.includes('fuzz32') ? `${name}, 32 bits` : name, findings = join(kept, 'findings'), own = join(kept, name);
 for (const folder of [findings, own]) mkdirSync(folder, { recursive: true });
 const seed = process.env.FOURDVT_FUZZ_SEED ?? String(1 + Math.floor(Math.random() * 0x7ffffffe));
-// Inputs that only the build for 32 bits answers quickly: its Draco is corrected as that for wasm is.
+// Inputs that only the 32-bit build handles quickly: its Draco has the same corrections as wasm's.
 const small = program.includes('fuzz32') && existsSync(`${corpus}32`) ? [`${corpus}32`] : [];
 const length = seconds === '0' ? [corpus, '-runs=0'] : [own, corpus, `-max_total_time=${seconds}`];
 const { status, stderr } = spawnSync(program, [...length, ...small, `-seed=${seed}`, `-artifact_prefix=${join(findings, `${name}-`)}`,

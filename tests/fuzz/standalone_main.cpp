@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Replays a corpus folder and random mutations of it through LLVMFuzzerTestOneInput, without libFuzzer. Prints the
-// seed, another one every run; FOURDVT_FUZZ_SEED=N repeats one. Usage: NAME_fuzz CORPUS_FOLDER [mutations per file,
-// default 400]
+// seed, which differs in every run; FOURDVT_FUZZ_SEED=N repeats one. Usage: NAME_fuzz CORPUS_FOLDER [mutations per
+// file, default 400]
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Marks of a JPEG or PNG: EXIF orientation and colour profile, which is applied to a few pixels.
+// EXIF orientation and colour profile of a JPEG or PNG; the profile is applied to a few pixels.
 #include <cstdint>
 #include <cstdlib>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stream headers ("H" + bytes) and GOP chunks ("C" + frames, vertices, faces, layers, members, references, alignment
-// fields as bytes + chunk; the mesh is the one that testing::strandMesh makes of the counts): whatever is accepted is
-// consistent, and a header that is accepted writes back to the same bytes.
+// fields as bytes + chunk; the mesh is testing::strandMesh of these counts): accepted ones are consistent, and accepted
+// headers are written back as the same bytes.
 #include <cstdlib>
 
 #include "../unit/chunk_fixture.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chunks of camera streams (frames of the GOP - 1, then the chunk) of the character of surface_fixture.h: whatever is
-// accepted lies inside its pictures and its layout, has faces of vertices that exist, and keeps to the header's limits.
+// Chunks of camera streams (frames of the GOP - 1, then the chunk) of surface_fixture.h's character: accepted ones lie
+// inside its pictures and its layout, have faces of existing vertices, and keep the header's limits.
 #include <cmath>
 #include <cstdlib>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Baking: a good capture, an interrupted bake, places that cannot be written, captures that are wrong.
+// Bakes of a valid capture, an interrupted bake, output places that cannot be written, invalid captures.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -21,7 +21,7 @@ using nlohmann::json;
 
 const std::string kSmall = " --texture 128 --layers 2 --gop 4 --jobs 2 --renditions highest";
 
-// Nothing but perhaps the kept work folder may exist after a failed bake.
+// Expects that the failed bake left nothing behind, except possibly the kept work folder.
 void expectFailure(const Outcome& outcome, const std::string& named, const std::string& character) {
   EXPECT_EQ(outcome.code, 1) << outcome.output;
   const size_t at = outcome.output.find("fourdvt: ");
@@ -31,7 +31,7 @@ void expectFailure(const Outcome& outcome, const std::string& named, const std::
   EXPECT_FALSE(exists(character));
 }
 
-// Levels of every pair of pictures by "sequence,camera".
+// Flicker levels of every pair of pictures, by "sequence,camera".
 std::map<std::string, std::vector<double>> flickerRows(const std::string& path) {
   std::map<std::string, std::vector<double>> out;
   std::istringstream lines(readText(path));
@@ -83,8 +83,8 @@ TEST(Bake, MakesACharacterThatInspectsAndRenders) {
   EXPECT_EQ(score.code, 0) << score.output;
   EXPECT_NE(score.output.find("test00"), std::string::npos) << score.output;
   EXPECT_TRUE(exists(out + "/figures/worst.png"));
-  // A box turning by 6 degrees a frame, without noise: what changes is the codec's and the blend's, some levels. The
-  // orbit shows colours that do not change, pixels aside.
+  // A box turning by 6 degrees a frame, without noise: only codec and blend change its colours, by some levels. On the
+  // orbit colours are constant, except for resampling.
   const auto rows = flickerRows(out + "/figures/evaluate.csv");
   EXPECT_EQ(rows.count("turn,cam00"), 1u);
   EXPECT_EQ(rows.at("turn,cam00").size() + 1, 6u) << "of all frames, each against the one before";
@@ -102,7 +102,7 @@ TEST(Bake, MakesACharacterThatInspectsAndRenders) {
   EXPECT_EQ(none.output.find("Flicker"), std::string::npos) << none.output;
 }
 
-// Lists all renditions, the lowest first. `inspect` decodes every frame of each and compares its barcode.
+// Expects all renditions in the list, the lowest first. `inspect` decodes every frame of each and checks its barcode.
 TEST(Bake, LowerRenditionsLeaveTheHighestAsItIs) {
   const std::string capture = smallCapture("ladder-capture", 6), out = scratch("ladder");
   const std::string options = " --texture 256 --layers 2 --gop 4 --jobs 2 --crf 20";
@@ -130,7 +130,7 @@ TEST(Bake, LowerRenditionsLeaveTheHighestAsItIs) {
   }
   for (const char* name : {"turn.256-51.mp4", "turn.64-30.mp4", "turn.96-40-av1.mp4"})
     EXPECT_EQ(names.count(fs::path(path(name)).filename()), 1u) << name;
-  // Everything but the lower renditions has the same bytes.
+  // Expects that the lower renditions change no other file.
   for (const char* file : {"turn.mp4", "mesh.bin", "poster.webp", "texture.jpg"})
     EXPECT_EQ(readText(path(file)), readText(fileNamed(out + "/alone", file))) << file;
   const json before_gltf = json::parse(readText(out + "/alone/character.gltf"));
@@ -182,7 +182,7 @@ TEST(Bake, EveryCodecInspectsAndRenders) {
   }
 }
 
-// Paths relative to the folder.
+// Paths of all files, relative to the folder.
 std::set<std::string> filesIn(const std::string& folder) {
   std::set<std::string> out;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
@@ -190,7 +190,7 @@ std::set<std::string> filesIn(const std::string& folder) {
   return out;
 }
 
-// Every "uri" anywhere in the JSON.
+// All "uri" values anywhere in the JSON.
 std::set<std::string> urisIn(const json& value) {
   std::set<std::string> out;
   if (value.is_object() && value.contains("uri")) out.insert(value["uri"].get<std::string>());
@@ -230,7 +230,7 @@ TEST(Bake, NamesHoldHashesAndAnotherBakesFilesGo) {
   EXPECT_EQ(fourdvt("inspect " + box).code, 0);
 }
 
-// Readers take names from the manifest.
+// Readers use the manifest's file names.
 TEST(Bake, CharactersOfEarlierNamesAreRead) {
   const std::string capture = smallCapture("renamed-capture", 4), out = scratch("renamed"), box = out + "/box";
   ASSERT_EQ(fourdvt("bake " + capture + " -o " + box + kSmall).code, 0);
@@ -250,15 +250,15 @@ TEST(Bake, CharactersOfEarlierNamesAreRead) {
   EXPECT_EQ(render.code, 0) << render.output;
 }
 
-// Explicit options win over the quality's.
+// Explicit options override the quality's.
 TEST(Bake, QualityIsOverriddenByOptions) {
   const std::string capture = smallCapture("quality-capture", 2), out = scratch("quality");
   const Outcome bake = fourdvt("bake " + capture + " -o " + out + "/box --quality draft --texture 128 --equal-layers");
   ASSERT_EQ(bake.code, 0) << bake.output;
   const Outcome inspect = fourdvt("inspect " + out + "/box");
-  // draft has three layers: squares of 128 side by side, and the barcode below is 512 wide.
+  // Quality draft has three layers: squares of 128 side by side, and a barcode 512 wide below.
   EXPECT_NE(inspect.output.find("512x144"), std::string::npos) << inspect.output;
-  // The standard ladder follows: half the texels a side at least, and the same size at a coarser CRF than draft's 37.
+  // The standard ladder below it: at most half the texels a side, and the same size at a coarser CRF than draft's 37.
   EXPECT_NE(inspect.output.find("512x80"), std::string::npos) << inspect.output;
   for (const char* file : {"turn.mp4", "turn.128-44.mp4", "turn.64-42.mp4"})
     EXPECT_TRUE(exists(fileNamed(out + "/box", file))) << file;
@@ -323,7 +323,7 @@ class WrongCapture : public testing::Test {
   std::string capture, character;
 };
 
-// A RIFF file of 16-bit silence but for a click at its beginning.
+// RIFF file of 16-bit silence, with a click at its beginning.
 std::string silentWav(double seconds) {
   const auto number = [](uint32_t v, int bytes) {
     std::string out;
@@ -446,7 +446,7 @@ TEST_F(WrongCapture, MeshesOfPerFrameTopology) {
 }
 
 TEST_F(WrongCapture, NothingVisibleNamesAxesAndUnits) {
-  // Millimetres taken for metres: every camera is inside the box.
+  // Unit millimetre instead of metre: every camera is inside the box.
   ASSERT_EQ(
       shell("sed -i -E 's/^v ([^ ]+) ([^ ]+) ([^ ]+)$/v \\1e3 \\2e3 \\3e3/' " + capture + "/turn/mesh/*.obj").code, 0);
   expectNamed("units");

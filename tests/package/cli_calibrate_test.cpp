@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cameras in step and in place from the command line: what is found, written, read and refused. The capture is a
-// virtual studio's, whose times are known; a camera is turned by its line in images.txt.
+// Calibration of times and cameras from the command line: results, written files, refusals. The capture is a virtual
+// studio's with known times; a camera is turned by its line in images.txt.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ void writeText(const std::string& path, const std::string& text) {
   ASSERT_TRUE(platform::writeFileAtomic(path, text).ok()) << path;
 }
 
-// images.txt with one camera turned about its axis across the picture.
+// Text of images.txt with one camera turned about its picture's vertical axis.
 std::string turned(const std::string& images, const std::string& camera, double degrees) {
   std::istringstream lines(images);
   std::string out, line;
@@ -41,7 +41,7 @@ std::string turned(const std::string& images, const std::string& camera, double 
     }
     const double h = degrees * 3.14159265358979323846 / 360, c = std::cos(h), s = std::sin(h);
     const auto at = [&](size_t i) { return std::stod(word[i]); };
-    // The quaternion (cos h, 0, sin h, 0) before (w, x, y, z), and the same turn of the translation.
+    // Product of the quaternion (cos h, 0, sin h, 0) and (w, x, y, z), and the same turn of the translation.
     const double w = c * at(1) - s * at(3), x = c * at(2) + s * at(4), y = c * at(3) + s * at(1),
                  z = c * at(4) - s * at(2);
     const double c2 = std::cos(2 * h), s2 = std::sin(2 * h);
@@ -66,7 +66,7 @@ class Calibrate : public testing::Test {
   }
   static std::string given() { return folder_ + "/given"; }
   static Json json(const std::string& path) { return Json::parse(readText(path)); }
-  // A copy of the capture with another calibration.
+  // Copies the capture with another calibration.
   static std::string withCamera(const std::string& name, const std::string& camera, double degrees) {
     const std::string to = folder_ + "/" + name;
     fs::copy(given(), to, fs::copy_options::recursive);
@@ -83,16 +83,16 @@ TEST_F(Calibrate, FindsTheStudiosTimes) {
   std::vector<double> apart;
   for (int c = 0; c < 6; ++c) {
     const double found = sequence["offset_frames"].value("cam0" + std::to_string(c), 0.0);
-    apart.push_back(found + truth[c].get<double>());  // it lags, so that its pictures come earlier
+    apart.push_back(found + truth[c].get<double>());  // the camera lags, so that its pictures are earlier
   }
   const auto [low, high] = std::minmax_element(apart.begin(), apart.end());
-  EXPECT_LT(*high - *low, 0.2);  // within a tenth of one common time
+  EXPECT_LT(*high - *low, 0.2);  // within a tenth of a common time
   EXPECT_NE(output_.find("cam0"), std::string::npos) << output_;
   EXPECT_NE(output_.find("is off by"), std::string::npos) << output_;
   EXPECT_NE(readText(folder_ + "/found/calibrate.html").find("is off by"), std::string::npos);
   EXPECT_TRUE(exists(folder_ + "/found/calibrate-before.jpg"));
   EXPECT_TRUE(exists(folder_ + "/found/calibrate-after.jpg"));
-  // Only frames of which every camera has a picture.
+  // Only frames for which every camera has a picture remain.
   EXPECT_LT(sequence["frames"].get<int>(), kFrames);
   EXPECT_GE(sequence["frames"].get<int>(), kFrames - 8);
   EXPECT_TRUE(fs::is_symlink(folder_ + "/found/walk/cam00"));
@@ -101,7 +101,7 @@ TEST_F(Calibrate, FindsTheStudiosTimes) {
 TEST_F(Calibrate, FindsNothingMoreInWhatItWrote) {
   const Outcome again = fourdvt("calibrate " + folder_ + "/found");
   EXPECT_EQ(again.code, 0) << again.output;
-  // Whole frames are corrected, half a frame is left.
+  // Whole frames are corrected, half a frame remains.
   EXPECT_EQ(again.output.find("is off by 1"), std::string::npos) << again.output;
   EXPECT_EQ(again.output.find("is off by −1"), std::string::npos) << again.output;
   EXPECT_EQ(again.output.find("was turned"), std::string::npos) << again.output;
@@ -120,12 +120,12 @@ TEST_F(Calibrate, ReconstructDoesTheSame) {
   EXPECT_GT(now, before + 0.02);
   const Json sequence = json(folder_ + "/hulls/capture.json")["sequences"][0];
   EXPECT_EQ(sequence["offset_frames"], json(folder_ + "/found/capture.json")["sequences"][0]["offset_frames"]);
-  // Meshes lie at the numbers of their frames.
+  // Meshes are numbered like their frames.
   const int first = sequence.value("first_frame", 0), last = first + sequence["frames"].get<int>() - 1;
   char name[32];
   std::snprintf(name, sizeof name, "/%06d.ply", last);
   EXPECT_TRUE(exists(folder_ + "/hulls/walk/mesh" + name));
-  // One mesh cannot be moved where every frame has its own: that is refused, not left out silently.
+  // A single mesh cannot be refined where every frame has its own: an error, not silently skipped.
   const Outcome bake = fourdvt("bake " + folder_ + "/hulls -o " + folder_ + "/character --refine outline");
   EXPECT_NE(bake.code, 0);
   EXPECT_TRUE(isOneLineWith(bake, "another topology in every frame")) << bake.output;
@@ -148,7 +148,7 @@ TEST_F(Calibrate, TurnsACameraBack) {
 }
 
 TEST_F(Calibrate, NamesACameraThatNoPoseExplains) {
-  // Camera 3 gets the pictures of camera 1.
+  // Camera 3 receives the pictures of camera 1.
   const std::string off = folder_ + "/swapped";
   fs::copy(given(), off, fs::copy_options::recursive);
   for (const char* what : {"cam", "mask"}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Characters from cameras: meshes that differ in every frame, an interrupted bake, what cannot be.
+// Characters from cameras: meshes that differ in every frame, an interrupted bake, invalid input.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -16,7 +16,7 @@ using nlohmann::json;
 
 const std::string kSmall = " --gop 4 --jobs 2 --renditions highest";
 
-// Says that the box's meshes have a topology of their own in every frame; they go on to be the same.
+// Declares the box's meshes to have a topology per frame, although they are equal.
 std::string perFrame(const std::string& name, int frames = 6) {
   const std::string capture = smallCapture(name, frames);
   EXPECT_EQ(shell("sed -i '0,/{/s//{\"topology\": \"per-frame\", /' " + capture + "/capture.json").code, 0);
@@ -148,7 +148,7 @@ TEST(CameraBake, TheMethodIsTheOneThatIsNamed) {
     EXPECT_EQ(refused.code, 2) << refused.output;
     EXPECT_FALSE(exists(out + "/no"));
   }
-  // A later version's name, and no name at all.
+  // Manifests with an unknown method, as of a later version, and without one.
   const auto still = [&](const std::string& options = "") {
     const Outcome drawn =
         fourdvt("render " + out + "/box -o " + out + "/still.png --size 160x200 --azimuth 40" + options);
@@ -170,7 +170,7 @@ TEST(CameraBake, TheMethodIsTheOneThatIsNamed) {
   EXPECT_EQ(still(), std::pair(by_sweep, quiet));
 }
 
-// A figurine in the same capture: everything is 1/20 as large.
+// Scales the capture to 1/20, as for a figurine.
 TEST(CameraBake, LengthsFollowTheSurfacesSize) {
   const std::string capture = perFrame("figurine-capture", 2), out = scratch("figurine");
   const auto stepOf = [&](const std::string& name, const std::string& options) {
@@ -211,13 +211,13 @@ TEST(CameraBake, InterruptedResumesToTheSameBytes) {
   ASSERT_EQ(resumed.code, 0) << resumed.output;
   EXPECT_NE(readText(stopped + ".report/report.json").find("\"resumed\": true"), std::string::npos);
   EXPECT_EQ(differences(out + "/straight", stopped), std::vector<std::string>{});
-  // One job gives what two do.
+  // One job and two give the same bytes.
   ASSERT_EQ(
       fourdvt("bake " + capture + " -o " + out + "/alone --gop 4 --jobs 1 --renditions 1:40,0.5:30 --sequences turn")
           .code,
       0);
   EXPECT_EQ(differences(out + "/straight", out + "/alone"), std::vector<std::string>{});
-  // Every frame of every rendition has its barcode; the smaller one shows the same.
+  // Every frame of every rendition has its barcode; the smaller rendition has the same content.
   const Outcome inspect = fourdvt("inspect " + stopped);
   EXPECT_EQ(inspect.code, 0) << inspect.output;
   const auto still = [&](const std::string& choice) {
@@ -261,7 +261,7 @@ TEST_F(WrongCameraBake, PicturesThatDoNotFitSayWhichScaleDoes) {
   expectRefused(" --tile-texels 0.02", "use --tile-scale 0.");
 }
 
-// Later surfaces, or the refinement's pictures, would be errors as well.
+// Invalid later surfaces and refinement pictures are not read before this error.
 TEST_F(WrongCameraBake, PicturesThatDoNotFitAreRefusedBeforeTheRestIsRead) {
   writeText(capture + "/turn/mesh/000001.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9\n");
   expectRefused(" --tile-texels 0.02", "sequence 'turn', frame 0 alone: the cameras' pictures of the performer need");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calibrations of other programs become captures: what is printed, what is linked, what is refused.
+// Imports calibrations of other programs into captures: output, links, refusals.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The box's pictures with a calibration of Pose2Sim's kind: one camera of the four, Z up.
+// Pose2Sim calibration of the box's pictures: one camera of the four, Z up.
 std::string tomlCalibration() {
   return "[cam00]\nname = \"cam00\"\nsize = [160.0, 160.0]\nmatrix = [[200.0, 0.0, 79.5], [0.0, 200.0, 79.5], "
          "[0.0, 0.0, 1.0]]\ndistortions = [-0.1, 0.0, 0.0, 0.0]\nrotation = [1.5707963267948966, 0.0, 0.0]\n"
@@ -32,7 +32,7 @@ TEST(Import, MakesTheSameCaptureOfACapture) {
   const auto json = nlohmann::json::parse(readText(out + "/capture.json"));
   EXPECT_EQ(json["fps"], 25);
   EXPECT_EQ(json["sequences"][0]["frames"], 3);
-  // The other commands take it: poses and pictures fit.
+  // Other commands accept the import: poses and pictures agree.
   const Outcome surfaces = fourdvt("reconstruct " + out + " -o " + out + "-surfaces --refine none --voxel-mm 20");
   EXPECT_EQ(surfaces.code, 0) << surfaces.output;
 
@@ -54,7 +54,7 @@ TEST(Import, TurnsScalesAndSaysWhatIsMissing) {
   EXPECT_NE(cameras.find("1 OPENCV 160 160 200.000000000 200.000000000 80.000000000 80.000000000 -0.1 0 0 0"),
             std::string::npos)
       << cameras;
-  // A quarter turn about x takes z up to y down, as pictures have it; with Y up it is half a turn.
+  // Rotation about x by a quarter turn from Z up to the pictures' y down; from Y up by half a turn.
   const std::string images = readText(out + "/cameras/images.txt");
   EXPECT_NE(images.find(" 0.000000000000 1.000000000000 8.000000000000 1 cam00"), std::string::npos) << images;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes in pieces, each a process of its own: the same bytes as in one, whatever happens to a piece.
+// Bakes in pieces, each in its own process: the same bytes as in one process, even after failures of pieces.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -55,7 +55,7 @@ Job planned(const std::string& name, int frames = 6, const std::string& options 
   return job;
 }
 
-// Runs every piece whose needs are done, the last one that could be run first.
+// Runs every piece whose inputs are finished, choosing the last possible one first.
 void runBackwards(const Job& job) {
   std::set<std::string> done;
   const json pieces = job.pieces();
@@ -114,7 +114,7 @@ TEST(Job, KilledPieceIsDoneAgainAndNoPieceTwice) {
   const Job job = planned("job-killed");
   ASSERT_EQ(job.piece("survey-turn-0").code, 0);
   const std::string attempts = job.folder() + "/attempts";
-  // Killed where it has begun: as soon as its start is on record.
+  // Kills the piece as soon as its start is recorded.
   shell(std::string(FOURDVT_BIN) + " piece " + job.folder() + " colours & piece=$!; while ! ls " + attempts +
         " | grep -q colours; do :; done; kill -9 $piece; wait $piece");
   EXPECT_FALSE(exists(job.done("colours")));
@@ -203,7 +203,7 @@ TEST(Job, MeshesAreCheckedByThePiecesThatReadAllOfThem) {
   EXPECT_TRUE(isOneLineWith(job.piece("label-turn"), job.capture + "/turn: its meshes have changed since the plan"));
 }
 
-// Results of two builds would be mixed: a key of the plan's has the build in it.
+// Prevents mixing results of two builds: a key of the plan contains the build.
 TEST(Job, FolderOfAnotherBuildBeginsAgain) {
   const Job job = planned("job-other-build");
   ASSERT_EQ(job.piece("survey-turn-0").code, 0);
@@ -218,7 +218,7 @@ TEST(Job, FolderOfAnotherBuildBeginsAgain) {
   EXPECT_FALSE(exists(job.done("survey-turn-0")));
 }
 
-// Slurm's answers, from a scontrol of our own.
+// Simulates Slurm's answers by a fake scontrol.
 TEST(Job, SlurmJobsThatWillNeverStartFail) {
   const Job job = planned("job-slurm");
   const std::string bin = job.out + "/bin";
@@ -233,7 +233,7 @@ TEST(Job, SlurmJobsThatWillNeverStartFail) {
     return shell("cd " + job.folder() + " && PATH=" + bin + ":$PATH sh profiles/slurm/status.sh 7").output;
   };
   EXPECT_EQ(statusOf("PENDING", "Resources"), "running\n");
-  EXPECT_EQ(statusOf("PENDING", "PartitionNodeLimit"), "running\n");  // also where nodes are drained for a while
+  EXPECT_EQ(statusOf("PENDING", "PartitionNodeLimit"), "running\n");  // also while nodes are drained
   for (const char* reason : {"PartitionTimeLimit", "QOSMaxWallDurationPerJobLimit", "BadConstraints"}) {
     EXPECT_EQ(statusOf("PENDING", reason), "failed\n");
     const std::string log = readText(job.folder() + "/logs/slurm-7.log");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mattes from the command line: what is written, kept, refused, and what reconstruct makes of it. The capture is a
-// room of the virtual studio, whose true mattes are known.
+// Mattes from the command line: written files, kept files, refusals, and reconstruction from them. The capture is a
+// room of the virtual studio with known true mattes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ class Mattes : public testing::Test {
     const Outcome outcome = fourdvt("mattes " + capture_ + " -o " + folder_ + "/made");
     ASSERT_EQ(outcome.code, 0) << outcome.output;
   }
-  // Intersection over union of a capture's mattes with the true ones, of all cameras.
+  // Intersection over union of a capture's mattes with the true ones, over all cameras.
   static double agreement(const std::string& capture) {
     const Outcome outcome = lab("mattes " + capture);
     EXPECT_EQ(outcome.code, 0) << outcome.output;
@@ -57,8 +57,8 @@ TEST_F(Mattes, MakeACaptureOfLinks) {
 TEST_F(Mattes, AreBetterTogetherThanAlone) {
   const double together = agreement(made()), alone = agreement(capture_);
   EXPECT_GT(together, 0.95);
-  EXPECT_GT(together, alone + 0.01);  // one camera sees somebody else
-  // Mattes that a capture has stay: made again, they are the same files.
+  EXPECT_GT(together, alone + 0.01);  // one camera sees another person
+  // Existing mattes of a capture are kept: a second run writes the same files.
   const Outcome again = fourdvt("mattes " + made() + " -o " + folder_ + "/again --preview 1");
   EXPECT_EQ(again.code, 0) << again.output;
   EXPECT_FALSE(exists(folder_ + "/again/preview/walk/mask00/000002.png"));
@@ -115,7 +115,7 @@ TEST_F(Mattes, NeedNoPlates) {
   EXPECT_EQ(outcome.code, 0) << outcome.output;
   EXPECT_NE(outcome.output.find("has no plate"), std::string::npos) << outcome.output;
   EXPECT_TRUE(exists(folder_ + "/bare/walk/mask03/000003.png"));
-  EXPECT_GT(agreement(folder_ + "/bare"), 0.3);  // four frames of a walk in place: legs and arms alone move
+  EXPECT_GT(agreement(folder_ + "/bare"), 0.3);  // four frames of a walk in place: only limbs move
 }
 
 TEST_F(Mattes, ObeyHints) {
@@ -143,7 +143,7 @@ TEST_F(Mattes, ObeyHints) {
 
 TEST_F(Mattes, NameTheCameraThatDoesNotFit) {
   const std::string mixed = copyOf(capture_, "mattes-mixed");
-  // Camera 2 was turned after its calibration: its pictures and plates are 50 pixels off.
+  // Simulates a camera turned after its calibration: its pictures and plates are shifted by 50 pixels.
   for (const char* part : {"/walk/cam02", "/background/cam02"})
     for (const auto& file : fs::directory_iterator(mixed + part)) {
       auto picture = platform::readImage(file.path().string());
@@ -163,7 +163,7 @@ TEST_F(Mattes, NameTheCameraThatDoesNotFit) {
     EXPECT_FALSE(exists(target));
     EXPECT_TRUE(exists(target + ".work"));
   }
-  // Unfinished work of one command is not the other's to remove.
+  // A command does not remove unfinished work of another one.
   const Outcome taken = fourdvt("reconstruct " + mixed + " -o " + folder_ + "/mixed-m --leave-out cam02");
   EXPECT_TRUE(isOneLineWith(taken, "unfinished work of another command")) << taken.output;
   const Outcome without =

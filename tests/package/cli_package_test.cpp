@@ -126,7 +126,7 @@ TEST_F(DamagedPackage, MotionGraphThatIsMissingOrNone) {
   expectBroken(graph, false);
   writeText(graph, std::string(99, 'x'));
   expectBroken(graph, false);
-  for (const char text : {'y', 'x'}) {  // another one's, and none at all
+  for (const char text : {'y', 'x'}) {  // wrong hash; no graph
     writeText(graph, std::string(100, text));
     expectBroken(graph, false);
   }

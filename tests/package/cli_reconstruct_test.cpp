@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reconstruction: surfaces from cameras alone, an interrupted run, pieces, and captures that are wrong.
+// Reconstruction: surfaces from cameras alone, an interrupted run, pieces, and invalid captures.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 const std::string kCoarse = " --voxel-mm 20 --refine none";
 
-// A capture that has pictures and mattes, and neither meshes nor a word about them.
+// Capture with pictures and mattes, without meshes or a declaration of them.
 std::string withoutMeshes(const std::string& name, int frames = 3) {
   const std::string capture = smallCapture(name, frames);
   for (const auto& entry : fs::directory_iterator(capture))
@@ -36,7 +36,7 @@ void expectFailure(const Outcome& outcome, const std::string& named, const std::
   EXPECT_FALSE(exists(folder));
 }
 
-// The matte of one camera and frame, as a picture of one value.
+// Overwrites the matte of one camera and frame with a constant value.
 void fillMatte(const std::string& capture, const std::string& camera, const std::string& frame, uint8_t value) {
   const std::string path = capture + "/turn/mask" + camera + "/" + frame + ".png";
   const auto matte = platform::readImage(path);
@@ -44,7 +44,7 @@ void fillMatte(const std::string& capture, const std::string& camera, const std:
   ASSERT_TRUE(platform::writeImage(path, Image(matte.value().width, matte.value().height, 3, value)).ok());
 }
 
-// A matte whose performer is where no other camera sees one.
+// Moves the performer in a matte to where no other camera sees one.
 void contradict(const std::string& capture, const std::string& camera, const std::string& frame) {
   const std::string path = capture + "/turn/mask" + camera + "/" + frame + ".png";
   const auto matte = platform::readImage(path);
@@ -123,7 +123,7 @@ TEST(Reconstruct, MeshesAreInTheCapturesUnit) {
   const size_t at = json.find("\"metre\"");
   ASSERT_NE(at, std::string::npos) << json;
   writeText(capture + "/capture.json", json.replace(at, 7, "\"centimetre\""));
-  // The same rig, told in centimetres.
+  // Writes the same rig in centimetres.
   std::istringstream lines(readText(capture + "/cameras/images.txt"));
   std::string line, scaled;
   while (std::getline(lines, line)) {
@@ -174,7 +174,7 @@ TEST(Reconstruct, InterruptedResumesToTheSameBytes) {
   EXPECT_EQ(differences(out + "/straight/turn/mesh", stopped + "/turn/mesh"), std::vector<std::string>{});
 }
 
-// Every piece of a plan but the last, each in a process of its own.
+// All pieces of a plan but the last, to be run in separate processes.
 std::vector<std::string> piecesOf(const std::string& job) {
   std::vector<std::string> out;
   const auto plan = nlohmann::json::parse(readText(job + "/plan.json"));
@@ -202,7 +202,7 @@ void expectSameResult(const std::string& a, const std::string& b) {
   EXPECT_EQ(readText(a + "/capture.json"), readText(b + "/capture.json"));
 }
 
-// A capture of two windows, and what one run makes of it.
+// Capture of two windows, and its result in one run.
 struct TwoWindows {
   std::string capture = withoutMeshes("pieces-capture", 35), straight = scratch("pieces-straight") + "/hull";
   TwoWindows() { EXPECT_EQ(fourdvt("reconstruct " + capture + " -o " + straight + kCoarse).code, 0); }
@@ -212,7 +212,7 @@ const TwoWindows& twoWindows() {
   return made;
 }
 
-// The second window's frames do not follow those of the first, and two processes that make them write the same.
+// The second window's frames do not depend on the first's; two processes that compute them write the same bytes.
 TEST(ReconstructInPieces, GivesTheBytesOfOneRun) {
   const std::string capture = twoWindows().capture, target = scratch("pieces") + "/target", job = target + ".work";
   const Outcome planned = fourdvt("plan reconstruct " + capture + " -o " + target + kCoarse);
@@ -237,13 +237,13 @@ TEST(ReconstructInPieces, GivesTheBytesOfOneRun) {
   EXPECT_TRUE(exists(target + "/reconstruct.html") && exists(target + "/reconstruct-1.jpg"));
   EXPECT_TRUE(exists(job + "/job.html") && !exists(target + ".part"));
   expectSameResult(twoWindows().straight, target);
-  // A process may end between the two.
+  // A process may be killed between both steps.
   ASSERT_TRUE(fs::remove(doneFile(job, "finish")));
   const Outcome recorded = fourdvt("finish " + job);
   EXPECT_EQ(recorded.code, 0) << recorded.output;
   EXPECT_TRUE(exists(doneFile(job, "finish")));
 
-  // The frames are in the result now: planned again, the job begins anew.
+  // The frames are in the result now; a new plan starts the job anew.
   ASSERT_EQ(fourdvt("plan reconstruct " + capture + " -o " + target + kCoarse).code, 0);
   EXPECT_FALSE(exists(doneFile(job, "frames-turn-1")) || exists(doneFile(job, "finish")));
 }
@@ -254,7 +254,7 @@ TEST(ReconstructInPieces, StereoMakesAWindowFromItsStart) {
   ASSERT_EQ(fourdvt("reconstruct " + capture + " -o " + out + "/straight" + options).code, 0);
   ASSERT_EQ(fourdvt("plan reconstruct " + capture + " -o " + target + options).code, 0);
   computePieces(job);
-  // A frame that is gone.
+  // A missing frame.
   fs::remove(target + ".part/turn/mesh/000002.ply");
   const Outcome lacking = fourdvt("finish " + job);
   EXPECT_EQ(lacking.code, 1);
@@ -288,7 +288,7 @@ TEST(ReconstructInPieces, FilesThatHaveChangedAreRefused) {
   EXPECT_EQ(fourdvt("finish " + job).code, 0);
 }
 
-// Results of two builds would be mixed: a key of the plan's has the build in it.
+// Prevents mixing results of two builds: a key of the plan contains the build.
 TEST(ReconstructInPieces, FolderOfAnotherBuildBeginsAgain) {
   const std::string capture = withoutMeshes("build-capture"), out = scratch("build-pieces");
   const std::string plan = "plan reconstruct " + capture + " -o " + out + "/hull" + kCoarse, job = out + "/hull.work";
@@ -332,7 +332,8 @@ TEST(ReconstructInPieces, ResumeGoesOnWithPiecesAndPiecesWithARun) {
   expectSameResult(straight, stopped);
 }
 
-// Two silhouettes in the first frame contradict each other in nothing: each window is judged by itself.
+// Only two cameras have a silhouette in the first frame, which cannot contradict each other; each window is judged
+// separately.
 TEST(ReconstructInPieces, SilhouettesAreJudgedAsInOneRun) {
   const std::string capture = withoutMeshes("judged-capture", 34), out = scratch("judged"), job = out + "/hull.work";
   for (const auto& entry : fs::directory_iterator(capture + "/turn"))
@@ -379,7 +380,7 @@ TEST(Reconstruct, AFigurineAndAFewFacesNeedNoVoxelSize) {
   };
   const auto large = made("large", "");
   const auto few = made("few", " --faces 1000");
-  // The same pictures of a scene a thousandth as large.
+  // The same pictures, with the scene scaled to a thousandth.
   ASSERT_EQ(shell("sed -i 's/\"metre\"/\"millimetre\"/' " + capture + "/capture.json").code, 0);
   const auto small = made("small", "");
   EXPECT_EQ(small["options"]["voxel_mm"], "auto");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes and movies of the command line: what is composited, and the messages for scenes that cannot be.
+// Scenes and movies from the command line: compositing, and messages for invalid scenes.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -27,12 +27,12 @@ class SceneRendering : public testing::Test {
     Image sky(160, 160, 3);
     for (size_t i = 0; i < sky.pixels.size(); ++i) sky.pixels[i] = kSky[i % 3];
     EXPECT_TRUE(platform::writeImage(folder_ + "/sky.png", sky).ok());
-    // Between the box and cam00, which stands before it: hides the lower half of the picture.
+    // Wall between the box and cam00: hides the lower half of the picture.
     writeText(folder_ + "/wall.obj", "v -3 -3 0.9\nv 3 -3 0.9\nv 3 0.65 0.9\nv -3 0.65 0.9\nf 1 2 3 4\n");
   }
   void SetUp() override { ASSERT_EQ(baked_.code, 0) << baked_.output; }
 
-  // `more`: further members of the scene, with a leading comma.
+  // `more`: further members of the scene's JSON, with a leading comma.
   std::string scene(const std::string& more, const std::string& character = "") {
     const std::string path = folder_ + "/scene.json";
     writeText(path, R"({"camera": "cameras", "camera_name": "cam00", "characters": [{"src": "box")" + character + "}]" +
@@ -66,7 +66,7 @@ bool isSky(const Image& image, int x, int y) {
   return true;
 }
 
-// Placed at the origin and without anything else, a scene is the plain still of the same camera.
+// A scene with only one character, at the origin, equals the plain still of the same camera.
 TEST_F(SceneRendering, OfOneCharacterIsItsStill) {
   const Image plain = still(folder_ + "/box --camera cam00 --no-shadow --frame 3");
   const Image composed = still("--scene " + scene("") + " --no-shadow --frame 3");

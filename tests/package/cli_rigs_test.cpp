@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rigs other than a ring of like cameras: lenses so far shifted that their optical axes miss the pictures, pictures
-// that lie on their sides, have more pixels than others, or are cropped. What is baked of them looks as what is baked
-// of the same box seen by a plain rig.
+// Rigs other than a ring of equal cameras: lenses shifted so far that their optical axes miss the pictures, and
+// pictures that are rotated, larger than others, or cropped. Their bakes are about as good as one of the same box from
+// a plain rig.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -13,12 +13,12 @@ namespace {
 
 struct Rig {
   const char* name;
-  double worse_dB;  // allowed: shifted lenses sample the box by another grid; a mixed rig has more pixels
+  double worse_dB;  // tolerance: shifted lenses sample on another grid; a mixed rig has more pixels
 };
 
 class Rigs : public ::testing::TestWithParam<Rig> {
  protected:
-  // PSNR at the held-out camera, which is the same in all rigs.
+  // PSNR at the held-out camera, which all rigs share.
   static double score(const std::string& appearance, const std::string& rig) {
     const std::string name = rig + "-" + appearance, capture = smallCapture("rig-" + name, 3, rig);
     const std::string character = scratch("rig-out-" + name) + "/box";

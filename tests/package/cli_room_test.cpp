@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A capture that gives its room: what is wrong with it, what is baked of it, and the character before it.
+// Captures with a room: invalid rooms, the baked room, and the character in front of it.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -20,7 +20,7 @@ void giveRoom(const std::string& capture, const std::string& room) {
   ASSERT_EQ(shell("sed -i '0,/{/s//{\"room\": " + room + ", /' " + capture + "/capture.json").code, 0);
 }
 
-// Plates of one colour, in which a camera marks its own.
+// Writes plates of one colour, with a mark of the camera's own.
 void addPlates(const std::string& capture) {
   for (int c = 0; c < 4; ++c) {
     Image plate(160, 160, 3, 0);
@@ -70,7 +70,7 @@ TEST(Room, IsBakedInspectedAndDrawn) {
   ASSERT_EQ(bake.code, 0) << bake.output;
   const std::string room = fileNamed(out + "/box", "room.jpg"), name = fs::path(room).filename();
   EXPECT_LE(fs::file_size(room), 300'000u);
-  // The room changes nothing else.
+  // The room changes no other file.
   EXPECT_EQ(differences(out + "/without", out + "/box"), (std::vector<std::string>{"character.gltf", name}));
   const Outcome inspect = fourdvt("inspect " + out + "/box");
   EXPECT_EQ(inspect.code, 0) << inspect.output;

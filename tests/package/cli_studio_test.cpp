@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The virtual studio as a user runs it: a procedural capture and one of a GLB, both of which bake; wrong command lines
+// The virtual studio from the command line: a procedural capture and one of a GLB, both baked; invalid command lines
 // and models.
 #include <gtest/gtest.h>
 
@@ -31,8 +31,8 @@ TEST(Studio, ProceduralCaptureBakes) {
   EXPECT_EQ(score.code, 0) << score.output;
 }
 
-// The refinement as a user meets it: turned cameras come back as a COLMAP text model with which nothing is left to
-// turn.
+// Refinement from the command line: turned cameras are written back as a COLMAP text model; a second refinement finds
+// no further turn.
 TEST(Studio, TurnedCamerasAreWrittenRefined) {
   const std::string out = scratch("studio-turned");
   const std::string size = " --size 240x320 --sequences walk --fps 6 --no-truth --mesh-cell-mm 45";
@@ -73,7 +73,7 @@ TEST(Studio, ModelIsCapturedByItsAnimationsNames) {
   EXPECT_EQ(bake.code, 0) << bake.output;
 }
 
-// No mattes: the bake keys against the plates.
+// Without mattes, the bake keys against the plates.
 TEST(Studio, RoomBakesFromItsPlates) {
   const std::string out = scratch("studio-room");
   const std::string studio = "studio procedural --room --sequences walk --no-truth --mesh-cell-mm 45 -o " + out;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The study on a small capture: every table is there, an interrupted one goes on, wrong input gives one clear line.
+// The study on a small capture: all tables are present, an interrupted study resumes, invalid input gives a one-line
+// message.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -20,7 +21,7 @@ struct Csv {
   std::map<std::string, double> values;   // "table,sequence,method,setting,quantity"
 };
 
-// Fields of these rows hold no quoted commas, except the "about" texts, which are skipped.
+// Reads the CSV. Fields contain no quoted commas, except the "about" texts, which are skipped.
 Csv readCsv(const std::string& path) {
   Csv out;
   std::istringstream lines(readText(path));
@@ -64,7 +65,7 @@ const std::string& capture() {
   return path;
 }
 
-// One study for the tests below: stopped by Ctrl-C as soon as the first step's rows are there, then run to its end.
+// Study shared by the tests below: stopped by Ctrl-C once the first step's rows are written, then run to its end.
 struct Study {
   std::string report = scratch("study") + "/report", reference;  // reference: the first step's rows when it stopped
   Outcome stopped, rest;
@@ -95,7 +96,7 @@ TEST(CliStudy, QuickStudyHasEveryTable) {
     const std::string text = readText(report + name);
     return std::count(text.begin(), text.end(), '\n');
   };
-  EXPECT_EQ(lines("/evaluate.json"), lines("/evaluate.csv") + 1);  // a row a line
+  EXPECT_EQ(lines("/evaluate.json"), lines("/evaluate.csv") + 1);  // one row per line
   for (const std::string table :
        {"table1", "multiview", "layers", "labels", "held-out", "bake", "rate", "speed", "pictures", "about"})
     EXPECT_TRUE(csv.tables.count(table)) << table;
@@ -109,12 +110,12 @@ TEST(CliStudy, QuickStudyHasEveryTable) {
     EXPECT_GT(first(csv, "table1", method, "ssim_fg"), 0.7) << method;
     EXPECT_LE(first(csv, "table1", method, "ssim_fg"), 1) << method;
     EXPECT_GT(first(csv, "table1", method, "percent_of_masked"), 0) << method;
-    for (const std::string quality : {"psnr", "ssim"})  // a share, or that no rate of the multi-view's videos gives it
+    for (const std::string quality : {"psnr", "ssim"})  // a percentage, or a row that no rate reaches this quality
       EXPECT_NE(has(csv, "table1", method, "percent_at_equal_held_out_" + quality),
                 has(csv, "table1", method, "beyond_range_at_held_out_" + quality))
           << method << " " << quality;
   }
-  // Results of this one bake, so that no change of labels, texels, codec or renderer costs quality unseen.
+  // Expected results of this one bake, so that no change of labels, texels, codec or renderer loses quality unnoticed.
   for (const auto& [method, psnr_db, ssim] :
        {std::tuple{"fvvr", 29.06, 0.950}, std::tuple{"naive", 30.21, 0.973}, std::tuple{"joint", 30.74, 0.975},
         std::tuple{"joint-default", 31.05, 0.977}}) {
@@ -136,7 +137,7 @@ TEST(CliStudy, QuickStudyHasEveryTable) {
                                                               first(csv, "table1", "joint", "other_bytes"));
   EXPECT_EQ(first(csv, "multiview", "multiview", "raw_bytes"), 4 * 6 * 160 * 160 * 3);
   EXPECT_LT(first(csv, "multiview", "multiview", "masked_bytes"), first(csv, "multiview", "multiview", "raw_bytes"));
-  // FVVR from decoded videos: the higher rate gives the better pictures, and neither is better than the capture's own.
+  // FVVR from decoded videos: the higher rate scores better, and neither exceeds the capture's own pictures.
   const auto videos = [&](int crf, const char* quantity) {
     return csv.values.at("multiview-codec,turn,h264,crf=" + std::to_string(crf) + "," + quantity);
   };
@@ -144,7 +145,7 @@ TEST(CliStudy, QuickStudyHasEveryTable) {
   EXPECT_GT(videos(20, "held_out_psnr_fg_db"), videos(36, "held_out_psnr_fg_db"));
   EXPECT_GT(videos(20, "held_out_ssim_fg"), videos(36, "held_out_ssim_fg"));
   EXPECT_LT(videos(20, "held_out_psnr_fg_db"), first(csv, "held-out", "fvvr", "psnr_fg_db") + 0.1);
-  // What FVVR saves with fewer cameras, and its quality then.
+  // Savings of FVVR with fewer cameras, and its quality then.
   EXPECT_GT(first(csv, "held-out", "fvvr-closest", "psnr_fg_db"), 18);
   EXPECT_TRUE(csv.methods.count("speed fvvr"));
   for (const std::string method : {"spatial", "joint", "joint-no-unseen", "joint-no-partial", "joint-neither"})
@@ -154,7 +155,7 @@ TEST(CliStudy, QuickStudyHasEveryTable) {
   EXPECT_TRUE(exists(report + "/work/methods/joint-default/character.gltf"));
   EXPECT_FALSE(exists(report + "/work/methods/naive-512"));
 
-  // A second run measures nothing, and gives the same rows.
+  // A second run measures nothing and gives the same rows.
   const std::string before = readText(report + "/evaluate.csv");
   fs::remove(report + "/report.html");
   const Outcome again = lab("study " + capture() + " -o " + report + " --quick");
@@ -213,7 +214,7 @@ TEST(CliStudy, MethodsFromCamerasAreComparedAndGoOn) {
       interrupted(FOURDVT_LAB_BIN, command, report + "/steps/proxies.csv", scratch("methods_log") + "/log");
   EXPECT_EQ(stopped.code, 130) << stopped.output;
   EXPECT_NE(stopped.output.find("fourdvt-lab methods"), std::string::npos)
-      << stopped.output;  // the command to go on with
+      << stopped.output;  // the command to resume with
   EXPECT_FALSE(exists(report + "/steps/pictures.csv"));
   const std::string proxies = readText(report + "/steps/proxies.csv");
   ASSERT_FALSE(proxies.empty());
@@ -236,7 +237,7 @@ TEST(CliStudy, MethodsFromCamerasAreComparedAndGoOn) {
     ADD_FAILURE() << condition << " " << quantity;
     return -1.0;
   };
-  // A checkered box: the true surface is sharper, and cameras that are out of place cost sharpness and more.
+  // On a checkered box the true surface scores best, and displaced cameras cost sharpness and quality.
   EXPECT_GT(value("axis=proxy at=given", "psnr_fg_db"), 24);
   EXPECT_GT(value("axis=proxy at=given", "ssim_fg"), 0.9);
   EXPECT_GT(value("axis=proxy at=given", "psnr_fg_db"), value("axis=proxy at=hull", "psnr_fg_db") + 1);
@@ -247,7 +248,7 @@ TEST(CliStudy, MethodsFromCamerasAreComparedAndGoOn) {
   EXPECT_GT(csv.values.at("cross,turn,fvvr,proxy=given own=1,psnr_fg_db"),
             csv.values.at("cross,turn,fvvr,proxy=given own=0,psnr_fg_db"));
 
-  // Another kind's report is not overwritten, and methods that do not exist are refused.
+  // A report of another kind is not overwritten; unknown methods are refused.
   const Outcome other = lab("study " + capture() + " -o " + report + " --quick");
   EXPECT_EQ(other.code, 1);
   EXPECT_TRUE(isOneLineWith(other, "study of other settings")) << other.output;

@@ -153,7 +153,7 @@ TEST(Usage, EveryCommandHasHelp) {
   EXPECT_NE(lab("bake --help").output.find("--labels"), std::string::npos);
 }
 
-// One screen: 24 lines of 120 characters.
+// Limit of one screen: 24 lines of 120 characters.
 TEST(Usage, HelpOfTheJudgingCommandsFitsAScreen) {
   for (const std::string command : {"study", "score", "methods", "mattes", "surfaces"}) {
     std::istringstream lines(lab(command + " --help").output);
@@ -164,7 +164,7 @@ TEST(Usage, HelpOfTheJudgingCommandsFitsAScreen) {
   }
 }
 
-// Errors are printed at every level; options, by --verbose.
+// Errors are printed at every level, options only with --verbose.
 TEST(Usage, LevelsOfWhatIsPrinted) {
   const std::string command = "render no-such-folder -o x.png";
   EXPECT_TRUE(isOneLineWith(fourdvt(command + " --quiet"), "no-such-folder"));

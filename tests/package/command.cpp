@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Path in a folder of this program's own: ctest runs several programs at once, and some use the same names.
+// Path in a folder of this test program: ctest runs several programs at once, and some use the same names.
 fs::path scratchPath(const std::string& name) {
   return fs::path(SCRATCH_FOLDER) / program_invocation_short_name / name;
 }
@@ -107,7 +107,7 @@ Outcome interrupted(const std::string& program, const std::string& arguments, co
     execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
     _exit(127);
   }
-  // A busy machine takes minutes to get there; ctest's limit ends a program that never does.
+  // A busy machine may need minutes until then; ctest's timeout ends a program that never gets there.
   int status = 0;
   while (workFile(fs::path(once_there).parent_path(), fs::path(once_there).filename()).empty() &&
          waitpid(child, &status, WNOHANG) == 0)

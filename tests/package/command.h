@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the tool as a user would and looks at what came out. Scratch folders are emptied when they are made.
+// Runs the programs as a user would and checks their output. Scratch folders are emptied when they are created.
 #pragma once
 
 #include <cstdint>
@@ -13,23 +13,22 @@ struct Outcome {
   std::string output;  // stdout and stderr
 };
 
-// A shell command line.
+// Runs a shell command line.
 Outcome shell(const std::string& command);
-// fourdvt with these arguments.
+// Runs fourdvt with these arguments.
 Outcome fourdvt(const std::string& arguments);
-// fourdvt-lab with these arguments.
+// Runs fourdvt-lab with these arguments.
 Outcome lab(const std::string& arguments);
-// The program with these arguments, sent Ctrl-C once the file `once_there` exists, or one of its name below
-// its folder. Its output goes through the file
-// `log`.
+// Runs the program, and sends Ctrl-C once the file `once_there` exists, or a file of this name below its folder. The
+// output passes through the file `log`.
 Outcome interrupted(const std::string& program, const std::string& arguments, const std::string& once_there,
                     const std::string& log);
-// One line of text that ends in a newline and contains `part`.
+// True if the output is one line that ends in a newline and contains `part`.
 bool isOneLineWith(const Outcome& outcome, const std::string& part);
 
-// An empty folder of this name in the build tree, apart from those of other test programs.
+// Creates an empty folder of this name in the build tree, separate from those of other test programs.
 std::string scratch(const std::string& name);
-// rig: make_small_capture's.
+// Capture by make_small_capture; `rig`: its argument.
 std::string smallCapture(const std::string& name, int frames = 6, const std::string& rig = "");
 std::string copyOf(const std::string& folder, const std::string& name);
 // The only file with this extension (".mp4") in the folder.

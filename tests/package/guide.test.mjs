@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The commands of native/capture/CLASSES.md, in their order, on the sample as a studio would hand it over; pictures and textures
-// are smaller than a reader's, and fewer cameras are used.
+// Runs the commands of native/capture/CLASSES.md, in order, on the sample laid out as a studio would deliver it; with
+// smaller pictures and textures and fewer cameras than in the text.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -12,7 +12,7 @@ import { fileURLToPath } from 'node:url';
 const kRoot = fileURLToPath(new URL('../..', import.meta.url)), kSample = join(kRoot, 'site/sample/actor_a');
 const kTool = process.env.FOURDVT_BIN ?? join(kRoot, 'build/release/native/tools/fourdvt');
 const kCameras = 4;
-// Makes a command quick; it does the same.
+// Options that make a command fast without changing what it does.
 const kQuick = {
   bake: ['--texture', '128', '--layers', '1', '--renditions', 'highest', '--refine', 'none', '--refine-cameras', 'off', '--align', 'none'],
   render: ['--size', '96x128'],
@@ -40,7 +40,7 @@ function writeMeshes({ name, frames, mesh }) {
   }
 }
 
-// The folder that the chapter lays out.
+// Creates the folder described in the chapter.
 function writeShoot() {
   const { sequences } = JSON.parse(readFileSync(join(kSample, 'capture.json'), 'utf8'));
   for (const sequence of sequences.filter(({ name }) => name === 'walk' || name === 'run')) {
@@ -63,14 +63,14 @@ test('every command of the chapter does what it says', () => {
     const movie = words.some((word) => word.endsWith('.mp4')) ? ['--seconds', '0.2'] : [];
     return run([name, ...words, ...(kQuick[name] ?? []), ...movie]);
   });
-  // Lines that import printed for all cameras stand in the chapter.
+  // Expects that lines which import prints for all cameras occur in the chapter.
   for (const line of printed[0].trim().split('\n').filter((text) => /^(sequence|meshes|class) /.test(text)))
     assert.ok(chapter.includes(`    ${line.replace(`${kCameras} cameras`, '8 cameras')}\n`), line);
   const { classes, sequences } = JSON.parse(readFileSync(join(folder, 'performer/capture.json'), 'utf8'));
   const declared = JSON.parse(`{${/^ {4}"sequences": [\s\S]*?^ {4}\]\n/m.exec(chapter)[0]}${/^ {4}"classes": [\s\S]*?^ {4}\]\n/m.exec(chapter)[0]}}`
     .replace(/\]\n\s*"classes"/, '], "classes"'));
   assert.deepEqual({ sequences, classes }, declared);
-  // The slider goes from the speed of the walk to that of the run, which the bake has measured: 1.23 and 2.72 m/s are true.
+  // Range of the slider: from the walk's to the run's speed, as measured by the bake; true values: 1.23 and 2.72 m/s.
   const [, low, high] = /class locomotion: speed_mps ([\d.]+) to ([\d.]+)/.exec(printed[2]);
   assert.ok(Math.abs(low - 1.23) < 0.1 && Math.abs(high - 2.72) < 0.15, `${low} to ${high}`);
   for (const made of ['between.png', 'faster.mp4']) assert.ok(existsSync(join(folder, made)), made);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// make_small_capture FOLDER [FRAMES] [RIG]: a capture that bakes in seconds. A turning textured box, four cameras of
-// 160 × 160 pixels, PNG frames and mattes ray-traced analytically (3 × 3 samples), OBJ meshes, one held-out camera.
-// RIG: shifted: lenses whose optical axes pass the pictures by; mixed: one camera lies on its side, one has twice the
-// pixels, two pictures are cropped.
+// make_small_capture FOLDER [FRAMES] [RIG]: writes a capture that bakes in seconds. A turning textured box, four
+// cameras of 160 × 160 pixels, PNG frames and mattes ray-traced analytically (3 × 3 samples), OBJ meshes, one held-out
+// camera. RIG: shifted: lenses whose optical axes miss the pictures; mixed: one camera lies on its side, one has twice
+// the pixels, two pictures are cropped.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -32,7 +32,7 @@ glm::dmat3 worldFromBox(int frame) {
   return {{std::cos(a), 0, -std::sin(a)}, {0, 1, 0}, {std::sin(a), 0, std::cos(a)}};
 }
 
-// Side 0..5 = -x +x -y +y -z +z; u, v in 0..1 over the side.
+// Colour of the box's side 0..5 = -x +x -y +y -z +z; u, v in 0..1 over the side.
 glm::dvec3 colourAt(int side, double u, double v) {
   const bool check = (static_cast<int>(u * 4) + static_cast<int>(v * 8)) % 2;
   const glm::dvec3 base[] = {{200, 70, 60},  {70, 110, 200}, {120, 120, 120},
@@ -45,7 +45,7 @@ struct Axes {
 };
 Axes axesOf(int side) { return {side / 2, (side / 2 + 1) % 3, (side / 2 + 2) % 3}; }
 
-// True and a colour if the ray, in the box's frame, meets the box.
+// Returns true and the colour if the ray, in the box's frame, hits the box.
 bool trace(const glm::dvec3& origin, const glm::dvec3& ray, glm::dvec3& colour) {
   double nearest = -std::numeric_limits<double>::infinity(), farthest = -nearest;
   int side = 0;
@@ -64,7 +64,7 @@ bool trace(const glm::dvec3& origin, const glm::dvec3& ray, glm::dvec3& colour) 
   return true;
 }
 
-// Straight-alpha RGBA, 3 × 3 samples a pixel.
+// Picture as straight-alpha RGBA, 3 × 3 samples per pixel.
 Image photograph(const PinholeCamera& camera, int frame) {
   const glm::dmat3 box_from_world = glm::transpose(worldFromBox(frame));
   const glm::dmat3 world_from_cam = glm::transpose(glm::dmat3(camera.cam_from_world));
@@ -112,8 +112,8 @@ void writePictures(const std::string& folder, const PinholeCamera& camera, int f
   check(platform::writeImage(numbered(folder + "/mask" + camera.name.substr(3), frame, "%06d.png"), matte));
 }
 
-// Every side is a grid of kDivisions² squares with its own chart; corners of neighbouring sides share vertices only by
-// position, not by index.
+// Writes each side as a grid of kDivisions² squares with its own chart; corners of neighbouring sides coincide in
+// position, but are separate vertices.
 void writeMesh(const std::string& path, int frame) {
   std::ofstream out(path);
   const glm::dmat3 rotation = worldFromBox(frame);
@@ -167,7 +167,7 @@ void writeCameras(const std::string& folder, const std::vector<PinholeCamera>& c
   }
 }
 
-// The box stays in the picture's middle, as large as before there.
+// Shifts the lens; the box stays in the middle of the picture at the same size.
 PinholeCamera shifted(PinholeCamera camera) {
   const double angle = glm::radians(35.0), cosine = std::cos(angle);
   camera.fx *= cosine * cosine;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// repeat_capture CAPTURE SEQUENCE TIMES FOLDER: a capture with one sequence of CAPTURE, repeated. Videos and mattes are
-// stream-copied TIMES times in a row, meshes concatenated (packed positions) or linked (OBJ files); cameras and plates
-// are copied, sound is left out. For measurements of memory against length.
+// repeat_capture CAPTURE SEQUENCE TIMES FOLDER: writes a capture of one sequence of CAPTURE, repeated. Videos and
+// mattes are stream-copied TIMES times in a row, meshes concatenated (packed positions) or linked (OBJ files); cameras
+// and plates are copied, sound is omitted. For measurements of memory against length.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -39,7 +39,8 @@ AVFormatContext* openInput(const std::string& path) {
   return in;
 }
 
-// Frame k of repetition r gets the timestamp of frame r · frames + k; every repetition starts on a key frame.
+// Copies the video; frame k of repetition r has the timestamp of frame r · frames + k; every repetition starts on a key
+// frame.
 void repeatVideo(const std::string& from, const std::string& to, int times, double duration_s) {
   AVFormatContext* first = openInput(from);
   AVFormatContext* out = nullptr;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An AlignmentScene on the GPU: stills at any weights, alignment from the aligner, and how near to the truth they come.
+// An AlignmentScene on the GPU: stills at any weights, the aligner's displacements, and their errors against the truth.
 #pragma once
 
 #include "alignment_scene.h"
@@ -9,7 +9,7 @@ namespace fourdvt::testing {
 
 class AlignmentRig {
  public:
-  // Stops the program where the device fails.
+  // Exits if the device fails.
   AlignmentRig(gpu::Device& device, const AlignmentSceneOptions& options)
       : scene(options),
         device_(device),
@@ -52,7 +52,7 @@ class AlignmentRig {
     if (!done) std::fprintf(stderr, "%s\n", done.error().message.c_str()), std::abort();
     return image;
   }
-  // Between the aligner's views: `index` 0…5, 360 × 640 pixels.
+  // View between the aligner's views: `index` 0…5, 360 × 640 pixels.
   PinholeCamera heldOutView(int index) const {
     OrbitView orbit = defaultOrbit(scene.character.bounds, 0.5625);
     orbit.azimuth_deg = 15 + 60 * index;
@@ -72,7 +72,7 @@ class AlignmentRig {
 
 constexpr int kHeldOutViews = 6;
 
-// Sum of squared differences over the figure, gathered over pictures.
+// Sum of squared differences over the figure, accumulated over pictures.
 struct SquaredError {
   double sum = 0;
   size_t count = 0;
@@ -85,7 +85,7 @@ struct SquaredError {
   double psnr_db() const { return 10 * std::log10(255.0 * 255 * double(count) / std::max(sum, 1e-9)); }
 };
 
-// Root mean square of found against true displacement over textured vertices away from the ends, metres.
+// RMS distance between found and true displacement, over textured vertices away from the ends, metres.
 inline double alignmentError_m(const AlignmentScene& scene, std::span<const glm::vec2> found) {
   const std::vector<glm::vec2> truth = scene.truth();
   double sum = 0;

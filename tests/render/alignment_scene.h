@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A class of two motions whose surfaces have drifted against each other by a known field: a closed, bent body of
-// revolution with a fine texture in four charts, two layers a member filmed by a ring of eight. What lies at p + D(p)/2
-// on the surface is seen at p in member 0, what lies at p − D(p)/2 in member 1: half way lies the surface itself.
+// A class of two motions whose textures are displaced against each other by a known field D: a closed, bent body of
+// revolution with a fine texture in four charts, two layers per member, filmed by a ring of eight. The content of
+// surface point p + D(p)/2 appears at p in member 0, that of p − D(p)/2 in member 1: half way, the content is in its
+// true place.
 #pragma once
 
 #include <algorithm>
@@ -13,16 +14,16 @@
 namespace fourdvt::testing {
 
 struct AlignmentSceneOptions {
-  double drift_m = 0.012;   // length of D, everywhere but at the two ends
-  double view_error_m = 0;  // by which each camera's pictures of a member are off, each in its own direction
-  double wrinkles = 0;      // share of shading by which the members differ
-  double plain_from = 1, plain_to = 0;  // share of the height that has no texture
+  double drift_m = 0.012;               // length of D, except at the two ends
+  double view_error_m = 0;              // displacement of each camera's pictures of a member, each in its own direction
+  double wrinkles = 0;                  // share of shading by which the members differ
+  double plain_from = 1, plain_to = 0;  // range of the height without texture, as shares
   int members = 2;
   int rings = 60, segments = 64;  // of the mesh
-  int layer_size = 1024;          // texels; layer 2 has half
+  int layer_size = 1024;          // texels; layer 2: half
 };
 
-// Smooth noise of unit variance or so, period 64 cells.
+// Smooth noise of about unit variance, period 64 cells.
 class Noise {
  public:
   Noise() : values_(64 * 64 * 64) {
@@ -70,7 +71,7 @@ class AlignmentScene {
   std::vector<uint8_t> labels;  // [member][layer][face]
   Image picture;                // RGBA, tiled
 
-  // Displacement of every vertex along its tangents, metres; and how certain it is there: 0 near the ends.
+  // [vertex] true displacement along its tangents, metres; zero near the ends.
   std::vector<glm::vec2> truth() const {
     const SurfaceFrames frames = computeSurfaceFrames(mesh.topology, mesh.positions);
     std::vector<glm::vec2> field;
@@ -83,7 +84,7 @@ class AlignmentScene {
     }
     return field;
   }
-  // Share of the height at which a vertex lies, 0 bottom … 1 top.
+  // Share of the height at a vertex, 0 bottom … 1 top.
   double heightShare(uint32_t vertex) const { return placeOf(vertex).along / length_; }
   bool isPlain(double share) const { return share > options.plain_from && share < options.plain_to; }
 
@@ -112,7 +113,7 @@ class AlignmentScene {
     const glm::dvec2 p = profileAt(place.along);
     return {p.x * std::sin(place.turn), p.y, p.x * std::cos(place.turn)};
   }
-  // Metres round and along.
+  // Drift at the place, metres: round the body, along the profile.
   glm::dvec2 drift(const Place& place) const {
     const double share = std::clamp(place.along / length_, 0.0, 1.0);
     const double fade = glm::smoothstep(0.1, 0.2, share) * (1 - glm::smoothstep(0.8, 0.9, share));
@@ -199,7 +200,7 @@ class AlignmentScene {
     if (!plain) detail = noise_.at(p / 0.04f) + 0.8f * noise_.at(p / 0.018f + 7.0f) + 0.4f * noise_.at(p / 0.009f);
     return glm::clamp(128.0f + glm::vec3(110, 90, 70) * detail, 0.0f, 255.0f);
   }
-  // What a camera's picture of a member shows at a place of the surface.
+  // Colour that a camera's picture of a member shows at a place on the surface.
   glm::vec3 lookAt_(int member, int camera, const Place& place) const {
     const double share = options.members > 1 ? double(member) / (options.members - 1) - 0.5 : 0;
     const double angle = 2.4 * camera + 1.7 * member;
@@ -212,7 +213,7 @@ class AlignmentScene {
     return glm::clamp(color * float(1 + (member ? 1 : -1) * options.wrinkles * wrinkle), 0.0f, 255.0f);
   }
 
-  // Every texel shows its chart's content, gutters too.
+  // Fills every texel with its chart's content, gutters included.
   void makePicture() {
     const int size = options.layer_size;
     rendition.width = size + size / 2;
@@ -236,7 +237,7 @@ class AlignmentScene {
         for (int c = 0; c < 3; ++c) picture.at(rect.x + x, rect.y + y)[c] = uint8_t(color[c] + 0.5f);
       }
   }
-  // Of the label of the face under a place: the member's own faces lie chart by chart, ring by ring.
+  // Camera by the label of the face under a place: the member's own faces are ordered chart by chart, ring by ring.
   int cameraAt(int layer, const Place& place) const {
     const int wide = options.segments / kCharts;
     double turn = std::fmod(place.turn, 2 * M_PI);

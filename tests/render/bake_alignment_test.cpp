@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Baked alignment end to end: two members whose surfaces have drifted by a known field.
+// Baked alignment end to end: two members whose textures are displaced by a known field.
 #include "alignment_rig.h"
 #include "gl_fixture.h"
 
@@ -8,7 +8,7 @@ namespace {
 
 using BakeAlignment = GlFixture;
 
-// Smaller than a real character, so that the test stays short.
+// Smaller than a real character, to keep the test short.
 AlignmentSceneOptions smallScene(double drift_m) {
   AlignmentSceneOptions options;
   options.drift_m = drift_m;
@@ -25,7 +25,7 @@ bake::AlignmentOptions fewViews() {
   return options;
 }
 
-// From few views. Empty, and the test fails, where there is an error.
+// Aligns from few views. On an error the test fails and the result is empty.
 bake::AlignedFrame aligned(AlignmentRig& rig) {
   auto found = rig.align(fewViews());
   if (found) return found.take();
@@ -106,7 +106,7 @@ TEST_F(BakeAlignment, ThreeMembersEachFindTheirOwnWay) {
   ASSERT_EQ(found.size(), 2 * vertices);
   EXPECT_LT(alignmentError_m(rig.scene, std::span(found).subspan(vertices)), 0.05 * options.drift_m);
   std::vector<glm::vec2> doubled(found.begin(), found.begin() + ptrdiff_t(vertices));
-  for (glm::vec2& d : doubled) d *= 2;  // member 1 has drifted half as far
+  for (glm::vec2& d : doubled) d *= 2;  // member 1's displacement is half as long
   EXPECT_LT(alignmentError_m(rig.scene, doubled), 0.08 * options.drift_m);
 }
 

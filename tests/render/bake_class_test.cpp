@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Baking a motion class: two loops of different length on common time, one of them begun elsewhere in its cycle.
+// Bakes a motion class: two loops of different length on common time, one starting at another phase of its cycle.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr int kWalkFrames = 9, kRunFrames = 6;
 
-// A flag of 5 × 3 vertices that stands on the ground and waves; `turn`: share of the cycle.
+// Flag of 5 × 3 vertices that stands on the ground and waves; `turn`: share of the cycle.
 std::string flagObj(double turn) {
   std::string text;
   for (int y = 0; y < 3; ++y)
@@ -47,8 +47,8 @@ std::string flagObj(double turn) {
   return text;
 }
 
-// Walk begins at 0 of the cycle, run at 0.4 of it: common time wraps one of them. Frame k of walk is grey 40 + 20 k, of
-// run grey 60 + 30 k, in every camera.
+// Class of two loops: walk begins at 0 of the cycle, run at 0.4 of it, so that common time wraps one of them. In every
+// camera, frame k of walk has grey 40 + 20 k, of run grey 60 + 30 k.
 struct ClassCapture : capture::SmallCapture {
   ClassCapture() {
     write("cameras/images.txt",
@@ -95,7 +95,7 @@ struct BakeClass : testing::GlFixture {
   ClassCapture input;
   std::atomic<bool> stop{false};
   std::vector<std::string> stages;
-  std::string stop_at;               // stage; empty: none
+  std::string stop_at;               // stage to stop at; empty: none
   std::function<void()> when_there;  // instead of stopping
   BakeOptions options;
 
@@ -148,7 +148,7 @@ struct BakeClass : testing::GlFixture {
     }
     return out;
   }
-  // The same plan that the bake made, on the capture's own order of vertices.
+  // Plan equal to the bake's, in the capture's own order of vertices.
   ClassPlan plan(const capture::Capture& capture) {
     const ReadPositions read = [&](const capture::CaptureSequence& sequence, uint32_t frame) {
       return capture::readMeshFrame(capture, sequence, frame);
@@ -218,7 +218,7 @@ TEST_F(BakeClass, StreamHoldsMembersAtTheirPhases) {
           const glm::vec3 p =
               go.index.position_origin +
               go.index.position_step_m * glm::vec3(chunk.positions[(row * 2 + m) * go.index.vertex_count + v]);
-          // Four-point interpolation of a sine in steps of a sixth of its cycle.
+          // Four-point interpolation of a sine, sampled at sixths of its cycle.
           const double wave = 0.2 * p.y * std::sin(2 * 3.14159265358979 * turn + p.x / 0.25);
           ASSERT_NEAR(p.z, wave, 0.006) << "member " << m << " phase " << phase << " vertex " << v;
         }
@@ -228,8 +228,8 @@ TEST_F(BakeClass, StreamHoldsMembersAtTheirPhases) {
   EXPECT_TRUE(wraps) << "the capture does not test the wrap";
 }
 
-// Every decoded picture of every rendition carries its phase, and each member's layer 1 the grey of the nearest
-// captured frame.
+// Expects in every decoded picture of every rendition the barcode of its phase, and in each member's layer 1 the grey
+// of the nearest captured frame.
 TEST_F(BakeClass, VideosTileTheNearestCapturedFrames) {
   options.lower_renditions = {{128, 12, encode::Codec::H264, "veryfast"}, {64, 10, encode::Codec::H264, ""}};
   ASSERT_TRUE(run());
@@ -267,7 +267,8 @@ TEST_F(BakeClass, VideosTileTheNearestCapturedFrames) {
   }
 }
 
-// Stops at every stage named in turn; each time resumed, on other threads, to the bytes of a bake in one go.
+// Stops at each named stage in turn and resumes with another number of threads: expects the bytes of an uninterrupted
+// bake.
 void BakeClass::expectResumes(std::initializer_list<const char*> stop_stages) {
   auto straight = run();
   ASSERT_TRUE(straight) << straight.error().message;
@@ -300,7 +301,7 @@ TEST_F(BakeClass, ShowsWhatItsMembersOwnStreamsHaveDrawn) {
   ASSERT_TRUE(run());
   const std::vector<uint8_t> video = bytesOf("go.mp4"), geometry = bytesOf("go.bin");
   fs::remove_all(options.character_folder);
-  options.jobs = 1;  // nothing is read ahead
+  options.jobs = 1;  // no reading ahead
   stop_at = "run 6/6";
   when_there = [&] {
     for (const char* member : {"walk", "run"})
@@ -358,7 +359,7 @@ TEST_F(BakeClass, AFailureAfterTheFramesKeepsThem) {
   EXPECT_EQ(std::count(stages.begin(), stages.end(), "go 4/9"), 1) << "the torn one is not baked again";
 }
 
-// Two phases: alignment draws and compares every one of them from all sides.
+// Limited to two phases, since alignment draws and compares each one from all sides.
 TEST_F(BakeClass, StoppedInAlignmentKeepsThePhasesMeasured) {
   input.setFrames(2, 2);
   options.classes.align = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bake of a test runs with: the test's device, FFmpeg's videos, a flag to stop it, a listener.
+// Environment of a test's bake: the test's device, FFmpeg's videos, a stop flag, a progress listener.
 #pragma once
 
 #include <atomic>

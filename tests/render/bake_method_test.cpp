@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Methods tried on cameras that are left out: a wall that stands behind the surface that is given, with exact cameras
-// and with cameras that are turned.
+// Method trials with left-out cameras: a wall behind the given surface, with exact and with rotated cameras.
 #include "bake/method/method_trial.h"
 #include "gl_fixture.h"
 #include "look_at.h"
@@ -12,7 +11,7 @@ namespace {
 constexpr int kWidth = 200, kHeight = 160;
 const std::vector<std::string> kMethods{"fvvr", "linear", "sweep"};
 
-// A grid of quads at z = 0, of ±.35 m about (0, 1, 0).
+// Grid of quads at z = 0, ±.35 m about (0, 1, 0).
 TriangleMesh grid() {
   TriangleMesh out;
   constexpr uint32_t kCells = 6;
@@ -28,7 +27,7 @@ TriangleMesh grid() {
   return out;
 }
 
-// The mattes end with the grid.
+// Picture of the wall, with a matte that ends at the grid's border.
 Image pictureOf(const PinholeCamera& camera, double depth_m) {
   Image out = wall(camera, depth_m);
   for (int y = 0; y < out.height; ++y)
@@ -61,7 +60,7 @@ class MethodTrial : public GlFixture {
   std::string chosen(const bake::TrialSums& sums) const {
     return bake::chooseMethod(bake::meanScores(sums, surface_.faces.size()), bake::meanViews(sums)).method;
   }
-  // Every camera turned by its own few pixels.
+  // Cameras rotated by some pixels each, in different directions.
   std::vector<PinholeCamera> turned(double pixels) const {
     std::vector<PinholeCamera> out = cameras_;
     for (size_t c = 0; c < out.size(); ++c) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The refinement on the sample capture, whose mesh stands about 2 mm outside the performer (its README), and on turned
-// cameras. The bounds are narrow on purpose: switched off, or with the sign turned, the first test fails at every step.
+// The refinement on the sample capture, whose mesh lies about 2 mm outside the performer (its README), and on rotated
+// cameras. Bounds are tight: without the refinement, or with its sign reversed, the first test fails at every check.
 #include <map>
 
 #include "bake/texels/picture_crop.h"
@@ -30,7 +30,7 @@ capture::Capture sampleRun() {
   return capture.take();
 }
 
-// One test: what it looks at takes seconds to refine, and every test runs in a process of its own.
+// Combined into one test: refining takes seconds, and each test runs in its own process.
 struct RefineSample : testing::GlFixture {
   static Refinement refine(const capture::Capture& capture) {
     auto result = refineCapture(capture, platform::openVideoFile, {}, goOn);
@@ -38,7 +38,7 @@ struct RefineSample : testing::GlFixture {
     return result.take();
   }
 
-  // FVVR at the held-out cameras, frame 8 of the run.
+  // Score of FVVR at the held-out cameras, frame 8 of the run.
   measure::PictureScore heldOut(const capture::Capture& capture) {
     const capture::CaptureSequence& sequence = capture.sequences[0];
     auto reader = mattes::FrameReader::open(capture, sequence, platform::openVideoFile, 8).take();
@@ -63,7 +63,7 @@ void expectOutlinesOnMattes(const Refinement& refinement) {
     EXPECT_LT(camera.after.median_pixels, 0.27) << camera.name;
     EXPECT_LT(camera.after.p95_pixels, 0.75 * camera.before.p95_pixels) << camera.name;
     EXPECT_GT(camera.before.points, 5000u) << camera.name;
-    // The mattes are right.
+    // Expects unbiased mattes.
     ASSERT_TRUE(camera.measured_bias_pixels.has_value());
     EXPECT_NEAR(*camera.measured_bias_pixels, 0, 0.1) << camera.name;
     EXPECT_EQ(camera.used_bias_pixels, 0) << camera.name;
@@ -82,7 +82,7 @@ void expectSameCameras(const Refinement& refinement, const capture::Capture& giv
   }
 }
 
-// Of different cameras, and better after.
+// Expects pictures of different cameras that improved.
 void expectWorstPictures(const Refinement& refinement) {
   ASSERT_EQ(refinement.worst.size(), 3u);
   for (const WorstPicture& view : refinement.worst) {
@@ -125,7 +125,7 @@ TEST_F(RefineSample, MeshAndTurnedCamerasComeToFitThePictures) {
   EXPECT_NEAR(after.psnr_fg_db - before.psnr_fg_db, 2.05, 0.35);
   EXPECT_NEAR(after.ssim_fg - before.ssim_fg, 0.06, 0.02);
 
-  // Three cameras are turned about their vertical axes. They and only they are turned back.
+  // Rotates three cameras about their vertical axes; expects that only these are rotated back.
   const std::map<size_t, double> turns_deg{{1, 0.1}, {3, -0.3}, {6, 0.6}};
   capture::Capture turned = given;
   for (const auto& [c, turn] : turns_deg)

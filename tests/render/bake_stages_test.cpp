@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Visibility and resampling against geometry that can be worked out by hand.
+// Visibility and resampling on analytic geometry.
 #include "bake/texels/frame_baker.h"
 #include "bake/texels/gpu_capture.h"
 #include "bake/texels/resample.h"
@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kPictureSide = 128;
 
-// A 2 × 2 m wall in z = 0 that faces +Z, UVs over the whole texture (v down), made of two triangles; and a shield of
-// one triangle at z = 1 that covers the wall's right part for the camera straight ahead.
+// 2 × 2 m wall in z = 0 that faces +Z, UVs over the whole texture (v down), two triangles; and a shield of one triangle
+// at z = 1 that hides the wall's right part from the frontal camera.
 struct Wall {
   MeshTopology topology;
   Positions positions{{-1, 1, 0}, {1, 1, 0}, {1, -1, 0}, {-1, -1, 0}};
@@ -29,7 +29,7 @@ struct Wall {
   }
 };
 
-// Red grows with x, green with y; opaque.
+// Red rises with x, green with y; opaque.
 Image gradient() {
   Image image(kPictureSide, kPictureSide, 4, 255);
   for (int y = 0; y < kPictureSide; ++y)
@@ -42,7 +42,7 @@ Image gradient() {
 }
 
 struct BakeStages : testing::GlFixture {
-  // Straight ahead, and from the left at 45°.
+  // One camera in front, and one from the left at 45°.
   std::vector<PinholeCamera> cameras{testing::lookAt({0, 0, 4}, {0, 0, 0}, kPictureSide, kPictureSide, 200),
                                      testing::lookAt({-3, 0, 3}, {0, 0, 0}, kPictureSide, kPictureSide, 200)};
 
@@ -73,8 +73,9 @@ TEST_F(BakeStages, UncoveredFacesAreSeenWhole) {
 TEST_F(BakeStages, ShieldHidesItsShadowFromOneCamera) {
   const std::vector<float> s = shares(Wall(true), {gradient(), gradient()});
   ASSERT_EQ(s.size(), 6u);
-  // For the camera ahead the shield ends at x = -0.1 * 4/3 = -0.133 on the wall. Face 0 is the upper right half: of its
-  // corners (-1, 1), (1, -1), (1, 1), edge middles (0, 0), (1, 0), (0, 1) and centroid (1/3, 1/3) one is clear.
+  // For the frontal camera the shield ends at x = -0.1 * 4/3 = -0.133 on the wall. Face 0 is the upper right half; of
+  // its corners (-1, 1), (1, -1), (1, 1), edge midpoints (0, 0), (1, 0), (0, 1) and centroid (1/3, 1/3), one is
+  // visible.
   EXPECT_NEAR(s[0], 1 / 7.0, 0.01);
   EXPECT_NEAR(s[1], 4 / 7.0, 0.01);  // lower left: (-1, 1), (-1, -1), (-1, 0) and (-1/3, -1/3)
   EXPECT_NEAR(s[2], 1 / 7.0, 0.01) << "of the shield itself only the middle of the left edge lies in the picture";
@@ -88,7 +89,7 @@ TEST_F(BakeStages, MatteHides) {
   EXPECT_FLOAT_EQ(s[2], 1);
 }
 
-// Small texels take coarse mipmaps, which reach beyond the surface's part of the picture.
+// Small texels use coarse mipmaps, which extend beyond the surface's part of the picture.
 TEST_F(BakeStages, AFrameDoesNotDependOnTheFramesBefore) {
   Wall wall(false);
   const Positions small{{-0.3f, 0.3f, 0}, {0.3f, 0.3f, 0}, {0.3f, -0.3f, 0}, {-0.3f, -0.3f, 0}};
@@ -161,7 +162,7 @@ TEST_F(BakeStages, EveryFilterReproducesALinearPicture) {
   }
 }
 
-// Left half opaque red, right half a veil of green that the matte calls background (alpha 0.4).
+// Left half opaque red; right half green with alpha 0.4, which is background by the matte's threshold.
 Image redBesideVeil() {
   Image image(kPictureSide, kPictureSide, 4);
   for (int y = 0; y < kPictureSide; ++y)
@@ -182,7 +183,7 @@ struct MatteEdge : BakeStages {
     Resampler resampler = Resampler::create(*device, on_gpu, {256}, options, {}).take();
     return resampler.resample(*device, on_gpu, {0, 0}).take()[0];
   }
-  // Texels of the middle row that were resampled, and how green the greenest of them is.
+  // Number of resampled texels in the middle row, and their maximum green.
   static std::pair<int, int> middleRow(const Image& image) {
     int count = 0, green = 0;
     for (int x = 0; x < image.width; ++x) {
@@ -220,7 +221,7 @@ TEST_F(BakeStages, ColourMapsApplyToTheirCameras) {
   const Wall wall(false);
   const GpuCapture on_gpu = capture(wall, {gradient(), gradient()});
   std::vector<ColourMap> maps(2);
-  maps[1].matrix[0] = {0.5f, 0, 0.25f};  // red: half of it, and a quarter to blue
+  maps[1].matrix[0] = {0.5f, 0, 0.25f};  // red: half to red, a quarter to blue
   maps[1].offset = {0.1f, 0, 0};
   auto resampler = Resampler::create(*device, on_gpu, {64, 64}, {}, maps);
   ASSERT_TRUE(resampler) << resampler.error().message;
@@ -235,7 +236,7 @@ TEST_F(BakeStages, ColourMapsApplyToTheirCameras) {
   EXPECT_FALSE(Resampler::create(*device, on_gpu, {64}, {}, {ColourMap()})) << "one map for two cameras";
 }
 
-// Camera 0 comes first, but the shield covers its view of the wall right of x = -0.133; camera 1 sees the whole wall.
+// Camera 0 ranks first, but the shield hides the wall right of x = -0.133 from it; camera 1 sees the whole wall.
 TEST_F(BakeStages, PerTexelTakesTheNextCameraThatSeesTheTexel) {
   const Wall wall(true);
   const GpuCapture on_gpu = capture(wall, {gradient(), gradient()});
@@ -246,7 +247,7 @@ TEST_F(BakeStages, PerTexelTakesTheNextCameraThatSeesTheTexel) {
   ASSERT_TRUE(layers) << layers.error().message;
   for (int x = 1; x < 63; ++x) {
     const double wall_x = 2 * (x + 0.5) / 64 - 1;
-    if (std::abs(wall_x + 0.133) < 0.1) continue;  // the contour's distance
+    if (std::abs(wall_x + 0.133) < 0.1) continue;  // within the minimum distance from the contour
     const bool covered = wall_x > -0.133;
     const uint8_t *first = layers.value()[0].at(x, 32), *second = layers.value()[1].at(x, 32);
     const glm::dvec3 point(wall_x, 1 - 2 * 32.5 / 64, 0);
@@ -272,7 +273,7 @@ TEST_F(BakeStages, PerTexelFollowsTheRanksNotTheCamerasNumbers) {
 }
 
 TEST(PictureCrop, BackdropColourDoesNotReachTheEdge) {
-  // A red square on a green screen whose matte edge is soft and whose colour bleeds two pixels inwards.
+  // A red square on a green screen with a soft matte edge and colours that bleed two pixels inwards.
   Image image(64, 64, 4);
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 64; ++x) {

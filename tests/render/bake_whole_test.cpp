@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole bake on a small capture: what comes out, stopping and resuming, and bad output folders.
+// The whole bake on a small capture: its output, stopping and resuming, invalid output folders.
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -54,7 +54,7 @@ struct WholeBake : testing::GlFixture {
     auto bytes = platform::readFile(fileNamed(options.character_folder, name));
     return bytes ? std::string(bytes.value().begin(), bytes.value().end()) : "absent: " + name;
   }
-  // Nothing beside or in place of the character.
+  // Expects no files beside or in place of the character.
   void expectNothingWritten() {
     EXPECT_FALSE(fs::exists(options.character_folder));
     EXPECT_FALSE(fs::exists(options.character_folder + ".work"));
@@ -96,7 +96,7 @@ TEST_F(WholeBake, WritesACharacterThatReadsBack) {
   EXPECT_FALSE(fs::exists(options.character_folder + ".work"));
 }
 
-// What the passes of a player's pictures are told.
+// Values that the player passes to a picture's passes.
 struct Told {
   float elapsed_s = 0;
   uint64_t geometry = 0;
@@ -167,7 +167,7 @@ TEST_F(WholeBake, ResumedBakeGivesTheSameBytes) {
 
 TEST_F(WholeBake, StopOnTheLastFrameOfAGopKeepsIt) {
   options.jobs = 1;
-  ASSERT_FALSE(run(1));  // GOP 0 is frame 0
+  ASSERT_FALSE(run(1));  // GOP 0 contains only frame 0
   EXPECT_NE(workFile(options.character_folder + ".work", "walk.0.gop"), "");
 }
 
@@ -180,7 +180,7 @@ TEST_F(WholeBake, StopInTheSurveyKeepsWhatWasMeasured) {
   EXPECT_NE(stopped.error().message.find("--resume"), std::string::npos);
   stop_at.clear();
   options.resume = true;
-  options.colour_calibration = false;  // else its frames are read again
+  options.colour_calibration = false;  // else its frames would be read again
   ASSERT_FALSE(run(1)) << "other settings: measured again";
   EXPECT_EQ(stages.front(), "survey walk 1/3");
   ASSERT_TRUE(run());
@@ -193,7 +193,7 @@ TEST_F(WholeBake, TheSurveyDoesNotDependOnItsWindows) {
   std::vector<std::string> whole;
   for (const std::string& name : names) whole.push_back(bytesOf(name));
   fs::remove_all(options.character_folder);
-  // Stopped in the first of two windows, in the second, and run to the end.
+  // Stops in the first of two windows, then in the second, then finishes.
   options.survey_window_frames = 2;
   options.resume = true;
   for (const char* at : {"survey walk 1/3", "survey walk 3/3"}) {
@@ -273,7 +273,7 @@ TEST_F(WholeBake, FullDiskLeavesThePreviousCharacter) {
   rlimit old{};
   getrlimit(RLIMIT_FSIZE, &old);
   rlimit small = old;
-  small.rlim_cur = 4096;  // every file ends there, as on a full disk
+  small.rlim_cur = 4096;  // limits file sizes, like a full disk
   setrlimit(RLIMIT_FSIZE, &small);
   auto report = run();
   setrlimit(RLIMIT_FSIZE, &old);

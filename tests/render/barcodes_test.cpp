@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frame numbers read back from pictures on the GPU: as the CPU reads them, whatever the strip, in the order of the
-// pictures, and without waiting.
+// Frame numbers read back from pictures on the GPU: equal to the CPU's for any strip, in order, without blocking.
 #include <random>
 
 #include "gl_fixture.h"
@@ -23,7 +22,7 @@ class Barcodes : public testing::GlFixture {
                                       .label = "picture"})
         .take();
   }
-  // A grey picture with the barcode, and noise as a codec leaves it, as RGBA.
+  // Uploads a grey picture with the barcode, and noise like a codec's, as RGBA.
   void upload(const gpu::Texture& texture, int width, int height, const package::BarcodeStrip& strip, uint32_t frame) {
     std::vector<uint8_t> luma(static_cast<size_t>(width) * height, 120);
     package::drawBarcode(strip, frame, luma.data(), width);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Members of a look and looks of a figure against blends worked out by hand: weights, baked alignment, four sources,
-// transitions, and optical flow that a test makes up.
+// Members of a look and looks of a figure against analytic blends: weights, baked alignment, four sources, transitions,
+// and a synthetic optical flow.
 #include "made_up_flow.h"
 #include "member_quad.h"
 
@@ -36,7 +36,7 @@ class Blend : public testing::GlFixture {
   }
 
   std::unique_ptr<Recipe> recipe;
-  // The quad covers all of it.
+  // Camera whose picture the quad covers entirely.
   const PinholeCamera front = testing::lookAt({0, 1, 3}, {0, 1, 0}, 120, 120, 200);
 };
 
@@ -68,7 +68,7 @@ TEST_F(Blend, membersHaveLabelsAndTilesOfTheirOwn) {
   }
 }
 
-// Content that lies d metres apart meets at the weighted mean: uv - w1 δ of the one, uv + w0 δ of the other.
+// Content d metres apart meets at the weighted mean: uv - w1 δ in one member, uv + w0 δ in the other.
 TEST_F(Blend, bakedAlignmentBringsBothMembersHalfWay) {
   MemberQuad quad(*device, 2, 1, kOneCamera);
   quad.paint(*device, [](int tile, double u, double v) {
@@ -103,8 +103,8 @@ TEST_F(Blend, aMemberAloneIsNotMoved) {
   }
 }
 
-// Stripes of which one member knows nothing: their mean has half the contrast, of which sqrt 2 times is kept. Against
-// both neighbours a quarter of a period away the whole stripe is detail.
+// Stripes present in one member only: their mean has half the contrast, which is amplified by sqrt 2. Relative to both
+// neighbours a quarter of a period away, the whole stripe is detail.
 TEST_F(Blend, detailThatDoesNotCorrelateKeepsItsContrast) {
   constexpr double kPeriod_texels = 12;
   MemberQuad quad(*device, 2, 1, kOneCamera);
@@ -149,7 +149,7 @@ TEST_F(Blend, maxLayersAndMembersFitTheVaryings) {
 }
 
 struct Transition : Blend {
-  // A tilted quad in front of nothing, multisampled.
+  // Draws a tilted quad without anything behind it, multisampled.
   Image drawFade(const MemberQuad& first, const MemberQuad& second, float fade, Align align = Align::None) {
     const Look looks[] = {first.look(kWhole), second.look(kWhole)};
     DrawOptions options{plainOptions(), align};

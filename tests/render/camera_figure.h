@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Quads seen by cameras whose pictures a test makes up, drawn by a method in the recipe.
+// Quads seen by cameras with synthetic pictures, drawn by a method through the recipe.
 #pragma once
 
 #include "gl_fixture.h"
@@ -10,7 +10,7 @@ namespace fourdvt::testing {
 
 using glm::dvec3;
 
-constexpr int kSide = 64, kPicture = 256;  // pixels of a camera, texels of the decoded picture: by default
+constexpr int kSide = 64, kPicture = 256;  // defaults: pixels a side of a camera, texels a side of the decoded picture
 
 class CameraFigure : public GlFixture {
  protected:
@@ -49,14 +49,14 @@ class CameraFigure : public GlFixture {
     package::Character character;
     character.cameras = cameras_;
     character.length_scale = length_scale_;
-    character.vertex_count = static_cast<uint32_t>(positions_.size()) + 7;  // frames may have fewer than the most
+    character.vertex_count = static_cast<uint32_t>(positions_.size()) + 7;  // frames may have fewer than the maximum
     character.face_count = static_cast<uint32_t>(faces_.size()) + 5;
     model_ = render::CharacterModel::createForSurfaces(*device, character).take();
     ASSERT_TRUE(model_.setTopology(*device, faces_, static_cast<uint32_t>(positions_.size())));
     model_.setPositions(*device, positions_);
   }
 
-  // Camera pictures into the decoded picture, each at `at` with its whole area.
+  // Copies camera pictures into the decoded picture, each whole, with its corner at `at`.
   void tile(const std::vector<Image>& pictures, const std::vector<glm::ivec2>& at) {
     Image whole(picture_side_, picture_side_, 4, 77);
     sources_.clear();
@@ -104,7 +104,7 @@ class CameraFigure : public GlFixture {
   double length_scale_ = 1;
 };
 
-// Red rises with x, green with y, and blue is the camera's number.
+// Red rises with x, green with y; blue: the camera's number.
 inline Image gradient(const PinholeCamera& camera, int number) {
   Image image(camera.width, camera.height, 4, 255);
   for (int y = 0; y < camera.height; ++y)
@@ -115,7 +115,7 @@ inline Image gradient(const PinholeCamera& camera, int number) {
   return image;
 }
 
-// Of pixels that both cover whole.
+// Largest difference over pixels that both pictures cover fully.
 inline int largestDifference(const Image& a, const Image& b) {
   int largest = 0, compared = 0;
   for (size_t i = 0; i < a.pixels.size(); i += 4) {

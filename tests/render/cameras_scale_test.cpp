@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A character from cameras that is a figurine, or as large as a crane, is drawn as the same one of a person's size: all
-// lengths follow its length scale. A screen stands 5 cm before a wall, so that tolerances of depth matter.
+// Small and large characters from cameras (figurine, crane) look like one of a person's size: all lengths follow the
+// length scale. A screen 5 cm in front of a wall makes depth tolerances matter.
 #include "../unit/scaled.h"
 #include "camera_figure.h"
 
@@ -27,7 +27,7 @@ class ScaledCamerasTest : public CameraFigure, public ::testing::WithParamInterf
     tile(pictures, {{10, 4}, {100, 120}, {3, 190}});
   }
 
-  // Pictures of 6 pixels, another colour for each camera, so that a choice of cameras is seen.
+  // Stripes of 6 pixels in a colour per camera, which reveals the choice of cameras.
   Image stripes(int camera) const {
     Image image = gradient(own_cameras_[size_t(camera)], camera + 1);
     for (int y = 0; y < image.height; ++y)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Figures from cameras in the recipe: the picture that the benchmark gives of the same cameras, tiles that lie anywhere
-// in the decoded picture, what is kept from picture to picture, and what unseen surface shows.
+// Figures from cameras in the recipe: equality with the benchmark's picture of the same cameras, tiles anywhere in the
+// decoded picture, reuse from picture to picture, and colours of unseen surface.
 #include <cmath>
 
 #include "camera_figure.h"
@@ -13,7 +13,7 @@ class CamerasTest : public CameraFigure {};
 
 TEST_F(CamerasTest, ShowsWhatTheBenchmarkShows) {
   addQuad({0, 1, 0}, 0.5, 3);
-  addQuad({-0.3, 1.1, 0.8}, 0.2);  // hides a part of the first from the left camera
+  addQuad({-0.3, 1.1, 0.8}, 0.2);  // hides a part of the first quad from the left camera
   cameras_ = {lookAt({-1.5, 1.2, 3}, {0, 1, 0}, kSide, kSide, 60), lookAt({1.2, 0.8, 3}, {0, 1, 0}, 80, 72, 70),
               lookAt({0.2, 1.8, 3}, {0, 1, 0}, kSide, 48, 60)};
   std::vector<Image> pictures;
@@ -44,7 +44,7 @@ TEST_F(CamerasTest, AScaledTileOfAPartOfThePictureShowsTheSamePlaces) {
   const PinholeCamera view = lookAt({-0.2, 0.9, 2.8}, {0, 1, 0}, 96, 96, 100);
   tile({gradient(cameras_[0], 1)}, {{8, 8}});
   const Image whole = still(view);
-  // The middle of the picture, twice as large.
+  // The same picture at twice the size.
   Image scaled(kPicture, kPicture, 4, 0);
   const int from = 16, size = 32;
   for (int y = 0; y < 2 * size; ++y)
@@ -95,7 +95,7 @@ TEST_F(CamerasTest, DepthMapsAreDrawnOnlyWhenSurfaceOrCamerasChange) {
   EXPECT_EQ(passes(right), 1u) << "another picture of the same surface";
 }
 
-// A wall whose lower half no camera sees, behind a screen: it continues what lies above.
+// A wall behind a screen, with a lower half that no camera sees: it takes the colours above it.
 TEST_F(CamerasTest, UnseenSurfaceTakesItsNeighbourhoodsColour) {
   addQuad({0, 1, 0}, 0.5, 16);
   addQuad({0, 0.3, 0.4}, 0.45);
@@ -121,7 +121,7 @@ TEST_F(CamerasTest, UnseenSurfaceTakesItsNeighbourhoodsColour) {
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(color[k], kRed[k], 8);
 }
 
-// A part of the surface lies behind a camera: its box reaches round it, and the map still shows what hides what.
+// A part of the surface lies behind a camera: its projected box is unbounded, and occlusion must still be right.
 TEST_F(CamerasTest, SurfaceBehindACameraChangesNothingInFrontOfIt) {
   addQuad({0, 1, 0}, 0.5, 3);
   addQuad({-0.3, 1.1, 0.8}, 0.2);

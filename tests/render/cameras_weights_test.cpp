@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Weights and blur of the methods that Floating Textures is compared with, where they are known: lumigraph, filtered,
-// band-limited.
+// Weights and blur, where known analytically, of the methods that Floating Textures is compared with: lumigraph,
+// filtered, band-limited.
 #include <cmath>
 
 #include "../unit/lens_shift.h"
@@ -13,13 +13,13 @@ namespace {
 constexpr int kViewSide = 65;  // odd: the middle pixel looks straight ahead
 constexpr double kDegree = 3.14159265358979 / 180, kDistance_m = 3, kFocal_px = 60;
 
-// Looks at the wall's middle from this azimuth.
+// Camera at this azimuth that looks at the wall's middle.
 PinholeCamera onArc(double azimuth_deg, int side = kSide) {
   const double a = azimuth_deg * kDegree;
   return lookAt({kDistance_m * std::sin(a), 1, kDistance_m * std::cos(a)}, {0, 1, 0}, side, side, kFocal_px);
 }
 
-// What a lumigraph of these angles weighs, not normalised.
+// Weight of a lumigraph, not normalised, by its angles.
 double penalised(double angle_deg, double bound_deg) { return (1 - angle_deg / bound_deg) / angle_deg; }
 
 TEST(CamerasTowards, ShiftedLensesLookThroughTheirPictures) {
@@ -44,7 +44,7 @@ class CamerasWeightsTest : public CameraFigure {
     options_.method.closest = closest;
   }
 
-  // A wall seen by cameras at these azimuths, each with a picture of one colour.
+  // Wall seen by cameras at these azimuths, with a picture of one colour each.
   void makeWall(const std::vector<double>& azimuths_deg, const std::vector<glm::u8vec4>& colors) {
     addQuad({0, 1, 0}, 0.5, 3);
     std::vector<Image> pictures;
@@ -69,7 +69,7 @@ class CamerasWeightsTest : public CameraFigure {
     return {p[0], p[1], p[2]};
   }
 
-  // Two cameras at 20 degrees to either side, whose pictures have stripes of a period of 4 pixels.
+  // Two cameras at ±20 degrees, whose pictures have stripes with a period of 4 pixels.
   void makeStripes(bool vertical) {
     addQuad({0, 1, 0}, 0.5, 3);
     cameras_ = {onArc(-20), onArc(20)};
@@ -80,11 +80,11 @@ class CamerasWeightsTest : public CameraFigure {
           for (int k = 0; k < 3; ++k) picture.at(x, y)[k] = (vertical ? x : y) % 4 < 2 ? 0 : 255;
     makeModel();
     tile(pictures, {{0, 0}, {70, 0}});
-    // What lies on the view's ray within the uncertainty spans a period in a camera at 20 degrees.
+    // The view ray's segment within the uncertainty spans one period in a camera at 20 degrees.
     options_.method.depth_uncertainty_m = float(4 * kDistance_m / kFocal_px / (2 * std::sin(20 * kDegree)));
   }
 
-  // Brightest less darkest in the middle of the wall.
+  // Maximum minus minimum brightness in the middle of the wall.
   int contrast(const char* method, double azimuth_deg) {
     setMethod(method, 2);
     const Image picture = still(onArc(azimuth_deg, kViewSide));
@@ -136,7 +136,7 @@ TEST_F(CamerasWeightsTest, TheOnlyCameraThatSeesAPointIsShownThoughItIsTheBound)
   EXPECT_NEAR(middle(0).g, 250, 1.5);
 }
 
-// Half-way between two cameras another one enters the choice and one leaves it.
+// Half-way between two cameras, one enters the choice and another leaves it.
 TEST_F(CamerasWeightsTest, LumigraphDoesNotJumpWhereACameraEntersTheChoice) {
   makeWall({-60, -30, 0, 30, 60},
            {{250, 0, 0, 255}, {0, 250, 0, 255}, {0, 0, 250, 255}, {250, 250, 0, 255}, {0, 250, 250, 255}});

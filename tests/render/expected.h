@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the layered pass must give, worked out in double precision for surfaces in the plane z = 0 that face +Z.
+// Expected results of the layered pass, computed in double precision for surfaces in the plane z = 0 that face +Z.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 namespace fourdvt::testing {
 
-constexpr double kTolerance = 2.0;  // of 255
+constexpr double kTolerance = 2.0;  // levels of 255
 
 inline render::RecipeOptions plainOptions() {
   render::RecipeOptions options;
@@ -20,7 +20,7 @@ inline render::RecipeOptions plainOptions() {
   return options;
 }
 
-// One constant colour a layer, side by side.
+// Layers of one constant colour each, side by side.
 inline Image constantLayers(const Scene& scene, const std::vector<glm::dvec3>& colors) {
   Image image(scene.rendition.width, scene.rendition.height, 4, 255);
   for (size_t layer = 0; layer < colors.size(); ++layer) {
@@ -32,7 +32,7 @@ inline Image constantLayers(const Scene& scene, const std::vector<glm::dvec3>& c
   return image;
 }
 
-// Where the ray through the centre of pixel (x, y) meets the plane z = 0.
+// Intersection of the ray through the centre of pixel (x, y) with the plane z = 0.
 inline glm::dvec3 pointOnPlane(const PinholeCamera& camera, int x, int y) {
   const glm::dvec3 ray_in_cam((x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, 1);
   const glm::dvec3 ray = glm::transpose(glm::dmat3(camera.cam_from_world)) * ray_in_cam;
@@ -40,7 +40,7 @@ inline glm::dvec3 pointOnPlane(const PinholeCamera& camera, int x, int y) {
   return eye - ray * (eye.z / ray.z);
 }
 
-// LVDT Eq. 3 with the corrected sign for the normal +Z, to the options' powers.
+// LVDT Eq. 3 with the corrected sign, for the normal +Z, with the options' exponents.
 inline double eq3(const PinholeCamera& camera, const PinholeCamera& view, const glm::dvec3& point,
                   const render::RecipeOptions& options) {
   const glm::dvec3 d = glm::normalize(camera.centreInWorld() - point);

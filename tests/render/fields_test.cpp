@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fields on surfaces: distances from seams against exact ones on surfaces that unroll, and fields that follow in time.
+// Fields on surfaces: distances from seams against exact ones on developable surfaces, and fields smoothed over time.
 #include <cmath>
 #include <functional>
 #include <set>
@@ -30,8 +30,8 @@ class FieldsTest : public GlFixture {
   }
 };
 
-// Of the slot: every vertex's distance from the edges between vertices of seam triangles, on the unrolled surface,
-// whose x repeats after `around` metres (0: never); in units of the clamp, at most 1.
+// [vertex] distance, for the slot, from the edges between vertices of seam triangles, on the unrolled surface, whose x
+// repeats after `around` metres (0: never); in units of the clamp, at most 1.
 std::vector<double> exactDistances(const Surface& surface, const VertexValues& seen, int slot, double around,
                                    double clamp_m = kClamp_m) {
   std::set<uint32_t> seam;
@@ -79,7 +79,7 @@ TEST_F(FieldsTest, DistancesOnAPlaneAreExactWithinFivePercent) {
                        [](dvec2 p) { return glm::length(p - dvec2(0.1, 0)) > 0.01; },
                        [](dvec2 p) { return std::abs(p.x) > 0.05 || p.y > 0.02; }, [](dvec2) { return true; },
                        [](dvec2) { return false; }});
-  // As characters from cameras and as layered ones (layered_montage.cpp) have them.
+  // Parameters of characters from cameras and of layered ones (layered_montage.cpp).
   for (const auto& [clamp_m, steps] :
        {std::pair{kClamp_m, render::kFieldSteps}, std::pair{render::kLayeredClamp_m, render::kLayeredSteps}}) {
     const VertexValues got = distances(surface, seen, clamp_m, steps);
@@ -98,7 +98,7 @@ TEST_F(FieldsTest, DistancesOnAPlaneAreExactWithinFivePercent) {
   }
 }
 
-// Two cameras that look at a cylinder from opposite sides, and others from between: each has two seams.
+// Two cameras look at a cylinder from opposite sides, others from between: two seams each.
 TEST_F(FieldsTest, DistancesOnACylinderOfTwoCamerasRunRoundIt) {
   const Surface surface = equilateral(96, 44, kSide, true);
   ASSERT_GE(surface.faces.size(), 8000u);
@@ -118,7 +118,7 @@ TEST_F(FieldsTest, DistancesOnACylinderOfTwoCamerasRunRoundIt) {
   }
 }
 
-// Triangles of a third the side: the steps reach the clamp none the less, and evenly.
+// Triangles of a third the side: the steps still reach the clamp, evenly.
 TEST_F(FieldsTest, FineMeshesReachTheClampSooner) {
   const Surface surface = equilateral(100, 60, kSide / 3);
   const VertexValues seen = [&] {
@@ -214,7 +214,7 @@ TEST_F(FollowTest, AnAbruptTurnIsNoJumpAndAStillIsAtOnce) {
   EXPECT_NEAR(at(fields, 0)[5], 0.8, 0.002);
 }
 
-// As tables that nobody has written may hold.
+// Uninitialised tables may contain NaN.
 TEST_F(FollowTest, WhatIsNoNumberDoesNotLastWhereFieldsAreTheAims) {
   ValueTables broken;
   for (gpu::Texture* texture : {&broken.low, &broken.high}) {
@@ -242,7 +242,7 @@ TEST_F(FollowTest, ACameraThatComesIntoASlotStartsFromNothing) {
   EXPECT_NEAR(got[7], 0.2 * (1 - std::exp(-1.0)), 0.002);
 }
 
-// The surface has other vertices in every frame; each takes the field of the place where it is.
+// Vertices differ in every frame; each takes the field at its place.
 TEST_F(FollowTest, FieldsAreCarriedOverToAnotherTopology) {
   const auto rising = [&](const Surface& surface) {
     VertexValues values(surface.positions.size());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Floating Textures: soft visibility against brute force, what fills a hole, pictures that are off by a known shift,
-// and what is kept while the scene stands still.
+// Floating Textures: soft visibility against brute force, filling of holes, pictures displaced by a known shift, and
+// reuse while the scene stands still.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -18,7 +18,7 @@ constexpr double kFocal = 300, kDistance_m = 3, kMetresPerPixel = kDistance_m / 
 
 PinholeCamera cameraAt(double x) { return lookAt({x, 1, kDistance_m}, {0, 1, 0}, kPixels, kPixels, kFocal); }
 
-// Waves of 7 to 60 pixels in many directions, 0…1.
+// Waves with periods of 7 to 60 pixels in many directions, 0…1.
 double texture(dvec2 at_px) {
   constexpr int kWaves = 14;
   double sum = 0;
@@ -29,7 +29,7 @@ double texture(dvec2 at_px) {
   return glm::clamp(0.5 + 0.09 * sum, 0.0, 1.0);
 }
 
-// What a pixel of the camera sees of the plane z = 0 with the texture moved by `shift_px` to the right and up, 0…255.
+// Level at a camera's pixel of the plane z = 0, with the texture moved by `shift_px` to the right and up, 0…255.
 double levelAt(const PinholeCamera& camera, int x, int y, dvec2 shift_px) {
   const dvec3 in_cam((x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, 1);
   const dvec3 ray = glm::transpose(glm::dmat3(camera.cam_from_world)) * in_cam, eye = camera.centreInWorld();
@@ -72,7 +72,7 @@ class FloatingTest : public CameraFigure {
     return still(view);
   }
 
-  // Two cameras, the left one's picture moved by -shift and the right one's by +shift.
+  // Two cameras: the left one's picture is moved by -shift, the right one's by +shift.
   void shiftedPair(double shift_px) {
     addQuad({0, 1, 0}, 0.5);
     cameras_ = {cameraAt(-0.5), cameraAt(0.5)};
@@ -97,7 +97,7 @@ double differenceAt(const Image& picture, const PinholeCamera& view, dvec2 shift
   return difference;
 }
 
-// The shift of the texture that resembles the picture most, pixels.
+// Shift of the texture that matches the picture best, pixels.
 double shiftOf(const Image& picture, const PinholeCamera& view) {
   double best = 0, least = HUGE_VAL;
   for (double shift = -3; shift <= 3; shift += 0.125)
@@ -137,7 +137,7 @@ TEST_F(FloatingTest, SoftVisibilityIsTheDistanceByBruteForce) {
   }
 }
 
-// A screen hides a part of the wall from the camera nearest to the view. Background hides nothing.
+// A screen hides a part of the wall from the camera nearest to the view. Background occludes nothing.
 TEST_F(FloatingTest, AHoleShowsTheCameraOfTheLargestWeight) {
   addQuad({0, 1, 0}, 0.5);
   addQuad({0.05, 1, 0.6}, 0.1);
@@ -179,7 +179,7 @@ TEST_F(FloatingTest, AHoleShowsTheCameraOfTheLargestWeight) {
     }
   }
   EXPECT_GT(holes, 300);
-  // Behind the screen, seen past its edge, the next camera by angle fills in; at the quad's own edge weights do not
+  // Behind the screen, seen past its edge, the next camera by angle fills in; at the quad's own border weights do not
   // fade.
   const dvec3 behind = at.project({-0.09, 1, 0}), edge = at.project({0.49, 1.3, 0}), inside = at.project({0.3, 1.3, 0});
   const auto weightsAt = [&](const dvec3& pixel) { return weights[int(pixel.y) * kPixels + int(pixel.x)]; };
@@ -205,7 +205,7 @@ TEST_F(FloatingTest, PicturesThatAreOffByAKnownShiftMeetBetween) {
   }
 }
 
-// The first round brings the pictures close together. The second one needs the nearly sharp mean that this gives.
+// The first round brings the pictures close together; the second needs its result, a nearly sharp mean.
 TEST_F(FloatingTest, TheStarFindsWhatItsFirstMeanBlurs) {
   shiftedPair(3);
   const PinholeCamera middle = cameraAt(0);
@@ -214,8 +214,8 @@ TEST_F(FloatingTest, TheStarFindsWhatItsFirstMeanBlurs) {
   EXPECT_LT(meanDifference(stillBy("floating", middle), truth), 0.25 * linear);
 }
 
-// A wall that three cameras see at 40 to 50 degrees, two pictures displaced along both axes. The truth lies in the
-// middle of what they show.
+// Wall seen by three cameras at 40 to 50 degrees, two pictures displaced along both axes. The truth lies in the middle
+// of their contents.
 TEST_F(FloatingTest, StillModeBringsObliquePicturesTogether) {
   addQuad({0, 1, 0}, 0.5);
   cameras_ = {lookAt({-2.3, 1, 1.93}, {0, 1, 0}, kPixels, kPixels, kFocal),
@@ -254,8 +254,8 @@ TEST_F(FloatingTest, StillModeShowsThePixelsArea) {
   }
 }
 
-// Of a wall behind a red screen the cameras miss a part. Still mode shows there what the blend without flow shows, at
-// the part's border, too.
+// The cameras miss a part of a wall behind a red screen. Still mode shows there the same as the blend without flow, up
+// to the part's border.
 TEST_F(FloatingTest, StillModeShowsWhatNoCameraSeesAsWithoutFlow) {
   addQuad({0, 1, 0}, 0.5);
   addQuad({0, 1, 0.6}, 0.1);
@@ -284,8 +284,8 @@ TEST_F(FloatingTest, StillModeShowsWhatNoCameraSeesAsWithoutFlow) {
   EXPECT_LE(beside, 2);
 }
 
-// The displacements of a flow of half the size are doubled. They count in full up to the bound, and not at all from
-// twice the bound on. A sum of a quarter of the size shows the same.
+// Displacements of a flow of half the size are doubled. They count in full up to the bound, and not at all from twice
+// the bound. A sum of a quarter of the size gives the same.
 TEST_F(FloatingTest, LongDisplacementsAreNotTaken) {
   constexpr int kSide = 200;
   render::PictureGroup weights, flow, sum, small;
@@ -354,8 +354,8 @@ TEST_F(FloatingTest, TexturesShrinkWithTheView) {
   }
 }
 
-// The mean form starts at a quarter of the view's size, which is seldom a whole number of pixels. Views of less than 64
-// pixels have no flow.
+// The mean form starts at a quarter of the view's size, seldom a whole number of pixels. Views below 64 pixels have no
+// flow.
 TEST_F(FloatingTest, ViewsOfAnySize) {
   shiftedPair(1.5);
   for (const glm::ivec2 size : {glm::ivec2(77, 109), glm::ivec2(131, 101), glm::ivec2(64, 64), glm::ivec2(63, 90)}) {

@@ -10,13 +10,13 @@
 namespace fourdvt::render {
 namespace {
 
-using Motion = std::function<glm::dvec2(glm::dvec2)>;  // where a point of a is in b
+using Motion = std::function<glm::dvec2(glm::dvec2)>;  // position in b of a point of a
 struct Pair {
   Image a, b;
-  std::vector<bool> inside;  // of the character, away from its edge
+  std::vector<bool> inside;  // of the character, away from its outline
 };
 
-// Waves of 9 to 120 pixels in many directions, 0..1.
+// Waves with periods of 9 to 120 pixels in many directions, 0..1.
 double texture(glm::dvec2 p) {
   constexpr int kWaves = 14;
   double sum = 0;
@@ -30,8 +30,8 @@ double texture(glm::dvec2 p) {
 glm::dvec2 centre(const Image& image) { return {image.width / 2.0, image.height / 2.0}; }
 double radius(const Image& image) { return 0.4 * std::min(image.width, image.height); }
 
-// A textured disc that stays where it is while its texture moves: what one mesh under two appearances looks like.
-// Rows as the GPU counts them. The texture of b at p is that of a where the motion comes from.
+// Textured disc that stands still while its texture moves, like one mesh under two appearances. Rows in GL order. The
+// texture of b at p is that of a at from_b(p).
 Pair disc(int width, int height, const Motion& from_b, double contrast = 1) {
   Pair pair{Image(width, height, 4), Image(width, height, 4), {}};
   for (int y = 0; y < height; ++y)
@@ -64,7 +64,7 @@ class Flow : public testing::GlFixture {
     EXPECT_TRUE(made) << (made ? "" : made.error().message);
     return made ? made.take() : nullptr;
   }
-  // Flow by rows as the GPU counts them. The format is that of the source's texture.
+  // Flow with rows in GL order; `format`: of the source's texture.
   std::vector<glm::vec2> flow(FlowSource& source, const Pair& pair, gpu::PixelFormat format = gpu::PixelFormat::RG16F) {
     const int width = pair.a.width, height = pair.a.height;
     const gpu::Texture a = upload(pair.a), b = upload(pair.b);
@@ -131,7 +131,7 @@ TEST_F(Flow, agreesWithOpencvFarneback) {
   }
 }
 
-// Half the size, an octave less: the same patches, hence nearly the same flow, in pixels twice as large.
+// Half the size and one level fewer: the same patches, hence nearly the same flow, in pixels twice as large.
 TEST_F(Flow, ofHalfTheSizeIsHalfAsLong) {
   const glm::dvec2 shift(5.3, -3.6);
   const Pair pair = disc(256, 320, [&](glm::dvec2 p) { return p - shift; });
@@ -156,7 +156,7 @@ TEST_F(Flow, ofHalfTheSizeIsHalfAsLong) {
   EXPECT_LT(difference / count, 0.2);
 }
 
-// Of pictures that show different things no displacement brings together; a true one is taken in full.
+// No displacement aligns pictures of different content; a true one is taken in full.
 TEST_F(Flow, takesADisplacementAsFarAsItExplains) {
   const auto size = [](const std::vector<glm::vec2>& flow, const Pair& pair) {
     double sum = 0, count = 0;
@@ -177,7 +177,7 @@ TEST_F(Flow, takesADisplacementAsFarAsItExplains) {
       EXPECT_LT(now, 0.95 * before) << must_explain;
       before = now;
     }
-    // What is long enough is taken unasked, what is shorter than half of that is not.
+    // Displacements above `sure_px` are taken untested; those below half of it are tested.
     const double unasked = size(flow(*gpuFlow(method), strange), strange),
                  all_sure = size(flow(*gpuFlow(method, {.must_explain = 0.25, .sure_px = 0.1}), strange), strange),
                  long_sure = size(flow(*gpuFlow(method, {.must_explain = 0.25, .sure_px = 20}), strange), strange);
@@ -187,8 +187,7 @@ TEST_F(Flow, takesADisplacementAsFarAsItExplains) {
   }
 }
 
-// The fill starts where a coarse level is no longer empty and ends where nothing is left open: it stays the smooth
-// extension of both.
+// Filling starts where a coarse level is no longer empty and ends where no hole is left: a smooth extension of both.
 TEST_F(Flow, fillsOutsideSmoothlyWithTheSameLuma) {
   constexpr int kSide = 320;
   const Pair pair = disc(kSide, kSide, [](glm::dvec2 p) { return p - glm::dvec2(4, 0); });
@@ -221,7 +220,7 @@ TEST_F(Flow, fillsOutsideSmoothlyWithTheSameLuma) {
   EXPECT_GT(confident_near, 0.9 * near) << "confidence reaches beyond the outline";
 }
 
-// Mipmaps of such sizes leave columns out; what lies in them must not be taken for empty.
+// Mipmaps of such sizes skip columns; content in these must not count as empty.
 TEST_F(Flow, seesANarrowBarWhereverItStands) {
   constexpr int kWidth = 180, kHeight = 240, kBar = 8;
   FlowPictures pictures;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The free-viewpoint baseline: exact blends of two cameras, occlusion, choice of cameras, matte, and the CPU yardstick.
+// The free-viewpoint baseline: exact blends of two cameras, occlusion, choice of cameras, mattes, and the CPU
+// yardstick.
 #include "render/cameras/fvvr.h"
 
 #include <cmath>
@@ -28,7 +29,7 @@ Image filled(const PinholeCamera& camera, const glm::u8vec4& color) {
 
 const glm::u8vec4 kRed(200, 40, 10, 255), kBlue(20, 60, 220, 255), kGreen(0, 255, 0, 255);
 
-// A quad of ±half metres in the plane z facing +Z, appended.
+// Appends a quad of ±half metres in the plane z = centre.z, facing +Z.
 void appendQuad(MeshTopology& topology, Positions& positions, dvec3 centre, double half) {
   const uint32_t first = static_cast<uint32_t>(positions.size());
   for (const glm::dvec2 corner : {glm::dvec2(-1, 1), glm::dvec2(-1, -1), glm::dvec2(1, -1), glm::dvec2(1, 1)})
@@ -38,8 +39,8 @@ void appendQuad(MeshTopology& topology, Positions& positions, dvec3 centre, doub
   topology.vertex_count = static_cast<uint32_t>(positions.size());
 }
 
-// LVDT Eq. 3-4 with the corrected sign for the plane z = const, by hand: `directions` are unit vectors towards the
-// cameras, `to_eye` towards the eye.
+// LVDT Eq. 3-4 with the corrected sign for the plane z = const: `directions` are unit vectors towards the cameras,
+// `to_eye` towards the eye.
 dvec3 blend(const std::vector<dvec3>& directions, const std::vector<glm::u8vec4>& colors, const dvec3& to_eye) {
   dvec3 sum(0);
   double total = 0;
@@ -66,7 +67,7 @@ class FvvrTest : public GlFixture {
     return image.take();
   }
 
-  // Colour where `point` is seen.
+  // Expects the colour at the pixel that shows `point`.
   static void expectColor(const Image& image, const PinholeCamera& view, const dvec3& point, const dvec3& expected,
                           double tolerance = 1.0) {
     const dvec3 pixel = view.project(point);
@@ -80,7 +81,7 @@ class FvvrTest : public GlFixture {
   std::vector<PinholeCamera> cameras;
 };
 
-// The point whose ray goes through the centre of the pixel that shows `near_point`, in the plane z = 0.
+// Point in the plane z = 0 on the ray through the centre of the pixel that shows `near_point`.
 dvec3 pointUnderPixel(const PinholeCamera& view, const dvec3& near_point) {
   const dvec3 pixel = view.project(near_point);
   const dvec3 in_cam((std::floor(pixel.x) + 0.5 - view.cx) / view.fx, (std::floor(pixel.y) + 0.5 - view.cy) / view.fy,
@@ -109,7 +110,7 @@ TEST_F(FvvrTest, TwoCamerasBlendByEquations3And4) {
 TEST_F(FvvrTest, EachCameraTexturesWithItsOwnPixels) {
   addQuad({0, 1, 0}, 0.5);
   cameras = {lookAt({0.8, 1.2, 3}, {0, 1, 0}, 96, 72, 80)};
-  Image picture(96, 72, 4, 255);  // red rises with x, green with y: the colour tells the pixel
+  Image picture(96, 72, 4, 255);  // red rises with x, green with y: identifies the pixel
   for (int y = 0; y < 72; ++y)
     for (int x = 0; x < 96; ++x)
       picture.at(x, y)[0] = static_cast<uint8_t>(2 * x), picture.at(x, y)[1] = static_cast<uint8_t>(3 * y);
@@ -169,7 +170,7 @@ TEST_F(FvvrTest, ClosestTakesTheNearestCamerasOnly) {
   EXPECT_EQ(still(right, pictures, {.closest = 9}).pixels, still(right, pictures).pixels);
 }
 
-// The cost of M < N: uploads and depth maps of the cameras that the view uses, for the picture that all would give.
+// Cost of M < N: uploads and depth maps of the selected cameras only, with the picture that all uploads would give.
 TEST_F(FvvrTest, ClosestCostsNoMoreThanItsCameras) {
   addQuad({0, 1, 0}, 0.5);
   for (double x : {-2.0, -1.0, 0.0, 1.0, 2.0}) cameras.push_back(lookAt({x, 1, 3}, {0, 1, 0}, kSide, kSide, 60));
@@ -185,7 +186,7 @@ TEST_F(FvvrTest, ClosestCostsNoMoreThanItsCameras) {
     const Image expected = fvvr->renderStill(view, options).take();
     const std::vector<size_t> used = fvvr->camerasOf(view, options);
     ASSERT_EQ(used.size(), count);
-    std::vector<Image> needed(5);  // the others' pictures are not looked at
+    std::vector<Image> needed(5);  // other pictures are not read
     for (size_t c : used) needed[c] = pictures[c];
     ASSERT_TRUE(fvvr->setGeometry(positions, used));
     device->resetCounters();
@@ -271,16 +272,16 @@ TEST_F(FvvrTest, FragmentThatNoCameraSeesTakesTheBestFacingOne) {
   const std::vector<Image> pictures = {filled(cameras[0], kRed), filled(cameras[1], kBlue)};
   const PinholeCamera view = lookAt({0, 3.5, 1.2}, {0, 1, 0}, kSide, kSide, 60);  // over the occluder
   expectColor(still(view, pictures), view, {0, 1, 0}, dvec3(kRed));
-  // The best-facing camera's matte leaves the point out: the other one.
+  // If the best-facing camera's matte excludes the point, the other camera fills it.
   const std::vector<Image> matted = {filled(cameras[0], {0, 255, 0, 0}), pictures[1]};
   expectColor(still(view, matted), view, {0, 1, 0}, dvec3(kBlue));
-  // Seen from behind, no camera faces it at all.
+  // Seen from behind; no camera faces it.
   const PinholeCamera behind = lookAt({0, 1, -3}, {0, 1, 0}, kSide, kSide, 60);
   EXPECT_EQ(still(behind, pictures).at(32, 32)[3], 255);
 }
 
-// OVH03 5.2.2: a coarse depth map lets the arm's texture fall onto the body beside its outline, a fattened one does
-// not.
+// OVH03 5.2.2: with a coarse depth map the arm's texture leaks onto the body beside its outline, with a fattened one it
+// does not.
 TEST_F(FvvrTest, FattenedDepthMapsLeakNothing) {
   const ArmScene arm;
   const OrbitView from_front{.azimuth_deg = 0, .elevation_deg = 10, .target_in_world = {0, 1, 0}};
@@ -306,7 +307,7 @@ TEST_F(FvvrTest, FattenedDepthMapsLeakNothing) {
   EXPECT_EQ(offset.leaked, 0u);
   EXPECT_EQ(fattened.leaked, 0u);
   EXPECT_EQ(small.leaked, 0u);
-  // Only what lies beside the arm's outline and the contours is lost.
+  // Only pixels beside the arm's outline and the contours may be lost.
   EXPECT_LT(double(none.lost), 0.01 * double(none.seen));
   EXPECT_LT(double(fattened.lost), 0.015 * double(fattened.seen));
   EXPECT_LT(double(small.lost), 0.04 * double(small.seen));

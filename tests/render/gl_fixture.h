@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A GLES device on a headless context, pictures drawn into memory, and the picture on disk where a test fails.
+// A GLES device on a headless context, drawing into memory; a failed test saves its picture.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ class GlFixture : public ::testing::Test {
     device = made.take();
   }
 
-  // Every test ends without misuse or GL errors; a failed one leaves its last picture in the build folder.
+  // Checks that every test ends without misuse or GL errors; a failed one leaves its last picture in the build folder.
   void TearDown() override {
     if (device) {
       EXPECT_EQ(device->takeErrors(), "");
@@ -49,7 +49,7 @@ class GlFixture : public ::testing::Test {
   Image last_picture_;
 };
 
-// What `draw` gives of the view: RGBA as drawn (premultiplied), top row first.
+// Picture that `draw` makes of the view: RGBA as drawn (premultiplied), top row first.
 template <class Draw>
 Image drawnImage(gpu::Device& device, const render::View& view, const Draw& draw) {
   Image out(view.width, view.height, 4);
@@ -63,7 +63,7 @@ Image drawnImage(gpu::Device& device, const render::View& view, const Draw& draw
   return out;
 }
 
-// A scene on the GPU with one picture; draws stills. Owners die before the fixture's device.
+// Draws stills of a scene with one picture on the GPU. Must be destroyed before the fixture's device.
 class Still {
  public:
   Still(gpu::Device& device, const Scene& scene, render::PictureTextures::Kind kind) : device_(device) {

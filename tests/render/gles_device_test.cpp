@@ -133,7 +133,7 @@ TEST_F(GlesDevice, testsDepthAndBlendsPremultiplied) {
   EXPECT_EQ(pixel(target.id(), 2, 2), (Rgba{153, 0, 51, 255}));
 }
 
-// The vertex shader's number is the index: 0, 1, 2 cover everything, others nothing.
+// The shader's vertex ID is the index: 0, 1, 2 cover everything, others nothing.
 TEST_F(GlesDevice, drawsWithIndices) {
   Texture color = texture(PixelFormat::RGBA8, 4, 4);
   Target target = makeTarget(*device, {.colors = {color.id()}}).take();
@@ -145,7 +145,7 @@ TEST_F(GlesDevice, drawsWithIndices) {
   EXPECT_EQ(pixel(target.id(), 1, 1), (Rgba{0, 255, 0, 255}));
   fill(target.id(), {0, 0, 1, 1}, 0, {.indices = whole.id()});
   EXPECT_EQ(pixel(target.id(), 1, 1), (Rgba{0, 0, 255, 255}));
-  fill(target.id(), {1, 1, 0, 1}, 0);  // without indices after one with them
+  fill(target.id(), {1, 1, 0, 1}, 0);  // not indexed, after an indexed draw
   EXPECT_EQ(pixel(target.id(), 1, 1), (Rgba{255, 255, 0, 255}));
   device->updateIndices(whole.id(), std::vector<uint32_t>{0, 0, 0});
   fill(target.id(), {0, 0, 1, 1}, 0, {.indices = whole.id()});

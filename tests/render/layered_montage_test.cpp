@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Montage4D over layers: a camera fades out over the clamp distance to where its label set ends, the plain blend where
-// no field is left, fields that follow the view, and whose they are where there are many looks and members.
+// Montage4D over layers: a camera fades out over the clamp distance towards the end of its label set, the plain blend
+// where all fields are zero, fields that follow the view, and the assignment of fields to several looks and members.
 #include "render/montage/layered_montage.h"
 
 #include <cmath>
@@ -17,9 +17,9 @@ namespace {
 
 constexpr int kCells = 80;        // along each side
 constexpr float kSide_m = 0.8f;   // of the square in the plane z = 0
-constexpr double kClamp_m = 0.1;  // of layered_montage.cpp
+constexpr double kClamp_m = 0.1;  // as in layered_montage.cpp
 
-// Left of x = 0 faces have the cameras `left`, right of it `right`; rank by rank, kNoCamera: none.
+// Square whose faces left of x = 0 have the cameras `left`, others `right`, by rank; kNoCamera: none.
 Scene squareScene(std::array<uint8_t, 2> left, std::array<uint8_t, 2> right) {
   Scene scene = quadScene({0, 1}, kSide_m / 2);
   MeshTopology& topology = scene.mesh.topology;
@@ -84,10 +84,10 @@ class LayeredMontageTest : public GlFixture {
   std::unique_ptr<Still> still_;
 };
 
-// Share of the dark camera 1 at this pixel.
+// Weight of the dark camera 1 at this pixel.
 double darkness(const Image& image, int x) { return (250 - image.at(x, 20)[0]) / 240.0; }
 
-// γ = 1 in the aims of montage_aims.frag: (n·v_i)² (v·v_i)⁴; the square faces +z.
+// Aims of montage_aims.frag at γ = 1: (n·v_i)² (v·v_i)⁴; the square faces +z.
 double viewing(const PinholeCamera& camera, const PinholeCamera& view, const glm::dvec3& point) {
   const glm::dvec3 ray = glm::normalize(camera.centreInWorld() - point);
   return std::pow(ray.z, 2) * std::pow(glm::dot(ray, glm::normalize(view.centreInWorld() - point)), 4);
@@ -141,7 +141,7 @@ TEST_F(LayeredMontageTest, TheSameSetEverywhereHasNoSeam) {
   }
 }
 
-// One camera on each side: at the seam no field is left.
+// One camera on each side: at the seam all fields are zero.
 TEST_F(LayeredMontageTest, ThePlainBlendTakesOverWhereNoFieldIsLeft) {
   exponent_ = 2;
   show(squareScene({0, package::kNoCamera}, {package::kNoCamera, 1}));
@@ -178,13 +178,13 @@ class MontageOfMany : public GlFixture {
     quads_.clear();
     GlFixture::TearDown();
   }
-  // A recipe that knows no fields yet.
+  // Creates a new recipe, without fields.
   void renew() {
     recipe_ = render::Recipe::create(*device).take();
     recipe_->setFlow(std::make_unique<MadeUpFlow>(*device, glm::vec2(0), flow_calls_));
     recipe_->setLayered(render::makeLayeredMontage(*device).take());
   }
-  // first: the member of kLabels that its first one is as.
+  // first: member of kLabels that the quad's first one copies.
   MemberQuad& addQuad(int members, int first = 0) {
     quads_.push_back(std::make_unique<MemberQuad>(*device, members, 2,
                                                   [&](int member, int rank) { return kLabels[first + member][rank]; }));
@@ -208,7 +208,7 @@ class MontageOfMany : public GlFixture {
     const render::Figure figure{&quad.model, {&look, 1}};
     return draw({&figure, 1}, view, elapsed_s, align);
   }
-  // As many quads of one look in a row, each as small as that.
+  // Draws this many quads of one look in a row, correspondingly smaller.
   Image drawRow(size_t first, size_t count) {
     const float whole[] = {1};
     std::vector<render::Look> looks;
@@ -278,7 +278,7 @@ TEST_F(MontageOfMany, MembersMixedByFlowHaveFieldsOfTheirOwn) {
       EXPECT_NEAR(mixed.at(at.x, at.y)[c], 0.5 * (first.at(at.x, at.y)[c] + second.at(at.x, at.y)[c]), 2) << c;
 }
 
-// The target is the second look while it fades in, and the only one from then on.
+// The target is the second look while it fades in, and the only one afterwards.
 TEST_F(MontageOfMany, NothingPopsWhereATransitionEnds) {
   const MemberQuad &source = addQuad(1, 0), &target = addQuad(1, 1);
   const float whole[] = {1};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The layered pass against LVDT Eq. 3-4 worked out in double precision, colour conversion, addressing, alignment,
-// shadow.
+// The layered pass against LVDT Eq. 3-4 in double precision, colour conversion, addressing, alignment, shadow.
 #include <cmath>
 #include <cstring>
 
@@ -121,7 +120,7 @@ glm::dvec3 bt709Reference(int y, int u, int v) {
   return 255.0 * glm::clamp(glm::dvec3(r, g, b), 0.0, 1.0);
 }
 
-// One layer, which both faces take from camera 0.
+// One layer, with camera 0 as label of both faces.
 Scene quadOfOneCamera(float half_size) {
   Scene scene = testing::quadScene({0, 1}, half_size);
   scene.setLayers(1, 16);
@@ -151,7 +150,7 @@ uint8_t noise(int x, int y, int channel) {
       (static_cast<uint32_t>(x * 7919 + y * 104729 + channel * 1299709 + 12345) * 2654435761u) >> 24);
 }
 
-// A view whose pixels are `scale` to a texel of the quad's 16-texel layer.
+// View with `scale` pixels per texel of the quad's 16-texel layer.
 PinholeCamera texelView(int scale) {
   PinholeCamera view = testing::lookAt({0, 1, 4}, {0, 1, 0}, 16 * scale, 16 * scale, 32.0 * scale);
   return view;  // quad of half 1 at distance 4: 2 m = 16 * scale pixels
@@ -269,7 +268,7 @@ TEST_F(Layered, edgesArePremultipliedAndTheBackgroundStays) {
   expectColor(solid, 1, 1, {51, 102, 153}, 0.5);
 }
 
-// A box on the ground under a transparent background, seen from a corner above.
+// Box on the ground over a transparent background, seen from above a corner.
 Image shadowStill(gpu::Device& device, double elevation, float strength, double ground_y_m = 0) {
   Scene scene = testing::boxScene(0.15f, 1.6f);
   scene.character.ground_y_m = ground_y_m;
@@ -297,7 +296,7 @@ TEST_F(Layered, shadowDarkensTheGroundBesideTheFeetOnly) {
   EXPECT_GT(near_alpha, far_alpha + 10);
   EXPECT_NEAR(at({0.3, 0, 0})[3], at({-0.3, 0, 0})[3], 6);  // symmetric
   for (const auto& [x, y] : {std::pair(0, 0), {239, 0}, {0, 239}, {239, 239}}) EXPECT_EQ(picture.at(x, y)[3], 0);
-  for (int i = 0; i < 240 * 240; ++i) {  // black where it is not the box
+  for (int i = 0; i < 240 * 240; ++i) {  // black except on the box
     const uint8_t* p = picture.pixels.data() + 4 * i;
     for (int c = 0; c < 3; ++c) ASSERT_LE(p[c], p[3]);
   }

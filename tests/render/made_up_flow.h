@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A flow that a test chooses.
+// Flow with a displacement that the test sets.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace fourdvt::testing {
 
-// Says the same displacement everywhere.
+// Returns the same displacement everywhere.
 class MadeUpFlow final : public render::FlowSource {
  public:
   MadeUpFlow(gpu::Device& device, const glm::vec2& flow, int& calls) : device_(device), value_(flow), calls_(calls) {}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A person of capsules that walks on the spot: a closed mesh of thousands of faces with seams of labels and of texture
-// coordinates, as captured characters have.
+// A person made of capsules that walks on the spot: a closed mesh of thousands of faces with label seams and chart
+// seams, like captured characters.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ struct Mannequin {
   Scene scene;
   std::vector<int> limb_of_;  // per vertex
 
-  // faces: about that many. layers: of the nearest cameras of `cameras` in a ring.
+  // faces: approximate number. layers: filled from the nearest of `cameras` cameras in a ring.
   explicit Mannequin(int faces, int layers = 3, int cameras = 8) {
     scene.character.cameras.clear();
     for (int c = 0; c < cameras; ++c)
@@ -35,7 +35,7 @@ struct Mannequin {
     scene.labels = labels(0);
   }
 
-  // The positions at `phase` of a step, radians; 0: standing.
+  // Positions at `phase` of a step, radians; 0: standing.
   Positions posed(float phase) const {
     Positions out = scene.mesh.positions;
     for (size_t v = 0; v < out.size(); ++v) {
@@ -49,7 +49,7 @@ struct Mannequin {
     return out;
   }
 
-  // The cameras nearest to each face's direction, moved on by `shift` degrees.
+  // Labels: the cameras nearest to each face's direction, turned by `shift` degrees.
   std::vector<uint8_t> labels(double shift) const {
     const MeshTopology& t = scene.mesh.topology;
     const int cameras = int(scene.character.cameras.size()), layers = scene.character.layer_count;
@@ -71,7 +71,7 @@ struct Mannequin {
     return out;
   }
 
-  // Waves, another for each layer, RGBA.
+  // Waves that differ from layer to layer, RGBA.
   Image picture() const {
     Image image(scene.rendition.width, scene.rendition.height, 4, 255);
     for (int y = 0; y < image.height; ++y)
@@ -82,7 +82,7 @@ struct Mannequin {
   }
 
  private:
-  // Its sides are separate charts' borders: the first and the last column share vertices, not texture coordinates.
+  // One chart per capsule: the first and last column of the grid share vertices, but not texture coordinates.
   void addCapsule(glm::vec3 top, glm::vec3 bottom, float radius, int round, int rows) {
     MeshTopology& t = scene.mesh.topology;
     const int limb = limb_of_.empty() ? 0 : limb_of_.back() + 1;
@@ -97,7 +97,7 @@ struct Mannequin {
       const glm::vec3 centre = top + axis * (0.5f - 0.5f * std::cos(angle)) + glm::vec3(0, radius * std::cos(angle), 0);
       const float ring = radius * std::pow(std::sin(angle), 0.5f);
       for (int i = 0; i < round; ++i) {
-        const float turn = 0.2f + 2 * float(M_PI) * float(i) / float(round);  // the seam is no seam of labels
+        const float turn = 0.2f + 2 * float(M_PI) * float(i) / float(round);  // no label seam at the chart seam
         add(centre + ring * glm::vec3(std::sin(turn), 0, std::cos(turn)));
       }
     }

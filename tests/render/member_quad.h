@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A class of motions on the hand-made quad: every member has its own tiles in one picture, and labels of its own.
+// A class of motions on the hand-made quad: every member has its own labels, and its own tiles in one picture.
 #pragma once
 
 #include "expected.h"
@@ -7,7 +7,7 @@
 
 namespace fourdvt::testing {
 
-// Half 1 m round (0, 1, 0): a metre is half of the texture. Owners die before the device.
+// Quad of ±1 m round (0, 1, 0): one metre is half of the texture. Must be destroyed before the device.
 struct MemberQuad {
   static constexpr int kSide = 64;
   Scene scene;
@@ -15,7 +15,7 @@ struct MemberQuad {
   render::Appearance appearance;
   render::PictureTextures picture;
 
-  // label(member, rank): of both faces.
+  // label(member, rank): label of both faces.
   template <class LabelOf>
   MemberQuad(gpu::Device& device, int members, int layers, const LabelOf& label) : scene(quadScene({0, 1}, 1.0f)) {
     scene.setLayers(members * layers, kSide);
@@ -32,14 +32,14 @@ struct MemberQuad {
                   .take();
   }
 
-  // The same displacement at every vertex, one for each member but the first; none: not aligned.
+  // Sets one displacement for all vertices, per member except the first; none: not aligned.
   void align(gpu::Device& device, const std::vector<glm::vec2>& displacements_m) {
     std::vector<glm::vec2> all;
     for (const glm::vec2& d : displacements_m) all.insert(all.end(), scene.mesh.positions.size(), d);
     appearance.setFrame(device, model, {scene.labels, all});
   }
 
-  // color(tile, u, v): u, v of the texel's centre in the tile.
+  // color(tile, u, v): colour at the texel whose centre has u, v in the tile.
   template <class Color>
   void paint(gpu::Device& device, const Color& color) {
     Image image(scene.rendition.width, scene.rendition.height, 4, 255);
@@ -57,7 +57,7 @@ struct MemberQuad {
   render::Look look(std::span<const float> weights) const { return {&appearance, &picture, weights}; }
 };
 
-// Where the quad's texture is seen.
+// Texture coordinates of the quad that pixel (x, y) shows.
 inline glm::dvec2 uvAt(const PinholeCamera& view, int x, int y) {
   const glm::dvec3 p = pointOnPlane(view, x, y);
   return {(p.x + 1) / 2, (2 - p.y) / 2};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Montage4D and the blend that it is compared with: votes on painted colours, dilated depth discontinuities, the seams
-// of two cameras round a cylinder, fields that follow an abrupt turn, unseen surface, and what is kept from view to
-// view.
+// of two cameras round a cylinder, fields that follow an abrupt turn, unseen surface, and reuse from view to view.
 #include <cmath>
 
 #include "camera_figure.h"
@@ -22,7 +21,7 @@ class MontageTest : public CameraFigure {
     return {p[0], p[1], p[2]};
   }
 
-  // A wall that three cameras see in these colours.
+  // Wall that three cameras see in these colours.
   void makePaintedWall(const std::vector<glm::u8vec4>& colors) {
     addQuad({0, 1, 0}, 0.5, 12);
     std::vector<Image> pictures;
@@ -68,7 +67,7 @@ TEST_F(MontageTest, TheViewsOwnCameraLeads) {
   EXPECT_LT(shown(left, {0, 1, 0}).b, by_normals - 20);
 }
 
-// The screen is larger in the left camera's picture than the surface says: its blue falls onto the wall beside it, but
+// The screen is larger in the left camera's picture than on the surface: its blue falls onto the wall beside it, but
 // not with dilated discontinuities, since the right camera sees the wall there.
 TEST_F(MontageTest, NothingBesideAnOccludersOutlineIsTakenFromThatCamera) {
   addQuad({0, 1, 0}, 0.5, 24);
@@ -133,7 +132,7 @@ TEST_F(MontageTest, TwoCamerasRoundACylinderHaveSeamsWhereTheyLoseIt) {
   EXPECT_GT(back.g, back.r + 60);
 }
 
-// The last two cameras stand in slots behind one that is empty then.
+// An empty slot precedes those of the last two cameras.
 TEST_F(MontageTest, ASlotWithoutACameraCountsForNone) {
   makePaintedWall({kRed, kRed, kBlue});
   options_.method.montage.vote_threshold = 0;
@@ -168,7 +167,7 @@ TEST_F(MontageTest, AnAbruptTurnFadesFromCameraToCamera) {
   expectNear(shown(left, {0, 1, 0}), kRed, 2);
 }
 
-// A wall whose lower half no camera sees, behind a screen: it continues what lies above.
+// A wall behind a screen, with a lower half that no camera sees: it takes the colours above it.
 TEST_F(MontageTest, UnseenSurfaceTakesItsNeighbourhoodsColour) {
   addQuad({0, 1, 0}, 0.5, 16);
   addQuad({0, 0.3, 0.4}, 0.45);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Multisampling where the figures are gives the picture that multisampling of the whole view gives, with less memory.
+// Multisampling in the figures' region gives the same picture as multisampling of the whole view, with less memory.
 #include "gl_fixture.h"
 #include "mannequin.h"
 #include "render/cameras/camera_method.h"
@@ -21,7 +21,7 @@ class RegionTest : public testing::GlFixture {
     still_->uploadRgba(mannequin_.picture());
     look_ = {&still_->figure.appearance, &still_->picture, kWhole};
     whole_recipe_ = Recipe::create(*device).take();
-    // Nobody sees it, but with it the whole view is multisampled.
+    // Invisible mesh that forces multisampling of the whole view.
     const std::vector<SceneCorner> far_below(3, SceneCorner{{0, -1000, 0}});
     everywhere_.meshes.push_back(makeSceneMesh(*device, far_below, true).take());
     everywhere_.ground_y_m = float(mannequin_.scene.character.ground_y_m);
@@ -47,8 +47,9 @@ class RegionTest : public testing::GlFixture {
     return out;
   }
 
-  // With blending of the finished figures, levels may round differently. The viewport's offset rounds corners by other
-  // bits, which may move one to the next step of the rasterizer's grid: a sample on an edge then changes sides.
+  // Expects equal pictures, except for rounding: blending of the finished figures may round levels differently. The
+  // viewport's offset may move a corner to the next step of the rasteriser's grid, so that a sample at an edge changes
+  // sides.
   void expectSamePictures(std::span<const Figure> figures, const PinholeCamera& camera) {
     const Image part = draw(*still_->recipe, nullptr, figures, camera),
                 whole = draw(*whole_recipe_, &everywhere_, figures, camera);
@@ -109,7 +110,7 @@ TEST_F(RegionTest, figuresThatLeaveTheViewLookTheSame) {
   const Figure one = figure();
   for (const glm::dvec3& target : {glm::dvec3(0, 1.6, 0), {0.8, 0.3, 0}, {-1.2, 0.9, 0}, {0, 3, 0}, {4, 0.9, 0}})
     for (const double distance_m : {0.25, 1.0, 4.0}) {
-      still_->recipe = Recipe::create(*device).take();  // which begins with the region of this view
+      still_->recipe = Recipe::create(*device).take();  // starts with the region of this view
       expectSamePictures({&one, 1}, cameraFromOrbit({15, 5, distance_m, target, 50}, 300, 400));
     }
 }
@@ -141,7 +142,7 @@ TEST_F(RegionTest, sketchesLookTheSame) {
   expectSamePictures({&one, 1}, cameraFromOrbit({20, 10, 6, {0.7, 1.1, 0}, 35}, 361, 503));
 }
 
-// Methods that look up pictures of the whole view at a fragment's pixel.
+// Methods that sample pictures of the whole view at a fragment's pixel.
 TEST_F(RegionTest, figuresFromCamerasLookTheSame) {
   const testing::Scene& scene = mannequin_.scene;
   auto model = CharacterModel::createForSurfaces(*device, scene.character).take();
@@ -158,7 +159,7 @@ TEST_F(RegionTest, figuresFromCamerasLookTheSame) {
       recipe->setMethod(makeCameraMethod(*device, method).take());
     expectSamePictures({&one, 1}, cameraFromOrbit({20, 10, 6, {0.7, 1.1, 0}, 35}, 361, 503));
   }
-  still_->recipe->setMethod(nullptr);  // they go before the device
+  still_->recipe->setMethod(nullptr);  // must be destroyed before the device
 }
 
 }  // namespace

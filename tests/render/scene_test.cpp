@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Several figures and what is round them: placement, depth, occluders, background, shadows under the feet.
+// Several figures and their surroundings: placement, depth, occluders, background, shadows under the feet.
 #include "../unit/scaled.h"
 #include "member_quad.h"
 
@@ -28,7 +28,7 @@ glm::mat4 turned(float radians) {
 
 class Stage : public testing::GlFixture {
  protected:
-  // A scene of one constant colour, with camera 0 in its only rank.
+  // Scene of one constant colour, with camera 0 in its only rank.
   std::unique_ptr<Still> still(testing::Scene scene, const glm::dvec3& color) {
     scene.setLayers(1, 16);
     for (uint32_t face = 0; face < scene.mesh.topology.faceCount(); ++face) scene.setLabel(0, face, 0);
@@ -71,7 +71,7 @@ TEST_F(Stage, theNearerOfTwoFiguresIsSeenInAnyOrder) {
   }
 }
 
-// Weights and rays are the character's: a placed figure looks as the unplaced one from the moved camera.
+// Weights and rays use the character frame: a placed figure looks like the unplaced one from the moved camera.
 TEST_F(Stage, aPlacedFigureLooksAsFromACameraMovedTheOtherWay) {
   testing::MemberQuad quad(*device, 1, 2, [](int, int rank) { return uint8_t(rank); });
   quad.paintTiles(*device, {kRed, kGreen});
@@ -196,8 +196,8 @@ TEST_F(Stage, aFloorOfTheSceneCarriesTheShadow) {
   }
 }
 
-// Faces of 64 x 64 texels beside each other: -x red, +x green, floor grey, ceiling white, +z yellow; the one at -z is
-// blue on the left and black on the right, as it is seen from inside.
+// Faces of 64 x 64 texels side by side: -x red, +x green, floor grey, ceiling white, +z yellow; -z is blue on the left
+// and black on the right, seen from inside.
 Scene paintedRoom(gpu::Device& device) {
   package::Room room;
   room.box = {{-2, 0, -2}, {2, 3, 2}};
@@ -235,7 +235,7 @@ TEST_F(Stage, aRoomIsSeenFromItsInsideOnly) {
   seen(middle, {0, 1.5, 2}, {220, 220, 0});
   seen(middle, {0, 1.5, -2}, blue, 30);
   seen(middle, {0, 1.5, -2}, black, 66);
-  // From outside the walls before it are not there.
+  // From outside, walls in front of the room are invisible.
   seen({0, 1.5, 6}, middle, blue, 40);
   seen({0, 1.5, 6}, middle, black, 56);
   const Image outside = draw(*recipe, {}, &scene, testing::lookAt({0, 1.5, 6}, middle, 96, 96, 60), plainOptions());

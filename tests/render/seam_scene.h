@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A capture that can be worked out by hand: a painted cylinder in front of a green backdrop, filmed from a ring. Its
-// mesh lies 15 mm outside, as reconstructed surfaces do, and is cut into three charts: one upright, one turned by 90°,
-// one mirrored.
+// A capture with an analytic truth: a painted cylinder in front of a green backdrop, filmed from a ring. Its mesh lies
+// 15 mm outside the surface, like reconstructed ones, and is cut into three charts: one upright, one turned by 90°, one
+// mirrored.
 #pragma once
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace fourdvt::testing {
 constexpr double kRadius_m = 0.3, kPaintedRadius_m = 0.285, kBottom_m = 0.2, kTop_m = 1.4;
 inline const glm::dvec3 kBackdrop{57, 150, 73};
 
-// Smooth and never green.
+// Colour of the paint: smooth and never green.
 inline glm::dvec3 paintAt(const glm::dvec3& p) {
   const double turn = std::atan2(p.x, p.z);
   const double wave = std::sin(3 * turn + 4 * p.y);
@@ -61,7 +61,7 @@ struct Cylinder {
   }
 };
 
-// False where the ray passes by the outside of the cylinder.
+// False if the ray misses the cylinder.
 inline bool hitCylinder(const glm::dvec3& eye, const glm::dvec3& ray, glm::dvec3& point) {
   const double a = ray.x * ray.x + ray.z * ray.z, b = eye.x * ray.x + eye.z * ray.z,
                c = eye.x * eye.x + eye.z * eye.z - kPaintedRadius_m * kPaintedRadius_m, root = b * b - a * c;
@@ -70,7 +70,7 @@ inline bool hitCylinder(const glm::dvec3& eye, const glm::dvec3& ray, glm::dvec3
   return point.y >= kBottom_m && point.y <= kTop_m;
 }
 
-// As filmed: colours mixed with the backdrop where the matte is soft, 4 × 4 rays a pixel.
+// Picture as filmed: colours mixed with the backdrop where the matte is soft, 4 × 4 rays per pixel.
 inline Image filmCylinder(const PinholeCamera& camera) {
   Image image(camera.width, camera.height, 4);
   const glm::dvec3 eye = camera.centreInWorld();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rendered views do not give the atlas away: neither chart seams nor the backdrop's green show, at views between the
-// cameras and at grazing angles, on a cylinder worked out by hand and on the sample capture. Bakes that are broken on
-// purpose show both. Bounds lie near what is measured on the software rasteriser, which stands beside them.
+// Rendered views reveal neither chart seams nor the backdrop's green, between the cameras and at grazing angles, on an
+// analytic cylinder and on the sample capture; deliberately broken bakes show both. Bounds lie near the values measured
+// on the software rasteriser, given beside them.
 #include <algorithm>
 
 #include "bake/labels/face_costs.h"
@@ -219,8 +219,8 @@ struct SampleSeams : Seams {
   }
 };
 
-// The sample's charts end where cloth and skin meet, so that its seams carry contrast of their own: as much as the
-// truth pictures have is none of the bake's.
+// The sample's charts end where cloth and skin meet, so that its seams have contrast of their own: contrast up to that
+// of the truth pictures is no artefact.
 TEST_F(SampleSeams, NoMoreThanTheTruthShows) {
   Look truth;
   std::vector<PinholeCamera> views;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much of a view a camera textures through an occluder ("shadow leak", OVH03 5.2.2), and how much it leaves out
-// that it sees. Which points an occluder hides is decided by rays to the camera's centre, not by depth maps.
+// Share of a view that a camera textures through an occluder ("shadow leak", OVH03 5.2.2), and share that it sees but
+// leaves untextured. Occlusion is computed with rays to the camera's centre, not with depth maps.
 #pragma once
 
 #include <algorithm>
@@ -13,19 +13,19 @@
 
 namespace fourdvt::testing {
 
-// Points of a view's pixels, and what a camera sees of them.
+// Surface points at a view's pixels, and their visibility in a camera.
 struct ViewTruth {
   enum State : uint8_t {
     Nothing,
     Seen,
     Hidden,
     Between
-  };  // Between: says nothing, at a grazing angle, near a
+  };  // Between: undecided, at a grazing angle, near a
       // contact, or with the camera more than 90 degrees aside
   std::vector<State> pixels;
 };
 
-// Faces by the tiles of a camera's picture that they touch.
+// Faces by the tiles of a camera's picture that they overlap.
 class FaceTiles {
  public:
   FaceTiles(const PinholeCamera& camera, const MeshTopology& topology, const Positions& positions)
@@ -42,7 +42,7 @@ class FaceTiles {
           tiles_[size_t(y) * columns_ + x].push_back(f);
     }
   }
-  // The share of the way from the camera to the point at which the first face is crossed; 1 if none is crossed before.
+  // Share of the way from the camera to the point at which the ray crosses its first face; 1 if it crosses none.
   double firstCrossing(const glm::dvec3& point) const {
     const glm::dvec3 centre = camera_.centreInWorld(), ray = point - centre, pixel = camera_.project(point);
     double first = 1;
@@ -70,7 +70,8 @@ class FaceTiles {
   std::vector<std::vector<uint32_t>> tiles_;
 };
 
-// An occluder counts from `kOccluder_m` before the point on; what faces the camera by less than `kFacing` says nothing.
+// Minimum distance of an occluder in front of the point; and minimum cosine to the camera, below which a point is left
+// out.
 constexpr double kOccluder_m = 0.05, kFacing = 0.3;
 
 inline ViewTruth truthOf(const PinholeCamera& view, const PinholeCamera& camera, const MeshTopology& topology,
@@ -100,11 +101,11 @@ inline ViewTruth truthOf(const PinholeCamera& view, const PinholeCamera& camera,
 struct Leak {
   size_t hidden = 0,
          leaked = 0;          // pixels that an occluder hides from the camera, and those that it textures all the same
-  size_t seen = 0, lost = 0;  // pixels that the camera sees, and those that it does not texture
+  size_t seen = 0, lost = 0;  // pixels that the camera sees; those among them that it does not texture
   void operator+=(const Leak& o) { hidden += o.hidden, leaked += o.leaked, seen += o.seen, lost += o.lost; }
 };
 
-// The picture is opaque all over, so that a fragment is shown where the camera textures it.
+// Requires an opaque picture, so that a fragment is shown wherever the camera textures it.
 inline Result<Leak> leakOf(gpu::Device& device, const PinholeCamera& view, const PinholeCamera& camera,
                            const MeshTopology& topology, const Positions& positions, const ViewTruth& truth,
                            const render::DepthMapOptions& maps) {
@@ -121,7 +122,7 @@ inline Result<Leak> leakOf(gpu::Device& device, const PinholeCamera& view, const
   return out;
 }
 
-// An arm before a body: a cylinder of radius 4 cm along x, and a wide one behind it along y, closed and faceted.
+// An arm in front of a body: a cylinder of radius 4 cm along x, and a wide one behind it along y, closed and faceted.
 struct ArmScene {
   MeshTopology topology;
   Positions positions;

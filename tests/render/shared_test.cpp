@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Corners that share the vertex shader's work are drawn as corners that do not, bit by bit.
+// Shared corners draw the same picture as separate ones, bit by bit.
 #include <numeric>
 
 #include "gl_fixture.h"
@@ -17,7 +17,7 @@ class SharedTest : public testing::GlFixture {
  protected:
   void SetUp() override {
     GlFixture::SetUp();
-    // Two members of three layers, whose labels differ.
+    // Two members of three layers each, with different labels.
     scene_.setLayers(kMembers * 3, 64);
     scene_.character.layer_count = 3;
     scene_.labels = mannequin_.labels(0);
@@ -44,7 +44,7 @@ class SharedTest : public testing::GlFixture {
 
   Image draw(const Figure& figure, const DrawOptions& options) {
     const View view = viewFromCamera(cameraFromOrbit({30, 10, 4, {0, 0.9, 0}, 35}, 300, 400));
-    model_.setPositions(*device, mannequin_.posed(1));  // casts anew
+    model_.setPositions(*device, mannequin_.posed(1));  // renders a new shadow map
     Image out = testing::drawnImage(*device, view, [&](gpu::TargetId target) {
       return recipe_->draw({&figure, 1}, nullptr, view, options, target);
     });
@@ -60,7 +60,7 @@ class SharedTest : public testing::GlFixture {
     EXPECT_EQ(draw(figure, options).pixels, shared.pixels);
   }
 
-  Mannequin mannequin_{12000};  // so fine that labels go on across its seams of texture coordinates
+  Mannequin mannequin_{12000};  // so fine that labels continue across its chart seams
   testing::Scene scene_ = mannequin_.scene;
   CharacterModel model_;
   Appearance appearance_;
@@ -88,12 +88,12 @@ TEST_F(SharedTest, transitions) {
   expectSharingChangesNothing({&model_, looks, 0.5f});
 }
 
-// Darkness of the ground from above, a pixel per texel of the map, 0…255.
+// Darkness of the ground from above, one pixel per texel of the map, 0…255.
 std::vector<int> shadowOf(gpu::Device& device, CharacterModel& model, const Positions& positions) {
   model.setPositions(device, positions);
   auto pass = ShadowPass::create(device).take();
   EXPECT_TRUE(pass.cast(device, 0, model, 0));
-  CharacterView above;  // 2.5 m wide; the shadow's area is at most that
+  CharacterView above;  // 2.5 m wide, at least the shadow's area
   above.eye_in_character = {0, 0, 0};
   above.clip_from_character = glm::mat4(0.8f, 0, 0, 0, 0, 0, 0, 0, 0, -0.8f, 0, 0, 0, 0, 0, 1);
   const View view{glm::mat4(1), {}, 128, 128};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stereo refinement of the hull on analytic scenes: eight cameras round a ball with a bowl cut into it, which no
-// silhouette shows.
+// Stereo refinement of the hull on analytic scenes: eight cameras round a ball with a concave bowl, which is invisible
+// in silhouettes.
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -51,7 +51,7 @@ dvec3 texture(const dvec3& point) {
 using Shape = std::function<double(const dvec3&)>;                 // signed distance, metres, negative inside
 using Colour = std::function<dvec3(size_t camera, const dvec3&)>;  // 0 … 255
 
-// RGBA: the shape before a backdrop of one colour per camera.
+// RGBA picture of the shape in front of a backdrop of one colour per camera.
 Image traced(const PinholeCamera& camera, size_t index, const Shape& shape, const Colour& colour,
              const dvec3& backdrop) {
   Image out(camera.width, camera.height, 4);
@@ -131,7 +131,7 @@ class StereoTest : public GlFixture {
 
 const Colour kTextured = [](size_t, const dvec3& p) { return texture(p); };
 
-// Mean distance of the vertices in a region from the shape, metres.
+// Mean distance of a region's vertices from the shape, metres.
 double meanError_m(const TriangleMesh& mesh, const Shape& shape, const std::function<bool(const dvec3&)>& inside) {
   double sum = 0;
   size_t count = 0;
@@ -143,7 +143,7 @@ const auto kInBowl = [](const dvec3& p) { return p.z > 0.1 && std::hypot(p.x, p.
 const auto kBehind = [](const dvec3& p) { return p.z < 0; };
 const auto kEverywhere = [](const dvec3&) { return true; };
 
-// Mean difference of the depths that a camera sees of two surfaces, metres.
+// Mean difference between the depths of two surfaces in a camera, metres.
 double meanMotion_m(const PinholeCamera& camera, const TriangleMesh& a, const TriangleMesh& b) {
   const auto in_a = rasterise(camera, a.faces, a.positions, 1), in_b = rasterise(camera, b.faces, b.positions, 1);
   double sum = 0;
@@ -179,7 +179,7 @@ TEST_F(StereoTest, FindsTheBowlThatTheHullFills) {
   const TriangleMesh mesh = refined(*refiner(), hull, seen);
   EXPECT_GT(meanError_m(hull.mesh, bowlInBall, kInBowl), 0.030);
   EXPECT_LT(meanError_m(mesh, bowlInBall, kInBowl), 0.004);
-  // Where the hull is right, it stays.
+  // The hull is unchanged where it is right.
   EXPECT_LT(meanError_m(mesh, bowlInBall, kBehind), meanError_m(hull.mesh, bowlInBall, kBehind) + 0.001);
 }
 
@@ -194,8 +194,8 @@ TEST_F(StereoTest, HullStaysWithoutTexture) {
   for (const double believed : stereo->believed()) EXPECT_LT(believed, 0.01);
 }
 
-// A drum whose top all cameras see within 8 degrees of edge-on, full of contrast: patches there are squeezed to a
-// seventh. It must end in the hull, which is right there, without holes or noise.
+// A drum whose contrast-rich top all cameras see within 8 degrees of edge-on: patches there are compressed to a
+// seventh. The result must be the hull, which is right there, without holes or noise.
 TEST_F(StereoTest, GrazingCamerasEndInTheHull) {
   const double up = glm::radians(8.0);
   for (size_t k = 0; k < cameras.size(); ++k) {
@@ -226,8 +226,8 @@ TEST_F(StereoTest, GrazingCamerasEndInTheHull) {
   }
 }
 
-// Each camera sees the performer in one colour and its neighbours' backdrops in the same one: what lies beside the
-// performer would agree better than the performer does.
+// Each camera sees the performer in one colour and its neighbours' backdrops in the same one: points beside the
+// performer have better photo-consistency than the performer.
 TEST_F(StereoTest, BackdropDoesNotAttract) {
   const dvec3 colours[2] = {{160, 120, 80}, {60, 90, 140}};
   std::vector<Image> seen;
@@ -236,7 +236,7 @@ TEST_F(StereoTest, BackdropDoesNotAttract) {
         cameras[c], c, ball, [&](size_t camera, const dvec3&) { return colours[camera % 2]; }, colours[1 - c % 2]));
   const Hull hull = hullOf(seen);
   options.sweep.labels = kMaxLabels;
-  options.smoothing.front_bias = 0, options.agreement_m = 1;  // nothing else speaks for the hull
+  options.smoothing.front_bias = 0, options.agreement_m = 1;  // no other term favours the hull
   const TriangleMesh mesh = refined(*refiner(), hull, seen);
   EXPECT_LT(meanError_m(mesh, ball, kEverywhere), meanError_m(hull.mesh, ball, kEverywhere) + 0.0005);
 }

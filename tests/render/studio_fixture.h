@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder of its own for each test's captures, small options, and the bytes of a folder's files.
+// Gives each test a folder for its captures, small options, and the bytes of a folder's files.
 #pragma once
 
 #include <filesystem>
@@ -38,7 +38,7 @@ class StudioTest : public fourdvt::testing::GlFixture {
     GlFixture::TearDown();
   }
 
-  // Small, and at 5 frames a second: 6 and 4 frames.
+  // Small pictures at 5 frames a second: 6 and 4 frames.
   StudioOptions small(const std::string& name) const {
     StudioOptions o;
     o.folder = folder_ + "/" + name;

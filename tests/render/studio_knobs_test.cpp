@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Effects of the studio's knobs on a whole capture, as its reader finds it.
+// Effects of the studio's knobs on a whole capture, as read by its reader.
 #include <algorithm>
 #include <cmath>
 
@@ -58,7 +58,7 @@ TEST_F(StudioKnobsTest, RoomMayHaveNoPlates) {
   EXPECT_EQ(files.count("mattes_true/walk/mask00/000000.png"), 1u);
 }
 
-// Mean level of a picture's upper left corner, which shows the backdrop, against the plate's.
+// Ratio of a picture's upper left corner, which shows the backdrop, to the plate's.
 glm::dvec3 gainOfCorner(const std::string& picture, const std::string& plate) {
   const Image a = capture::readPicture(picture, 3).take(), b = capture::readPicture(plate, 3).take();
   glm::dvec3 above(0), below(0);
@@ -125,7 +125,7 @@ std::vector<double> numbersAfter(const std::string& text, const std::string& key
   return out;
 }
 
-// The set is posed and drawn here, by the written offset.
+// Poses and draws the set at the written offset, for comparison.
 TEST_F(StudioKnobsTest, CamerasShowTheActorAtTheirOwnTimes) {
   StudioOptions o = walk("offset");
   o.knobs.offset_frames = 0.6;
@@ -158,7 +158,7 @@ TEST_F(StudioKnobsTest, CamerasShowTheActorAtTheirOwnTimes) {
   EXPECT_FALSE(plain.at("walk/mask00/000001.png") == files.at("walk/mask00/000001.png"));
 }
 
-// The reader undistorts with the written coefficients: it returns the pinhole's picture, but for sampling.
+// The reader undistorts with the written coefficients: it returns the pinhole picture, except for resampling.
 TEST_F(StudioKnobsTest, FilmedThroughALensAndUndistortedAreTheSame) {
   StudioOptions o = walk("pinhole");
   o.frames = 1;
@@ -213,7 +213,7 @@ TEST_F(StudioKnobsTest, BystanderIsBehindTheRingInOneOrTwoCameras) {
   }
 }
 
-// Behind the performer the bystander has its own colours; elsewhere it throws a shadow at most.
+// Behind the performer the bystander has other colours; elsewhere it adds at most a shadow.
 TEST_F(StudioKnobsTest, BystanderIsInPicturesOnly) {
   StudioOptions o = walk("alone");
   o.room = true;
@@ -255,7 +255,7 @@ TEST_F(StudioKnobsTest, BystanderIsInPicturesOnly) {
   EXPECT_GT(darker, 5);
 }
 
-// Everything is larger, so that every point of the mesh is where it was in every picture.
+// Scales the world: every mesh point keeps its place in every picture.
 TEST_F(StudioKnobsTest, ScaledWorldLooksTheSame) {
   StudioOptions o = small("one");
   o.truth_at = {0.5};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Captures in the studio's furnished room: reproducible, without mattes of their own, and the mattes that the reader
-// makes from the plates against the true ones, with the actor's hard shadow and 2 % sensor noise. The pictures lie in
-// room_mattes/ of the folder that the test runs in: picture, plate, matte, and where matte and truth differ (red: too
+// Captures in the studio's furnished room: reproducible, without mattes of their own; compares the mattes that the
+// reader makes from the plates with the true ones, with the actor's hard shadow and 2 % sensor noise. Writes pictures
+// into room_mattes/ of the current folder: picture, plate, matte, and the differences between matte and truth (red: too
 // much, cyan: too little).
 #include "capture/capture.h"
 #include "capture/pictures.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the studio draws and writes: known points of the surface have the texture's colours in every picture, with and
-// without drift; the truth's ends are the sequences' own pictures; the folder opens as a capture and is reproducible.
+// Pictures and files of the studio: known surface points have the texture's colours in every picture, with and without
+// drift; the ends of the truth equal the sequences' own pictures; the folder opens as a capture and is reproducible.
 #include <atomic>
 
 #include "capture/capture.h"
@@ -12,7 +12,7 @@
 namespace fourdvt::studio {
 namespace {
 
-// Compares pictures with the texture at the tracked vertices that a camera sees well inside the silhouette.
+// Compares pictures with the texture at the tracked vertices that a camera sees well inside the outline.
 void expectColoursOfTexture(StudioSet& set, const std::vector<double>& shares, double phase, double place) {
   set.pose(shares, phase);
   const Tracker& tracker = set.tracker();
@@ -29,7 +29,7 @@ void expectColoursOfTexture(StudioSet& set, const std::vector<double>& shares, d
     for (size_t v = 0; v < vertices.size(); ++v) {
       const glm::dvec3 to_eye = glm::normalize(camera.centreInWorld() - glm::dvec3(vertices[v]));
       if (glm::dot(glm::dvec3(normals[v]), to_eye) < 0.85) continue;
-      // Nothing else of the body before it: the torso's front and back only.
+      // Excludes points that other parts of the body may hide: keeps the torso's front and back only.
       if (set.actor().tracked().positions[v].y < 1.15 || std::abs(set.actor().tracked().positions[v].x) > 0.1) continue;
       const glm::dvec3 pixel = camera.project(vertices[v]);
       const uint8_t* seen = picture.at(int(pixel.x), int(pixel.y));
@@ -45,7 +45,7 @@ void expectColoursOfTexture(StudioSet& set, const std::vector<double>& shares, d
     }
   }
   ASSERT_GT(checked, 100);
-  // The pixel next to the point, of a texture full of edges: most of the contrast must be where it belongs.
+  // Compares with the pixel next to the point, on a texture full of edges: the error must be well below the contrast.
   EXPECT_LT(error, 0.30 * contrast) << error / checked / 3 << " levels of " << contrast / checked / 3;
 }
 
@@ -163,7 +163,7 @@ TEST_F(StudioTest, SameOptionsGiveTheSameBytesAndSeedsMatter) {
   o.knobs.rotation_deg = 0.1;
   ASSERT_TRUE(run(o));
   auto first = filesOf(o.folder);
-  ASSERT_TRUE(run(o));  // replaces it
+  ASSERT_TRUE(run(o));  // replaces the earlier capture
   const auto again = filesOf(o.folder);
   ASSERT_EQ(first.size(), again.size());
   for (const auto& [name, bytes] : first) EXPECT_TRUE(again.at(name) == bytes) << name;

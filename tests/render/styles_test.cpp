@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Styles of figures: M4D Eq. 8 by hand, light from pictures, dots where edges are, and the silhouette of the
-// plain picture for figures of either kind.
+// Styles of figures: M4D Eq. 8 computed by hand, light from pictures, dots at edges, and the outline of the plain
+// picture for figures of both kinds.
 #include "render/styles/styles.h"
 
 #include <cmath>
@@ -36,7 +36,7 @@ Light lightOf(const Image& image) {
   return light.take();
 }
 
-// A tilted box, so that silhouettes fall between pixels; its one layer has a colour for each column of texels.
+// A tilted box, so that silhouettes fall between pixels; its one layer has a colour per column of texels.
 class StylesTest : public GlFixture {
  protected:
   static constexpr int kSide = 64;
@@ -105,8 +105,8 @@ TEST(LightTest, OfAnEvenPictureIsItsColour) {
   }
 }
 
-// A hemisphere of light: what a matte surface gets is (1 + cos) / 2, which three orders give exactly at its pole and
-// its rim, for their even orders above zero vanish.
+// A hemisphere of light: irradiance of a matte surface is (1 + cos) / 2, exact in three orders at the pole and the rim,
+// since even orders above zero vanish.
 TEST(LightTest, OfOneHalfComesFromThere) {
   const auto half = [](auto&& lit) {
     return lightOf(panorama(32, [&](int x, int y) { return glm::u8vec3(lit(x, y) ? 255 : 0); }));
@@ -150,7 +150,7 @@ TEST_F(StylesTest, FullLightAndDarknessAreEquation8) {
   const auto power = [&](double e) { return 255.0 * glm::pow(c, glm::dvec3(e)); };
   expectPixel(relit(glm::vec3(1), 1), 90, 90, power(0.5));
   expectPixel(relit(glm::vec3(0), 1), 90, 90, power(1.5));
-  expectPixel(relit(glm::vec3(7), 1), 90, 90, power(0.5));  // more than full light is full light
+  expectPixel(relit(glm::vec3(7), 1), 90, 90, power(0.5));  // clamped to full light
   expectPixel(relit(glm::vec3(0.8f), 1), 90, 90, 255.0 * c + 0.6 * (power(0.7) - 255.0 * c));
   expectPixel(relit(glm::vec3(0), 0.5f), 90, 90, 0.5 * (power(1.5) + 255.0 * c));
   expectPixel(relit(glm::vec3(0), 0), 90, 90, 255.0 * c);
@@ -158,7 +158,7 @@ TEST_F(StylesTest, FullLightAndDarknessAreEquation8) {
   expectPixel(coloured, 90, 90, {power(0.5).r, 160, power(1.5).b});
 }
 
-// The quad faces the viewer. Light from the right lights it when it has been turned clockwise by a quarter.
+// The quad faces the viewer. Light from the right reaches it after a quarter turn clockwise.
 TEST_F(StylesTest, LightTurnsClockwiseAndStaysWithTheViewer) {
   const Light right = lightOf(panorama(32, [](int x, int) { return glm::u8vec3(x >= 32 ? 255 : 0); }));
   const PinholeCamera before = lookAt({0, 1, 3}, {0, 1, 0}, 60, 60, 60);
@@ -169,7 +169,7 @@ TEST_F(StylesTest, LightTurnsClockwiseAndStaysWithTheViewer) {
   EXPECT_NEAR(green(0, before), 160, 2);
   EXPECT_NEAR(green(90, before), 255 * std::sqrt(160 / 255.0), 2);
   EXPECT_NEAR(green(-90, before), 255 * std::pow(160 / 255.0, 1.5), 2);
-  // Seen from its left, the quad turns its face to the right of the viewer.
+  // Seen from its left, the quad faces to the right of the viewer.
   EXPECT_GT(green(0, lookAt({-2.5, 1, 1.7}, {0, 1, 0}, 60, 60, 60)), 175);
   EXPECT_LT(green(0, lookAt({2.5, 1, 1.7}, {0, 1, 0}, 60, 60, 60)), 145);
 }
@@ -189,7 +189,7 @@ TEST_F(StylesTest, SketchIsGreyTheSameEveryTimeAndDarkWhereEdgesAre) {
       if (x >= 60 && x < 110) far += p[0] / 6000.0;
       if (x >= 130 && x < 180) bright += p[0] / 6000.0;
     }
-  EXPECT_LT(far, bright - 20);  // dots are as dark as the picture is
+  EXPECT_LT(far, bright - 20);  // dots are as dark as the picture
   EXPECT_LT(beside_edge, far - 20);
   EXPECT_GT(far, 128);  // paper between them
 }
@@ -211,7 +211,7 @@ TEST_F(StylesTest, RefusesStrengthsOutsideOfZeroToOneAndKeepsTheStyle) {
   EXPECT_EQ(drawNow(view_).pixels, before.pixels);
 }
 
-// A character from cameras: the silhouette method needs no pictures and draws white.
+// Character from cameras: the silhouette method needs no pictures and draws white.
 TEST_F(StylesTest, DrawsSurfacesFromCamerasAsWell) {
   package::Character character;
   character.cameras = scene_.character.cameras;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A surface on the GPU and tables of its vertices, written and read.
+// A surface on the GPU, and tables of values per vertex, written and read back.
 #pragma once
 
 #include "gl_fixture.h"
@@ -13,11 +13,11 @@ using VertexValues = std::vector<std::array<float, render::kFieldSlots>>;
 struct Surface {
   Positions positions;
   std::vector<glm::uvec3> faces;
-  std::vector<glm::dvec2> flat;  // where the vertices are once it is unrolled, metres
+  std::vector<glm::dvec2> flat;  // vertices of the unrolled surface, metres
 };
 
-// Equilateral triangles of `side` metres: columns × rows × 2 of them, in the plane z = 0, its middle at the origin.
-// rolled: round the y axis instead, closed.
+// Mesh of 2 × columns × rows equilateral triangles, `side` metres each, in the plane z = 0, centred on the origin.
+// rolled: closed round the y axis instead.
 inline Surface equilateral(int columns, int rows, double side, bool rolled = false) {
   Surface out;
   const int across = rolled ? columns : columns + 1;
@@ -50,13 +50,13 @@ inline render::CharacterModel modelOf(gpu::Device& device, const Surface& surfac
   return model;
 }
 
-// Two textures of one format, as fields have them.
+// Two textures of one format, as used by fields.
 struct ValueTables {
   gpu::Texture low, high;
   render::FieldTables tables() const { return {low.id(), high.id()}; }
 };
 
-// As RGBA8: 0…1.
+// Uploads as RGBA8; values 0…1.
 inline ValueTables uploadValues(gpu::Device& device, const VertexValues& values) {
   ValueTables out;
   gpu::Texture* textures[] = {&out.low, &out.high};

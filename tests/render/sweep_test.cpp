@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The method "sweep" where the truth is known: a textured wall that stands behind the surface that is given, walls that
-// show nothing to match, cameras that a screen hides, and views of changing size.
+// The method "sweep" with known truth: a textured wall behind the given surface, walls without texture, cameras
+// occluded by a screen, and views of changing size.
 #include "render/cameras/sweep.h"
 
 #include <cmath>
@@ -23,7 +23,7 @@ class SweepTest : public CameraFigure {
     options_.method.sweep = {.planes = 16, .band_m = 0.03f};
   }
 
-  // Three cameras before the wall, the outer ones a metre to the side, and the surface 1 cm before the wall.
+  // Three cameras in front of the wall, the outer ones a metre to the side, and the surface 1 cm in front of the wall.
   void wallBehindItsSurface() {
     addQuad({0, 1, 0}, 0.25, 4);
     for (double x : {-1.0, 0.2, 1.0}) cameras_.push_back(lookAt({x, 1.1, 2}, {0, 1, 0}, 120, 120, 360));
@@ -43,7 +43,7 @@ class SweepTest : public CameraFigure {
     return sum / count;
   }
 
-  // Shifts of the last picture where there is surface, metres behind it along the rays.
+  // Shifts of the last picture on the surface, metres behind it along the rays.
   std::vector<float> shifts() const {
     auto read = sweep_->readShifts(*device, 0);
     EXPECT_TRUE(read);
@@ -84,8 +84,8 @@ TEST_F(SweepTest, StaysOnTheSurfaceWhereThePicturesShowNothingToMatch) {
   }
 }
 
-// A screen before the right camera, which the view looks past. On it is painted what that camera would see of the wall
-// if the wall stood elsewhere in the band.
+// A screen in front of the right camera, beside the view's rays. It is painted as that camera would see the wall if it
+// stood elsewhere in the band.
 TEST_F(SweepTest, ACameraThatIsHiddenHasNoVote) {
   addQuad({0.45, 1.05, 1.2}, 0.14, 2);
   wallBehindItsSurface();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of a wall whose pattern is known everywhere.
+// Pictures of a wall with an analytic pattern.
 #pragma once
 
 #include <cmath>
@@ -9,13 +9,13 @@
 
 namespace fourdvt::testing {
 
-// Waves of several directions, of a wavelength of 6 cm and more, about the middle grey.
+// Waves in several directions, wavelengths of 6 cm or more, about mid-grey.
 inline glm::dvec3 patternAt(double x, double y) {
   const double a = std::sin(95 * x + 20 * y), b = std::sin(-40 * x + 80 * y + 1), c = std::sin(60 * x - 55 * y + 2);
   return glm::dvec3(128) + glm::dvec3(45 * a + 45 * b, 45 * b + 45 * c, 45 * c - 45 * a);
 }
 
-// Picture of the wall z = depth in a camera.
+// Picture of the wall z = depth_m from a camera.
 inline Image wall(const PinholeCamera& camera, double depth_m) {
   Image image(camera.width, camera.height, 4, 255);
   const glm::dvec3 centre = camera.centreInWorld();

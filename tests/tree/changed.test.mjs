@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// tests/changed.mjs on a small graph: what a file reaches, and which tests that is. tests/needed.mjs: what tests need, and whose
-// turn it is.
+// tests/changed.mjs on a small graph: the results and tests that a file reaches. tests/needed.mjs: builds that tests need,
+// and the label that is due.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 

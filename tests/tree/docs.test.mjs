@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The documents: what they take from the code is current, every link leads somewhere in the repository and on the rendered
-// site, and their claims about figures hold for site/measured/figures.json.
+// The documents: generated parts are current, every link resolves in the repository and on the rendered site, and claims
+// about figures hold for site/measured/figures.json.
 import assert from 'node:assert/strict';
 import { existsSync, mkdtempSync, readFileSync, readdirSync, rmSync, statSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -41,7 +41,7 @@ test('every document of the list exists, and every Markdown file of the tree is 
   assert.deepEqual(found('.').filter((path) => !listed.has(path)), [], 'list it in site/docs/pages.mjs');
 });
 
-// Addresses in href and src, and ids, of a rendered page.
+// Addresses in href and src of a rendered page; below, its ids.
 const linksOf = (html) => [...html.matchAll(/ (?:href|src)="([^"]*)"/g)].map((match) => match[1]);
 const idsOf = (html) => new Set([...html.matchAll(/ id="([^"]*)"/g)].map((match) => match[1]));
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts of wasm/split.mjs and wasm/pack.mjs that need no build: which functions and which texts go into the player's second
-// part, and how both are packed.
+// Parts of wasm/split.mjs and wasm/pack.mjs that need no build: selection of functions and texts for the player's second
+// part, and packing of both parts.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 

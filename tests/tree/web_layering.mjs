@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// node tests/tree/web_layering.mjs ROOT: every folder of web/src, and every file that lies in none, has a line in the list "Layers"
-// of web/README.md and imports only what that line allows. Files of a folder do not import each other in a circle.
+// node tests/tree/web_layering.mjs ROOT: checks that every folder of web/src, and every file directly in web/src, has a
+// line in the list "Layers" of web/README.md and imports only what that line allows, and that files of a folder do not
+// import each other in a circle.
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { dirname, join, normalize } from 'node:path';
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A tiny character from cameras in memory: that of surface_fixture.h with its stream and samples without pictures, made
-// as player_fixture.h makes characters from layers. GOP 0 has another topology in every frame, GOP 1 one in all.
+// A tiny character from cameras in memory: that of surface_fixture.h with its stream, and samples without pictures,
+// built like the layered characters of player_fixture.h. In GOP 0 every frame has its own topology, in GOP 1 all share
+// one.
 #pragma once
 
 #include "player_fixture.h"
@@ -18,7 +19,7 @@ inline FakeCharacter fakeCameraCharacter() {
   index.position_origin = kSurfaceOrigin_m;
   index.position_step_m = kSurfaceStep_m;
   std::vector<std::vector<uint8_t>> chunks;
-  std::vector<uint8_t> video(500, 0);  // an mp4 has something in front
+  std::vector<uint8_t> video(500, 0);  // offset of the first sample, as in an mp4
   package::SampleTable& table = index.renditions.emplace_back();
   table.decoder_description = {0, 0};
   for (uint32_t g = 0; g < 2; ++g) {
@@ -55,7 +56,7 @@ inline FakeCharacter fakeCameraCharacter() {
   set("/version", double(body.version)), set("/appearance", std::string("cameras")), set("/name", body.name);
   set("/vertexCount", double(index.vertex_count)), set("/faceCount", double(index.face_count));
   set("/mesh/uri", std::string("mesh.bin")), set("/mesh/byteOffset", 0.0), set("/mesh/byteLength", 1.0);
-  set("/mesh/hash", hashText({}));  // no player asks for it
+  set("/mesh/hash", hashText({}));  // never fetched by the player
   set("/poster/uri", std::string("poster.webp")), set("/groundY", body.ground_y_m);
   for (int i = 0; i < 3; ++i) {
     set("/bounds/min/" + std::to_string(i), double(body.bounds.min[i]));

@@ -54,17 +54,17 @@ inline std::string numbered(int frame, const char* extension) {
   return std::string(6 - digits.size(), '0') + digits + extension;
 }
 
-// Keeps all but the outermost pixels.
+// Matte of all but the outermost pixels.
 inline Image framedMatte(int width, int height) { return matteWith(255, width, height); }
 
-// A unit quad at z = depth.
+// Unit quad at z = depth.
 inline std::string quadObj(double depth) {
   std::string z = std::to_string(depth);
   return "v 0 0 " + z + "\nv 1 0 " + z + "\nv 1 1 " + z + "\nv 0 1 " + z +
          "\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
 }
 
-// Two cameras of 16x12, three frames, picture k of camera c is grey 10 * k + c, mattes, one quad.
+// Capture with two cameras of 16x12, three frames, mattes, one quad; picture k of camera c is grey 10 * k + c.
 class SmallCapture : public TempFolder {
  public:
   static constexpr int kWidth = 16, kHeight = 12, kFrames = 3, kCameras = 2;
@@ -91,7 +91,7 @@ class SmallCapture : public TempFolder {
   Result<Capture> open() const { return mattes::openCapture(path(), platform::openVideoFile); }
 };
 
-// The same without meshes; a test adds files and lines to capture.json.
+// SmallCapture without meshes; a test adds files and lines to capture.json.
 class BareCapture : public SmallCapture {
  public:
   explicit BareCapture(const std::string& topology = "per-frame", const std::string& sequence_extra = "",
@@ -112,7 +112,7 @@ inline std::string replaced(std::string text, const std::string& from, const std
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
 }
 
-// One clear line with this identifier that names the file.
+// Expects an error with this ID whose message is one line and names the file.
 template <class T>
 void expectError(const Result<T>& result, ErrorId id, const std::string& file) {
   ASSERT_FALSE(result.ok());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of a baked character, and of its work folder, by their names without a hash.
+// Finds files of a baked character, and of its work folder, by their names without hashes.
 #pragma once
 
 #include <filesystem>
@@ -10,8 +10,8 @@
 
 namespace fourdvt {
 
-// Path of the file that the manifest in `folder` names, with or without a hash: "walk.bin" finds walk.3f9a1c20.bin. Any
-// other name: the path of that file.
+// Path of a file in `folder` by its name without a hash: "walk.bin" finds walk.3f9a1c20.bin, if the manifest names it.
+// Returns other names as paths in the folder.
 inline std::string fileNamed(const std::string& folder, const std::string& name) {
   std::ifstream in(folder + "/character.gltf", std::ios::binary);
   const std::string gltf{std::istreambuf_iterator<char>(in), {}};
@@ -23,10 +23,10 @@ inline std::string fileNamed(const std::string& folder, const std::string& name)
   return folder + "/" + (std::regex_search(gltf, found, uri) ? found[1].str() : name);
 }
 
-// Path of the file of a work folder, in whatever folder of it. None: empty.
+// Path of a file at any depth of a work folder; empty if there is none.
 inline std::string workFile(const std::string& folder, const std::string& name) {
   namespace fs = std::filesystem;
-  std::error_code gone;  // a bake that goes on removes folders
+  std::error_code gone;  // a running bake removes folders
   for (fs::recursive_directory_iterator file(folder, gone), end; !gone && file != end; file.increment(gone))
     if (file->path().filename() == name) return file->path().string();
   return {};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small meshes for the chunk coders. None of them goes through Draco, so that any count of vertices and faces may be
-// asked for.
+// Small meshes for the chunk coders, built without Draco, so that any number of vertices and faces is possible.
 #pragma once
 
 #include <cmath>
@@ -11,8 +10,8 @@
 
 namespace fourdvt::testing {
 
-// Any counts: faces wind along the vertices as a strip, more than once round if there are many of them (then edges have
-// more than two faces), with some vertices left over if there are few.
+// Mesh of these counts: faces follow the vertices as a strip, repeatedly if there are many faces (then some edges have
+// more than two); with few faces, some vertices remain unused.
 inline package::ChunkMesh strandMesh(uint32_t vertices, uint32_t faces) {
   package::BaseMesh mesh;
   mesh.topology.vertex_count = vertices;
@@ -52,7 +51,7 @@ inline package::StreamIndex indexFor(const package::ChunkFrames& f) {
   return index;
 }
 
-// What a chunk's encoder asks for beside the counts: everything 0, no labels.
+// Fills what a chunk's encoder requires besides the counts: zeros everywhere, no labels.
 inline void fillWithZeros(package::ChunkFrames& f) {
   const size_t vertices = size_t(f.frame_count) * f.vertex_count;
   f.positions.resize(vertices * f.member_count);

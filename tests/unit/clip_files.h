@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small videos with containers that a test sets: time stamps with gaps, time codes, edit lists, several tracks.
+// Small videos whose containers a test defines: time stamps with gaps, time codes, edit lists, several tracks.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -19,12 +19,12 @@ struct ClipFile {
   int pictures = 8, width = 16, height = 12;
   double fps = 25;
   int channels = 3;                   // 1: lossless grey, .mkv
-  std::function<double(int)> time_s;  // [picture]; empty: by fps; negative ones are hidden by an edit list
-  std::function<int(int)> grey;       // [picture]; empty: 10 times its number
+  std::function<double(int)> time_s;  // [picture]; empty: by fps; an edit list hides negative ones
+  std::function<int(int)> grey;       // [picture]; empty: 10 × index
   std::string timecode, created;
 };
 
-// The packets of videos as tracks of one file, of which the first is the default; times in seconds by picture.
+// Writes the packets of videos as tracks of one file, the first one as default; times in seconds, by picture.
 inline void writeTracks(const std::string& path, const std::vector<std::string>& tracks, const ClipFile& clip) {
   AVFormatContext* out = nullptr;
   ASSERT_GE(avformat_alloc_output_context2(&out, nullptr, nullptr, path.c_str()), 0);
@@ -62,11 +62,11 @@ inline void writeTracks(const std::string& path, const std::vector<std::string>&
   for (AVFormatContext*& file : in) avformat_close_input(&file);
 }
 
-// Writes plain pictures of one grey each, or mattes, at constant intervals.
+// Writes pictures of one grey each, or mattes, at constant intervals.
 inline void writePlainClip(const std::string& path, const ClipFile& clip) {
   std::filesystem::create_directories(std::filesystem::path(path).parent_path());
   platform::VideoFormat format{.width = clip.width, .height = clip.height, .channels = clip.channels, .fps = clip.fps};
-  format.preset = "ultrafast";  // no B pictures: packets are in the order of presentation
+  format.preset = "ultrafast";  // no B pictures: packets are in presentation order
   auto writer = platform::VideoWriter::create(path, format);
   ASSERT_TRUE(writer.ok()) << writer.error().message;
   for (int i = 0; i < clip.pictures; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Formulas of the formats' documents, written anew for the tests: where a lens images a point of the world.
+// Projection formulas of the formats' documentation, reimplemented for the tests: pixel of a world point.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 
 namespace fourdvt::capture {
 
-using Rows = std::array<double, 9>;  // a matrix row by row
+using Rows = std::array<double, 9>;  // 3 × 3 matrix, row by row
 using Vector = std::array<double, 3>;
 
 // OpenCV's formula: R = cos θ I + (1 − cos θ) k kᵀ + sin θ [k]×.
@@ -42,7 +42,7 @@ struct Lens {
   bool fisheye = false;
 };
 
-// The pixel of a point in front of the camera (x right, y down, z forward).
+// Pixel of a point in front of the camera (x right, y down, z forward).
 inline glm::dvec2 throughLens(const Lens& lens, const Vector& point) {
   double x = point[0] / point[2], y = point[1] / point[2];
   const double r2 = x * x + y * y;
@@ -64,8 +64,8 @@ inline glm::dvec2 throughLens(const Lens& lens, const Vector& point) {
 
 inline const std::array<Vector, 3> kPoints{{{0.1, 0.2, 0.3}, {-0.4, 0.3, -0.2}, {0.25, -0.5, 0.15}}};
 
-// The camera images points of the file's world where `in_camera` and the lens say, shifted by `first_pixel`. Also once
-// it has been written as COLMAP text and read again.
+// Expects the camera to image points of the file's world as `in_camera` and the lens do, shifted by `first_pixel`; also
+// after writing and reading it as COLMAP text.
 template <class InCamera>
 void expectImages(const ImportedCamera& imported, const Lens& lens, double first_pixel, InCamera in_camera,
                   double unit = 1) {
@@ -74,7 +74,7 @@ void expectImages(const ImportedCamera& imported, const Lens& lens, double first
   const ColmapText text = colmapText({camera}, 1);
   auto again = parseColmapText(text.cameras, text.images, "again");
   ASSERT_TRUE(again.ok()) << again.error().message;
-  again.value()[0].distortion.skew = camera.distortion.skew;  // which COLMAP cannot say
+  again.value()[0].distortion.skew = camera.distortion.skew;  // COLMAP has no skew
   for (const Vector& point : kPoints) {
     const Vector world{point[0] * unit, point[1] * unit, point[2] * unit};
     const Vector seen = in_camera(world);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A box between two cameras, for the tests of face costs and labels.
+// A box between two cameras, for tests of face costs and labels.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace fourdvt::bake {
 
-// Looks from `eye` along `forward`.
+// Camera at `eye` that looks along `forward`.
 inline PinholeCamera cameraAt(const glm::dvec3& eye, const glm::dvec3& forward) {
   const glm::dvec3 f = glm::normalize(forward), right = glm::normalize(glm::cross(f, glm::dvec3(0, 1, 0)));
   const glm::dvec3 down = glm::cross(f, right);
@@ -23,7 +23,7 @@ inline PinholeCamera cameraAt(const glm::dvec3& eye, const glm::dvec3& forward) 
   return camera;
 }
 
-// Two triangles a side of the unit cube round the origin: faces 2k and 2k+1 have normal (+x, -x, +y, -y, +z, -z)[k].
+// Unit cube round the origin, two triangles a side: faces 2k and 2k+1 have normal (+x, -x, +y, -y, +z, -z)[k].
 struct Box {
   MeshTopology topology;
   Positions positions;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A ball before six cameras as a live stage sees it: outlines, and JPEGs in which the ball and the room have one colour
-// each.
+// A ball in front of six cameras, as a live stage captures it: outlines, and JPEGs in which ball and room have one
+// colour each.
 #pragma once
 
 #include <filesystem>
@@ -47,7 +47,7 @@ inline std::vector<uint8_t> jpegOf(const Image& rgb, int quality = 95) {
   return bytes.ok() ? bytes.take() : std::vector<uint8_t>();
 }
 
-// A camera's picture of the ball at `centre`, whole or a part, without a time.
+// Message of a camera that sees the ball at `centre`, wholly or partly; without a time.
 inline CameraPicture ballPicture(const PinholeCamera& camera, double tolerance_px = 1,
                                  const glm::dvec3& centre = glm::dvec3(0), package::Rect crop = {}) {
   const Image coverage = reconstruct::coverageOf(camera, reconstruct::ballShape(centre, kBall_m));

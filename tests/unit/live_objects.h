@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether everything that was made on a device is gone again.
+// Checks that all objects created on a device have been released.
 #pragma once
 
 #include <gtest/gtest.h>

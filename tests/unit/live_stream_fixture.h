@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A live stream in memory: the manifest of the body of surface_fixture.h, and frames whose surface, sample and captured
-// time follow from their number.
+// A live stream in memory: the manifest of surface_fixture.h's body, and frames whose surface, sample and capture time
+// follow from their number.
 #pragma once
 
 #include "package/live_stream.h"
@@ -39,7 +39,7 @@ inline FlatJson liveManifest() {
   return out;
 }
 
-// Bands round the body of this frame, so that its faces say which frame's surface it is.
+// Number of bands round the body, by which a surface identifies its frame.
 inline uint32_t bandsOf(uint32_t number) { return 6 + number % 7; }
 inline uint32_t facesOf(uint32_t number) { return 2 * bandsOf(number) * 7; }
 
@@ -50,7 +50,7 @@ inline std::vector<uint8_t> liveChunk(uint32_t number) {
   return package::encodeSurfaceChunk(tilesOfAGop(0), surface).take().bytes;
 }
 
-// The sample is the number in four bytes.
+// Message of a frame; its sample is the number in four bytes.
 inline std::vector<uint8_t> liveMessage(uint32_t number, bool key, const std::vector<uint8_t>& chunk) {
   const uint8_t sample[4] = {uint8_t(number >> 24), uint8_t(number >> 16), uint8_t(number >> 8), uint8_t(number)};
   return package::writeLiveFrame({number, key, capturedUsOf(number), chunk, sample});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mattes that can be meant: neither empty nor of the whole picture.
+// Valid mattes: neither empty nor full.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace fourdvt {
 
-// A matte that keeps all but the outermost pixels; (3, 3) has a value of its own.
+// Matte of all but the outermost pixels; pixel (3, 3) has `value`.
 inline Image matteWith(uint8_t value, int width, int height) {
   Image out(width, height, 1);
   for (int y = 1; y + 1 < height; ++y)

@@ -21,10 +21,10 @@ struct Ball {
   glm::dvec3 centre{0};
   double radius_m = 0.4;
   std::array<int, 3> colour{190, 80, 60};
-  double stripes = 25;  // levels: a pattern that is fixed to the ball
+  double stripes = 25;  // levels: a pattern fixed to the ball
 };
 
-// `count` cameras on a ring 3 m round the origin and 1.2 m up, with square pictures; the floor lies at y = -0.5.
+// `count` cameras, 1.2 m above the origin on a ring of radius 3 m, with square pictures; the floor lies at y = -0.5.
 inline std::vector<capture::CaptureCamera> ringOf(int count, int side = kSide) {
   std::vector<capture::CaptureCamera> out;
   for (int k = 0; k < count; ++k) {
@@ -37,7 +37,7 @@ inline std::vector<capture::CaptureCamera> ringOf(int count, int side = kSide) {
   return out;
 }
 
-// Repeatable, between 0 and 1.
+// Deterministic value between 0 and 1.
 inline double hashed(uint32_t a, uint32_t b, uint32_t c) {
   uint32_t h = a * 0x9e3779b1u ^ (b + 0x7f4a7c15u) * 0x85ebca6bu ^ (c + 0x165667b1u) * 0xc2b2ae35u;
   h ^= h >> 15, h *= 0x2c1b3c6du, h ^= h >> 12, h *= 0x297a2d39u, h ^= h >> 15;
@@ -49,7 +49,7 @@ inline glm::dvec3 rayOf(const PinholeCamera& camera, double x, double y) {
   return glm::normalize(glm::transpose(glm::dmat3(camera.cam_from_world)) * ray);
 }
 
-// Distance along the ray; negative if it misses.
+// Distance to the ball along the ray; negative if it misses.
 inline double hitOf(const Ball& ball, const glm::dvec3& from, const glm::dvec3& along) {
   const glm::dvec3 to = ball.centre - from;
   const double ahead = glm::dot(to, along), apart2 = glm::dot(to, to) - ahead * ahead;
@@ -57,14 +57,14 @@ inline double hitOf(const Ball& ball, const glm::dvec3& from, const glm::dvec3& 
                                                              : -1;
 }
 
-// The room without anybody, of camera number `camera`, levels. Each channel is 8 levels darker than the one before.
+// Levels of the empty room in camera number `camera`. Each channel is 8 levels darker than the previous one.
 constexpr double kChannelStep = 8;
 inline double roomLevel(int camera, int x, int y, int channel) {
   return 110 + 40 * std::sin(0.11 * x + camera) * std::cos(0.07 * y) + 12 * std::sin(0.9 * x + 0.7 * y) -
          kChannelStep * channel;
 }
 
-// RGB with sensor noise of 2 levels; `shot` seeds it.
+// Recorded RGB picture with sensor noise of 2 levels; `shot` seeds the noise.
 inline Image filmed(const std::vector<capture::CaptureCamera>& rig, int camera, const std::vector<Ball>& balls,
                     uint32_t shot) {
   const PinholeCamera& c = rig[size_t(camera)].pinhole;
@@ -93,7 +93,7 @@ inline Image filmed(const std::vector<capture::CaptureCamera>& rig, int camera, 
   return out;
 }
 
-// CV_8U, 255 where the camera sees one of the balls.
+// CV_8U, 255 where the camera sees a ball.
 inline cv::Mat maskOf(const capture::CaptureCamera& camera, const std::vector<Ball>& balls) {
   const PinholeCamera& c = camera.pinhole;
   cv::Mat out(c.height, c.width, CV_8U, cv::Scalar(0));

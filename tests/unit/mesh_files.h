@@ -42,10 +42,10 @@ inline std::string glb(std::string json, std::string buffer) {
          u32(buffer.size()) + std::string("BIN\0", 4) + buffer;
 }
 
-// The buffer that gltfJson describes: positions, then faces.
+// Buffer that gltfJson describes: positions, then faces.
 inline std::string gltfBuffer(const TriangleMesh& mesh) { return rawBytes(mesh.positions) + rawBytes(mesh.faces); }
 
-// glTF of one mesh. `nodes`: the scene, whose first node is the root; `primitives` stand for mesh 0's.
+// glTF with one mesh. `nodes`: the scene, whose first node is the root; `primitives` replace those of mesh 0.
 inline std::string gltfJson(const TriangleMesh& mesh, const std::string& nodes = R"([{"mesh": 0}])",
                             const std::string& primitives = R"([{"attributes": {"POSITION": 0}, "indices": 1}])",
                             const std::string& uri = "") {

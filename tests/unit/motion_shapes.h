@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shapes whose motion is known in closed form: a tube that bends, and a walker of three boxes.
+// Shapes with analytic motion: a bending tube, and a walker of three boxes.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@ namespace fourdvt {
 
 constexpr double kTau = 2 * std::numbers::pi;
 
-// A tube along y, of length 1, open at its ends.
+// Tube along y, of length 1, open at both ends.
 struct Tube {
   static constexpr int kRings = 41, kSides = 12;
   static constexpr float kRadius = 0.06f;
@@ -30,7 +30,7 @@ struct Tube {
     topology.face_uvs.assign(topology.face_vertices.size(), {0, 1, 2});
   }
 
-  // Bent to an arc of `angle` towards +x; its foot stays.
+  // Tube bent to an arc of `angle` towards +x; its foot stays.
   static Positions bent(double angle) {
     Positions out;
     for (int r = 0; r < kRings; ++r) {
@@ -44,7 +44,7 @@ struct Tube {
     }
     return out;
   }
-  // Of the line through the rings' middles.
+  // Length of the polyline through the rings' centres.
   static double length(const Positions& p) {
     double length = 0;
     glm::vec3 before(0);
@@ -70,13 +70,13 @@ inline double largestDistance(const Positions& a, const Positions& b) {
   return most;
 }
 
-// A body and two feet on a treadmill: while a foot stands it moves back with the ground, then it is swung ahead.
-// Speed over the ground v(u) = speed * (1 + sway * sin 2τu), so that a pass's mean is `speed`.
+// Body with two feet on a treadmill: a standing foot moves back with the ground, then swings forwards. Speed over the
+// ground v(u) = speed * (1 + sway * sin 2τu), with mean `speed` over a pass.
 struct Walker {
   capture::Capture capture;
   capture::CaptureSequence sequence;
   double speed_mps, sway;
-  double first_share = 0;  // of the pass at frame 0
+  double first_share = 0;  // share of the pass at frame 0
 
   Walker(const std::string& name, double speed, uint32_t frames, double sway_of_speed = 0)
       : speed_mps(speed), sway(sway_of_speed) {
@@ -88,11 +88,11 @@ struct Walker {
     sequence.root_velocity_mps = {0, 0, speed};
   }
   double duration_s() const { return sequence.frame_count / 25.0; }
-  // Metres since u = 0.
+  // Metres travelled since u = 0.
   double travelled(double u) const {
     return speed_mps * duration_s() * (u + sway * (1 - std::cos(2 * kTau * u)) / (2 * kTau));
   }
-  // z of a foot that stands from u = 0 to 0.5 (its step begins `phase` later), and its height.
+  // z and height of a foot that stands from u = 0 to 0.5 of its step, which begins `phase` later.
   glm::vec2 foot(double u, double phase) const {
     const double at = u - phase - std::floor(u - phase);
     const double from = phase, step = travelled(from + 1) - travelled(from);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A simulated edge: seeded latencies, out-of-order and failing fetches, a decoder that reorders with a two-picture
-// delay and still delivers some pictures after a reset, copies that take a while.
+// Simulated edge: seeded latencies, fetches that fail or arrive out of order, a decoder that reorders with a delay of
+// two pictures and delivers some stale pictures after a reset, copies that take time.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,18 +18,18 @@ namespace fourdvt::testing {
 
 struct EdgeOptions {
   uint32_t seed = 1;
-  double fetch_latency_s = 0.05, decode_latency_s = 0.004, copy_latency_s = 0.003;  // largest, uniform from 0
-  std::vector<double> decode_s;  // by rendition, of every picture, in place of the latency
-  double bits_per_s = 0;         // shared by all fetches, one after the other; 0: without limit
+  double fetch_latency_s = 0.05, decode_latency_s = 0.004, copy_latency_s = 0.003;  // maxima, uniform from 0
+  std::vector<double> decode_s;  // by rendition, per picture; replaces the latency
+  double bits_per_s = 0;         // shared by all fetches, which are sent one by one; 0: no limit
   double fetch_failure = 0;      // probability
   double stale_delivery = 0.5;   // probability that a picture survives a reset
   int reorder_delay = 2;
-  int wrong_picture_every = 0;  // every n-th picture is another frame's (0: never)
-  // Probabilities, for paced decoders, that a picture is named as a neighbour, and that it is left out.
+  int wrong_picture_every = 0;  // every n-th picture shows a wrong frame (0: never)
+  // Paced decoders: probabilities that a picture is labelled as a neighbour, and that it is missing.
   double misnamed = 0, left_out = 0;
-  double early_seeks = 0;  // probability that a sought picture is offered while the element still has another one
-  bool interleaved_chroma = false;  // as NV12 has it
-  uint32_t min_decoded = 1;         // pictures ahead without which an element does not move
+  double early_seeks = 0;  // probability that a seek's picture is offered while the element still shows another
+  bool interleaved_chroma = false;  // as in NV12
+  uint32_t min_decoded = 1;         // minimum decoded pictures ahead for an element to advance
   PlayerOptions player;
 };
 
@@ -51,10 +51,10 @@ class SimulatedEdge {
   double now_s = 0;
   int max_slots_busy = 0, requests_after_error = 0, flushes = 0, stale_answers = 0, closes = 0;
   bool second_decoder_fails = false;
-  bool wrong_sizes = false;  // of pictures in textures that the edge fills
-  bool offline = false;      // fetches wait until it is over
+  bool wrong_sizes = false;  // of the pictures that the edge puts into textures
+  bool offline = false;      // fetches wait until it is false
   uint64_t max_bytes_held = 0, bytes_asked = 0;
-  std::multiset<std::string> uris;  // asked for
+  std::multiset<std::string> uris;  // requested
 
   void step(double dt_s) {
     now_s += dt_s;
@@ -82,7 +82,7 @@ class SimulatedEdge {
   bool load(std::span<const uint8_t> start = {}) {
     return player->loadManifest(character_.manifest, start).ok() && runUntilShown();
   }
-  // What the shown picture and geometry say about themselves; both through one draw.
+  // Frames that the shown picture and geometry are tagged with, by one draw.
   TaggingDevice::Drawn draw() {
     device.drawn = {};
     render::View view = render::viewFromCamera(cameraFromOrbit({}, 32, 32));
@@ -101,7 +101,8 @@ class SimulatedEdge {
       EXPECT_EQ(sequence.name, player->sequence()->name);
     }
   }
-  // Plays so many loops of a sequence of so many frames: every frame is shown, in order and paired.
+  // Plays a sequence of `frames` frames `loops` times: expects every frame, in order, with matching picture and
+  // geometry.
   void expectEveryFrame(uint32_t frames, uint32_t loops) {
     uint32_t last = player->frame(), advances = 0;
     while (advances < frames * loops && now_s < 60) {
@@ -114,7 +115,8 @@ class SimulatedEdge {
     }
     EXPECT_EQ(advances, frames * loops);
   }
-  // Seeks every frame of every sequence: exactly that one is shown, paired. No count is a multiple of 11.
+  // Seeks every frame of every sequence: expects exactly that frame, with matching picture and geometry. No count of
+  // frames may be a multiple of 11.
   void expectExactSeeks() {
     for (const FakeSequence& sequence : character_.sequences) {
       ASSERT_TRUE(player->selectSequence(sequence.name).ok());
@@ -127,7 +129,7 @@ class SimulatedEdge {
       }
     }
   }
-  // The browser closes a decoder, and what it held is lost.
+  // Closes a decoder as a browser does; its pictures are lost.
   void loseDecoder(int number, DecoderFault fault) {
     reset(decoders_[size_t(number)]);
     decoders_[size_t(number)].open = false;
@@ -140,7 +142,7 @@ class SimulatedEdge {
   }
   double uniform(double high) { return std::uniform_real_distribution<double>(0, high)(random_); }
   uint32_t below(uint32_t n) { return random_() % n; }
-  // Seeks, sets rate, motion or speed_mps now and then, and plays else. Needs the motions `walk` and `go`.
+  // Randomly seeks, or sets rate, motion or speed_mps; mostly just plays. Needs the motions `walk` and `go`.
   void command() {
     switch (below(80)) {
       case 0:
@@ -169,7 +171,7 @@ class SimulatedEdge {
   double network_free_s_ = 0;
   struct PendingFetch {
     FetchRange range;
-    double due_s, end_s, transfer_s;  // when it is answered, its last byte leaves; how long its bytes take
+    double due_s, end_s, transfer_s;  // time of the answer, and of its last byte; transfer time of its bytes
   };
   struct Decoded {
     int64_t timestamp_us;
@@ -183,7 +185,7 @@ class SimulatedEdge {
     std::map<int64_t, std::pair<uint32_t, uint32_t>> reorder;
     std::deque<Decoded> decoded;
     size_t stale_from = 0;
-    // Paced: it stands at its front picture, which has not been offered yet; frames that it should have moved on since.
+    // Paced: it shows its front picture, which has not been offered yet; frames it should have advanced since.
     bool stands = false, fresh = false, flushed = false;
     double ahead = 0, stood_s = 0, moved_s = 0, offered_s = 0;
     std::set<int64_t> unwanted;
@@ -231,7 +233,7 @@ class SimulatedEdge {
       decoders_[size_t(close->decoder)].open = false;
     }
   }
-  // Cancelling a fetch that has not been sent yet frees its time on the network.
+  // Frees the network time of a cancelled fetch that has not been sent yet.
   void cancelFetch(uint32_t id) {
     const auto at =
         std::find_if(fetches_.begin(), fetches_.end(), [&](const PendingFetch& f) { return f.range.id == id; });
@@ -256,7 +258,7 @@ class SimulatedEdge {
     ASSERT_GE(sample.bytes.size(), 9u);
     std::memcpy(&sequence, sample.bytes.data(), 4);
     std::memcpy(&frame, sample.bytes.data() + 4, 4);
-    if (!decoder.open) return;  // failed: what was on its way is lost
+    if (!decoder.open) return;  // failed: pictures in flight are lost
     EXPECT_EQ(sequence, decoder.sequence);
     EXPECT_EQ(sample.bytes[8] == 1, sample.key);
     EXPECT_EQ(sample.bytes[9], decoder.rendition);
@@ -288,7 +290,7 @@ class SimulatedEdge {
         ++i;
         continue;
       }
-      if (offline || uniform(1) < options.fetch_failure) {  // it passes: the edge asks again
+      if (offline || uniform(1) < options.fetch_failure) {  // temporary: the edge retries
         fetches_[i++].due_s = now_s + 0.2;
         continue;
       }
@@ -311,8 +313,8 @@ class SimulatedEdge {
         offerPictures(d, decoders_[size_t(d)]);
     }
   }
-  // A <video> element: after a seek it stands at the first picture that is wanted, then runs at the player's pace. A
-  // picture that has no slot stops it.
+  // A <video> element: after a seek it shows the first wanted picture, then runs at the player's pace. It stops at a
+  // picture for which no slot is free.
   void runElement(int number, Decoder& decoder) {
     auto& waiting = decoder.decoded;
     while (!waiting.empty() && !waiting.front().wanted) waiting.pop_front();
@@ -335,7 +337,7 @@ class SimulatedEdge {
     if (!decoder.fresh && player->pace(number) <= 0 && now_s > decoder.offered_s + 0.08) decoder.fresh = true;
     if (!decoder.fresh) return;
     Decoded picture = waiting.front();
-    // The first one after a seek is the one that is sought.
+    // After a seek the first picture is the requested one.
     const bool misnamed = decoder.moved_s > decoder.stood_s && uniform(1) < options.misnamed;
     const int64_t off = misnamed ? (below(2) ? 40000 : -40000) : 0;
     const int slot = player->acquireSlot(number, picture.timestamp_us + off);

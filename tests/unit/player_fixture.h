@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A tiny character in memory whose every part names its frame: a sample's bytes, a picture's barcode, vertex 0's x.
-// And a null device that remembers which frame each texture holds, so that a draw shows whether pixels and geometry
-// belong together.
+// A tiny character in memory whose every part identifies its frame: a sample's bytes, a picture's barcode, vertex 0's
+// x. A null device that records the frame of each texture, so that a draw shows whether pixels and geometry match.
 #pragma once
 
 #include <algorithm>
@@ -27,11 +26,11 @@ namespace fourdvt::testing {
 constexpr float kStep_m = 0.001f;
 constexpr int kFrameStride = 10;  // vertex 0's x = kStep_m * kFrameStride * (frame + 1000 * sequence)
 constexpr int kSequenceFrames = 1000;
-constexpr int kMemberTag = 100;  // steps of vertex 1's y a member: with the weights on screen it tells their mix
+constexpr int kMemberTag = 100;  // steps of vertex 1's y per member; the drawn value gives the mix of weights
 
 struct FakeMember {
   double speed_mps = 0, duration_s = 1;
-  glm::dvec3 travel{0};  // of one pass; root motion is even
+  glm::dvec3 travel{0};  // of one pass; root motion is uniform
 };
 
 struct FakeSequence {
@@ -39,11 +38,11 @@ struct FakeSequence {
   uint32_t frames, gop;
   double fps;
   bool loop;
-  int width, height;                // of the picture; at least 192 × 8
-  std::vector<FakeMember> members;  // a class by "speed_mps" if there are several
-  uint32_t renditions = 1;          // the lower ones are 16 texels narrower, each
+  int width, height;                // of the picture; minimum 192 × 8
+  std::vector<FakeMember> members;  // several: a class by "speed_mps"
+  uint32_t renditions = 1;          // each lower one is 16 texels narrower
   uint32_t coarse = 0;              // so many of the lowest go with coarse geometry, in steps of 4: vertex 1's y is 8
-  bool heavier = false;             // the second rendition takes twice the bytes of the first, the third three times
+  bool heavier = false;             // the second rendition has twice the bytes of the first, the third three times
   uint32_t chosen(uint32_t rendition) const { return std::min(rendition, renditions - 1); }
   int widthOf(uint32_t rendition) const { return width - 16 * int(renditions - 1 - chosen(rendition)); }
   std::string videoOf(uint32_t rendition) const {
@@ -59,7 +58,7 @@ struct FakeCharacter {
   std::vector<FakeSequence> sequences;
 };
 
-// As manifests have it.
+// Hash of the bytes, as in manifests.
 inline std::string hashText(std::span<const uint8_t> bytes) {
   char digits[17];
   std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(fnv1a(bytes)));
@@ -92,7 +91,7 @@ inline std::vector<uint32_t> decodingOrder(uint32_t count) {
   return order;
 }
 
-// A sample's first bytes: sequence, frame, key, rendition.
+// First bytes of a sample: sequence, frame, key, rendition.
 inline std::vector<uint8_t> fakeSample(uint32_t sequence, uint32_t frame, bool key, uint32_t rendition = 0,
                                        uint32_t times = 1) {
   std::vector<uint8_t> bytes((key ? 900 : 120 + frame % 50) * times, 0xee);
@@ -125,7 +124,7 @@ class FakeBuilder {
     return std::move(out_);
   }
 
-  // The bytes of the character's start file, which its manifest names from now on.
+  // Bytes of the start file, which is added to the character's manifest.
   static std::vector<uint8_t> addStart(FakeCharacter& character, bool with_header = false) {
     const FakeSequence& q = character.sequences[0];
     const std::string at = std::string("/extensions/") + package::kExtensionName;
@@ -146,7 +145,7 @@ class FakeBuilder {
     return start;
   }
 
-  // `choose`: where to enter `target` from a frame of `source`. Weight rows of a class: its members alone.
+  // `choose`: entry into `target` from a frame of `source`. Weight rows of a class: each member alone.
   using Choose = std::function<motion::Entry(uint32_t source, uint32_t frame, uint32_t target)>;
   static void addGraph(FakeCharacter& character, const Choose& choose) {
     std::vector<motion::GraphState> states;
@@ -228,7 +227,7 @@ class FakeBuilder {
   }
   package::SampleTable rendition(uint32_t s, uint32_t r) {
     const FakeSequence& q = out_.sequences[s];
-    std::vector<uint8_t> video(500 + 100 * r, 0);  // an mp4 has something in front
+    std::vector<uint8_t> video(500 + 100 * r, 0);  // offset of the first sample, as in an mp4
     package::SampleTable table;
     table.decoder_description = {uint8_t(r), uint8_t(s)};
     for (uint32_t first = 0; first < q.frames; first += q.gop) {
@@ -291,7 +290,7 @@ class FakeBuilder {
     }
     set(r + "/barcode/cellSize", 4.0);
   }
-  // Speed mixes as the weights do, so two samples say it all.
+  // Speed blends linearly in the weights, so that two samples suffice.
   void describeMembers(const std::string& at, const FakeSequence& q) {
     const bool is_class = q.members.size() > 1;
     for (size_t m = 0; m < q.members.size(); ++m) {
@@ -319,14 +318,14 @@ class FakeBuilder {
   package::ChunkMesh chunk_mesh_;
 };
 
-// The range, as far as it lies in the file.
+// Part of the range that lies within the file.
 inline std::span<const uint8_t> partOf(std::span<const uint8_t> file, uint64_t offset, uint64_t bytes) {
   const uint64_t from = std::min<uint64_t>(offset, file.size());
   return file.subspan(size_t(from), size_t(std::min<uint64_t>(bytes, file.size() - from)));
 }
 
-// Makes the hashes agree with files that were changed, so that a test reaches what lies behind them. Those in a header
-// that cannot be read stay.
+// Updates hashes after files were changed, so that a test reaches the checks behind them. Leaves the hashes in a header
+// that cannot be read.
 inline void rehash(FakeCharacter& character) {
   const std::string at = std::string("/extensions/") + package::kExtensionName;
   const auto length = [&](const std::string& field) {
@@ -357,8 +356,8 @@ inline void rehash(FakeCharacter& character) {
 
 inline package::BarcodeStrip fakeStrip() { return {{0, 4, 128, 4}, 4}; }
 
-// Draws nothing. Tags textures by what was uploaded; reads the tags when they are drawn together, and gives those of
-// pictures that the edge has filled as barcode cells, a few polls late.
+// Draws nothing. Tags textures by their uploads and reads the tags of textures that are drawn together; returns the
+// tags of pictures filled by the edge as barcode cells, a few polls late.
 class TaggingDevice final : public gpu::Device {
  public:
   TaggingDevice() : Device(capsOfNone()) {}
@@ -369,7 +368,8 @@ class TaggingDevice final : public gpu::Device {
   };
   Drawn drawn;
 
-  // The edge has put a picture of this frame into the texture, which must be one that it may fill.
+  // Records that the edge has filled the texture with a picture of this frame; the texture must be one that it may
+  // fill.
   void fill(gpu::TextureId id, int frame) {
     frame_of_[texture(id)->native] = texture(id)->desc.respecifiable ? frame : -1;
   }
@@ -380,12 +380,12 @@ class TaggingDevice final : public gpu::Device {
   void onUpdateTexture(const gpu::TextureRecord& texture, const gpu::Region& region, const void* pixels,
                        int stride_bytes, int) override {
     const gpu::TextureDesc& desc = texture.desc;
-    if (desc.format == gpu::PixelFormat::RGBA32F) {  // two texels a vertex
+    if (desc.format == gpu::PixelFormat::RGBA32F) {  // two texels per vertex
       const float* texels = static_cast<const float*>(pixels);
       first_of_[texture.native] = {texels[0], texels[9]};
     }
     if (desc.format != gpu::PixelFormat::R8 || desc.width < 128 || desc.height < 8) return;
-    // A part is uploaded out of the whole picture, which begins before it.
+    // For an upload of a part, `pixels` points at the part; steps back to the whole picture.
     const uint8_t* whole = static_cast<const uint8_t*>(pixels) - ptrdiff_t{stride_bytes} * region.y - region.x;
     const I420View view{desc.width, desc.height, whole, nullptr, nullptr, stride_bytes, 0, 0};
     const auto frame = package::readBarcode(fakeStrip(), view);
@@ -425,7 +425,7 @@ class TaggingDevice final : public gpu::Device {
   }
 
  private:
-  // By the textures' names of the context.
+  // By GL names of the textures.
   std::map<uint32_t, int> frame_of_;
   std::map<uint32_t, std::pair<float, float>> first_of_;  // vertex 0's x, vertex 1's y
   int cells_of_ = 0;                                      // frame whose cells were drawn last

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Marks that tests write into PNG files: EXIF and colour profiles.
+// PNG metadata that tests write: EXIF and colour profiles.
 #pragma once
 
 #include <zlib.h>
@@ -17,7 +17,7 @@ inline std::string bigEndian(uint32_t value, int bytes) {
   return out;
 }
 
-// A TIFF header, and one tag in its first list: the orientation.
+// TIFF header with the orientation as the only tag of its first directory.
 inline std::string exif(int orientation, bool big_endian) {
   if (big_endian)
     return std::string("MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0", 19) + char(orientation) +
@@ -34,7 +34,7 @@ inline std::string pngChunk(const std::string& kind, const std::string& data) {
 
 constexpr size_t kPngHeader = 33;  // signature and IHDR
 
-// Puts a chunk before the pixels of a PNG.
+// Inserts a chunk before the pixels of a PNG.
 inline void addChunk(const std::string& path, const std::string& kind, const std::string& data) {
   std::ifstream in(path, std::ios::binary);
   std::string bytes(std::istreambuf_iterator<char>(in), {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same scene at another size: everything is moved away from, or towards, the world's origin.
+// Scales a scene about the world's origin.
 #pragma once
 
 #include <cstdlib>
@@ -19,7 +19,7 @@ inline Positions scaled(Positions positions, double by) {
   return positions;
 }
 
-// The share of the pixels that are drawn in either picture in which a channel differs by more than `levels`.
+// Share of the pixels covered in either picture that differ by more than `levels` in a channel.
 inline double shareThatDiffers(const Image& a, const Image& b, int levels) {
   int drawn = 0, different = 0;
   for (size_t i = 0; i < a.pixels.size(); i += 4) {

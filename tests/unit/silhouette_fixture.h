@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ideal shapes, cameras round them and what these see: silhouettes with exact coverage, and the truth about hulls.
+// Ideal shapes and cameras round them: silhouettes with exact coverage, and the true hulls.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 
 namespace fourdvt::reconstruct {
 
-// Whether a ray from a point in a unit direction meets the shape.
+// True if the ray from a point in a unit direction hits the shape.
 using Shape = std::function<bool(const glm::dvec3& from, const glm::dvec3& along)>;
 
 inline Shape ballShape(const glm::dvec3& centre, double radius_m) {
@@ -42,11 +42,11 @@ inline Shape boxShape(const glm::dvec3& low, const glm::dvec3& high) {
   };
 }
 
-// Lies in the plane y = 0 round the origin.
+// Torus round the origin in the plane y = 0.
 inline Shape torusShape(double ring_m, double tube_m) {
   return [=](const glm::dvec3& from, const glm::dvec3& along) {
     double gone = 0;
-    for (int step = 0; step < 200 && gone < 10; ++step) {  // by its distance field
+    for (int step = 0; step < 200 && gone < 10; ++step) {  // sphere tracing of its distance field
       const glm::dvec3 p = from + gone * along;
       const double distance = std::hypot(std::hypot(p.x, p.z) - ring_m, p.y) - tube_m;
       if (distance < 1e-5) return true;
@@ -70,7 +70,7 @@ inline glm::dvec3 rayInWorld(const PinholeCamera& camera, const glm::dvec2& pixe
   return glm::normalize(glm::transpose(glm::dmat3(camera.cam_from_world)) * ray);
 }
 
-// Share of each pixel that the shape covers, from 8 × 8 samples where the corners differ.
+// Share of each pixel that the shape covers; 8 × 8 samples if its corners differ.
 inline Image coverageOf(const PinholeCamera& camera, const Shape& shape) {
   constexpr int kSamples = 8;
   Image coverage(camera.width, camera.height, 1);
@@ -120,7 +120,7 @@ struct Rig {
   }
 };
 
-// Six cameras 3 m from the origin in no particular order of directions.
+// Six cameras 3 m from the origin, in irregular directions.
 inline std::vector<PinholeCamera> sixCameras(int width = 320, int height = 240, double focal_px = 300) {
   std::vector<PinholeCamera> cameras;
   for (int k = 0; k < 6; ++k) {
@@ -132,7 +132,7 @@ inline std::vector<PinholeCamera> sixCameras(int width = 320, int height = 240, 
   return cameras;
 }
 
-// On a circle 2 m round the origin, .6 m above it; names cam00, cam01 …
+// Cameras on a circle of radius 2 m, .6 m above the origin, named cam00, cam01 …
 inline std::vector<PinholeCamera> ringCameras(int count) {
   std::vector<PinholeCamera> cameras;
   for (int k = 0; k < count; ++k) {
@@ -143,7 +143,7 @@ inline std::vector<PinholeCamera> ringCameras(int count) {
   return cameras;
 }
 
-// Six cameras on the axes: the planes through edges of an upright box are parallel, or meet in common points.
+// Six cameras on the axes: planes through edges of an upright box are parallel, or meet in common points.
 inline std::vector<PinholeCamera> axisCameras() {
   std::vector<PinholeCamera> cameras;
   for (int axis = 0; axis < 3; ++axis)
@@ -165,7 +165,7 @@ inline bool evenOddInside(const silhouette::Outline& outline, const glm::dvec2& 
   return inside;
 }
 
-// Whether all cameras let the performer be at the point, by their polygons.
+// True if the point lies inside all cameras' polygons.
 inline bool conesHold(const std::vector<SilhouetteCone>& cones, const glm::dvec3& point_in_world) {
   return std::all_of(cones.begin(), cones.end(), [&](const SilhouetteCone& cone) {
     const glm::dvec3 pixel = cone.camera.project(point_in_world);
@@ -173,7 +173,7 @@ inline bool conesHold(const std::vector<SilhouetteCone>& cones, const glm::dvec3
   });
 }
 
-// Whether all cameras that see the point see the shape there, by the shape.
+// True if the shape covers the point in all cameras whose pictures contain it.
 inline bool shapeHolds(const Rig& rig, const Shape& shape, const glm::dvec3& point_in_world) {
   return std::all_of(rig.cameras.begin(), rig.cameras.end(), [&](const PinholeCamera& camera) {
     const glm::dvec3 pixel = camera.project(point_in_world), from = camera.centreInWorld();
@@ -183,8 +183,8 @@ inline bool shapeHolds(const Rig& rig, const Shape& shape, const glm::dvec3& poi
   });
 }
 
-// Volume of the points within `half_m` of the origin along each axis that the rig holds, from one point at random in
-// each of steps³ cells: faces along the cells' planes count as exactly as others. Repeatable.
+// Volume of the rig's hull within ±`half_m` of the origin, from one random point in each of steps³ cells, which avoids
+// bias where faces are parallel to cells. Deterministic.
 inline double hullVolume(const Rig& rig, const Shape& shape, double half_m, int steps = 60) {
   const double step = 2 * half_m / steps;
   size_t inside = 0;
@@ -199,9 +199,9 @@ inline double hullVolume(const Rig& rig, const Shape& shape, double half_m, int 
   return double(inside) * step * step * step;
 }
 
-// Whether the closed mesh surrounds the point: the solid angle of its faces.
+// True if the closed mesh encloses the point, by the solid angle of its faces.
 inline bool meshHolds(const TriangleMesh& mesh, const glm::dvec3& p) {
-  // In plain numbers: tests are compiled without optimisation.
+  // Plain numbers for speed: tests are compiled without optimisation.
   struct Seen {
     double x, y, z, length;
   };
@@ -220,7 +220,7 @@ inline bool meshHolds(const TriangleMesh& mesh, const glm::dvec3& p) {
     const double volume = a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) + a.z * (b.x * c.y - b.y * c.x);
     angle += std::atan2(volume, a.length * b.length * c.length + ab * c.length + bc * a.length + ca * b.length);
   }
-  return angle > 3.14159265;  // of 2π, as each term is half of a face's angle
+  return angle > 3.14159265;  // half of 2π, as each term is half of a face's angle
 }
 
 }  // namespace fourdvt::reconstruct

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A simulated worker that decodes a player's geometry, as web/src/decode/geometry-worker.ts does: jobs by rank, those
-// that are no longer wanted are forgotten, frames come back after a while.
+// Simulated worker that decodes a player's geometry, like web/src/decode/geometry-worker.ts: jobs in order of rank,
+// unwanted jobs are dropped, frames return after a latency.
 #pragma once
 
 #include <deque>
@@ -14,14 +14,14 @@ namespace fourdvt::testing {
 
 class SimulatedWorker {
  public:
-  double frame_s = 0.002, latency_s = 0.004;  // of a frame: decoding, and the way back at most
-  uint64_t damaged_every = 0;                 // every n-th frame comes with a byte too little (0: never)
+  double frame_s = 0.002, latency_s = 0.004;  // per frame: decoding time, and maximum latency of its return
+  uint64_t damaged_every = 0;                 // every n-th frame lacks its last byte (0: never)
   bool silent = false;
   uint64_t frames = 0, refused = 0, begun = 0;
 
   explicit SimulatedWorker(uint32_t seed = 1) : random_(seed) {}
 
-  // Before a tick: gives the player what has come. `Player` is a player or Loading.
+  // Before a tick: passes finished frames to the player. `Player` is a player or Loading.
   template <class Player>
   void answer(Player& player, double now_s) {
     while (!answers_.empty() && answers_.front().due_s <= now_s) {
@@ -30,7 +30,7 @@ class SimulatedWorker {
       answers_.pop_front();
     }
   }
-  // After a tick: takes its jobs, and decodes until `now_s`.
+  // After a tick: takes the player's jobs, and decodes until `now_s`.
   template <class Player>
   void work(Player& player, const package::ChunkMesh& mesh, double now_s) {
     std::map<uint32_t, Job> jobs;
@@ -58,7 +58,7 @@ class SimulatedWorker {
  private:
   struct Job {
     std::vector<uint8_t> bytes;
-    std::unique_ptr<package::ChunkDecoder> decoder;  // null: the chunk does not open
+    std::unique_ptr<package::ChunkDecoder> decoder;  // null: the chunk is invalid
     uint32_t wanted = 0, next = 0;
   };
   struct Answer {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sockets for tests of servers: raw bytes over TCP, frames of WebSockets, and waiting for events. Generous limits: a
-// test fails by what it receives, not by how long that takes.
+// Sockets for tests of servers: raw bytes over TCP, WebSocket frames, and waiting for events. Timeouts are generous: a
+// test fails by what it receives, not by the duration.
 #pragma once
 
 #include <arpa/inet.h>
@@ -21,9 +21,9 @@
 
 namespace fourdvt::live {
 
-constexpr int kPatience = 60;  // s
+constexpr int kPatience = 60;  // timeout, s
 
-// Values that one thread notes and another waits for.
+// Values that one thread appends and another waits for.
 template <class T>
 class Log {
  public:
@@ -84,7 +84,7 @@ class RawSocket {
       sent += static_cast<size_t>(count);
     }
   }
-  // Up to the peer's end, or as soon as `end` has come.
+  // Receives until the peer closes, or until `end` has arrived.
   std::string receive(const std::string& end = {}) {
     std::string out;
     while (end.empty() || out.find(end) == std::string::npos) {
@@ -99,7 +99,7 @@ class RawSocket {
     std::string out(count, '\0');
     return out.substr(0, static_cast<size_t>(std::max<ssize_t>(recv(socket_, out.data(), count, MSG_WAITALL), 0)));
   }
-  // Payload of the next frame of the server; of a close: its code and reason. "": the server has cut.
+  // Payload of the server's next frame; for a close frame, its code and reason; "": connection lost.
   std::string receiveFrame(int* opcode = nullptr) {
     const std::string head = receiveBytes(2);
     if (head.size() < 2) return {};
@@ -112,7 +112,7 @@ class RawSocket {
     }
     return receiveBytes(bytes);
   }
-  // The code of the server's close, which is not answered, but after which this side ends, too; 0: the server has cut.
+  // Code of the server's close frame; closes this side without answering it. 0: connection lost.
   int receiveClose() {
     int opcode = 0, code = 0;
     for (std::string payload = "-"; opcode != 8 && !payload.empty();) {
@@ -128,7 +128,7 @@ class RawSocket {
   int socket_;
 };
 
-// The answer's status to a request with these further header lines (each with its line end); 0: none.
+// Sends a request with additional header lines, each with its line end; returns the answer's status. 0: no answer.
 inline std::string ask(uint16_t port, const std::string& line, const std::string& fields = {}) {
   RawSocket socket(port);
   const std::string host = fields.find("Host:") == std::string::npos ? "Host: 127.0.0.1\r\n" : "";
@@ -149,7 +149,7 @@ inline std::string upgradeRequest(const std::string& target, const std::string& 
          fields + "\r\n";
 }
 
-// A whole frame of a client, masked with zeros. opcode: 1 text, 2 binary, 8 close, 9 ping.
+// Complete client frame, masked with zeros. opcode: 1 text, 2 binary, 8 close, 9 ping.
 inline std::string clientFrame(const std::string& payload, int opcode = 2) {
   std::string out(1, static_cast<char>(0x80 | opcode));
   const size_t digits = payload.size() < 126 ? 0 : payload.size() < 65536 ? 2 : 8;
@@ -163,7 +163,7 @@ inline Bytes bytesOf(const std::string& text) {
 }
 inline std::string textOf(std::span<const uint8_t> bytes) { return {bytes.begin(), bytes.end()}; }
 
-// A client whose events are logs.
+// Client that logs its events.
 struct LoggedClient {
   Log<std::string> messages, closes;
   Log<bool> opens;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A ball before a ring of cameras: meshes that are too large or too small, and mattes worked out by hand.
+// A ball in front of a ring of cameras: meshes that are too large or too small, and analytic mattes.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace fourdvt::refine {
 
 constexpr double kBallRadius_m = 0.5, kBallDistance_m = 4;
-constexpr int kBallPicture = 480;  // pixels, square
+constexpr int kBallPicture = 480;  // pixels a side
 constexpr double kBallFocal = 1500;
 
 struct BallMesh {
@@ -23,7 +23,7 @@ struct BallMesh {
   std::vector<InnerEdge> edges;
 };
 
-// An icosahedron split `splits` times: 2562 vertices for 4. The vertices lie on the ball.
+// Icosahedron subdivided `splits` times: 2562 vertices for 4. All vertices lie on the ball.
 inline BallMesh ballMesh(double radius, int splits = 4) {
   BallMesh mesh;
   const float g = (1 + std::sqrt(5.0f)) / 2;
@@ -53,7 +53,7 @@ inline BallMesh ballMesh(double radius, int splits = 4) {
   return mesh;
 }
 
-// Camera `index` of `count` on a ring that looks a little down.
+// Camera `index` of `count` on a ring, looking slightly down.
 inline PinholeCamera ballCamera(int index, int count) {
   PinholeCamera camera = cameraFromOrbit({.azimuth_deg = 360.0 * index / count,
                                           .elevation_deg = index % 2 ? 25.0 : -15.0,
@@ -65,7 +65,7 @@ inline PinholeCamera ballCamera(int index, int count) {
   return camera;
 }
 
-// The matte of the true ball, `grown_pixels` too large: a disc, since the camera looks at the ball's centre.
+// Matte of the true ball, enlarged by `grown_pixels`: a disc, since the camera looks at the ball's centre.
 inline MatteCrop ballMatte(double grown_pixels = 0) {
   const double radius =
       kBallFocal * kBallRadius_m / std::sqrt(kBallDistance_m * kBallDistance_m - kBallRadius_m * kBallRadius_m) +

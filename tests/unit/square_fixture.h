@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A square before a camera that turns round it.
+// A square, and a camera on an orbit round it.
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,7 @@
 
 namespace fourdvt::testing {
 
-// A square of side 1 m in the plane z = 0 facing +Z, centred on the origin.
+// Square with sides of 1 m in the plane z = 0, facing +Z, centred on the origin.
 inline const std::vector<glm::uvec3> kSquareFaces{{0, 1, 2}, {0, 2, 3}};
 inline const Positions kSquare{{-0.5f, -0.5f, 0}, {0.5f, -0.5f, 0}, {0.5f, 0.5f, 0}, {-0.5f, 0.5f, 0}};
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A small rigged GLB: a square tube of 0.2 x 1 x 0.2 m on two joints ("root" at the ground, "tip" half-way up). Its
-// animations turn the tip about x: "still" holds it, "bend" swings it there and back by 80 degrees, "stride" also
-// travels 1.5 m along z in its 1 s, "fall" ends lying. A test breaks one thing and writes it.
+// A small rigged GLB: a square tube of 0.2 x 1 x 0.2 m on two joints ("root" at the ground, "tip" half-way up).
+// Animations turn the tip about x: "still" holds it, "bend" swings it by 80 degrees and back, "stride" also travels 1.5
+// m along z in its 1 s, "fall" ends lying. Tests change one part and write the file.
 #pragma once
 
 #include <tiny_gltf.h>
@@ -16,7 +16,7 @@ namespace fourdvt::testing {
 
 class StudioModel {
  public:
-  static constexpr int kRings = 11;  // of 4 corners; the seam's corner is there twice: 5 vertices a ring
+  static constexpr int kRings = 11;  // of 4 corners; the seam's corner is duplicated: 5 vertices per ring
   static constexpr float kHalf = 0.1f, kHeight = 1.0f;
   tinygltf::Model gltf;
   int position = 0, uv = 0, joints = 0, weights = 0, indices = 0;  // accessors
@@ -62,7 +62,7 @@ class StudioModel {
     return int(gltf.accessors.size()) - 1;
   }
 
-  // Degrees of the tip about x at the times, and travel along z at the end.
+  // Angles of the tip about x, degrees, at the times; and travel along z at the end.
   void addAnimation(const std::string& name, const std::vector<float>& times, const std::vector<float>& degrees,
                     float travel_m) {
     std::vector<float> turns, places;
@@ -148,7 +148,7 @@ class StudioModel {
     gltf.defaultScene = 0;
   }
 
-  // 64 x 64: red grows to the right, green downwards.
+  // 64 x 64: red increases to the right, green downwards.
   void addTexture() {
     tinygltf::Image image;
     image.width = image.height = 64;

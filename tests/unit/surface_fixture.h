@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces and a character for chunks of camera streams: two cameras look at a closed round body.
+// Surfaces and a character for chunks of camera streams: a closed round body and two cameras.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace fourdvt::testing {
 constexpr float kSurfaceStep_m = 0.0005f;
 inline const glm::vec3 kSurfaceOrigin_m{-1, 0, -1};
 
-// A body of `around` by `along` bands with a pole at either end, 0.6 m wide and 1.6 m high round (0, 0.9, 0).
+// Body of `around` by `along` bands with a pole at each end, 0.6 m wide and 1.6 m high, centred on (0, 0.9, 0).
 inline package::QuantisedSurface roundSurface(uint32_t around, uint32_t along, float time_s) {
   package::QuantisedSurface out;
   const auto add = [&](float polar, float azimuth) {
@@ -36,7 +36,7 @@ inline package::QuantisedSurface roundSurface(uint32_t around, uint32_t along, f
   return out;
 }
 
-// Four frames: of another topology each, or of one.
+// Four frames, with a topology each or a common one.
 inline std::vector<package::QuantisedSurface> surfacesOfAGop(bool constant_topology, float start_s = 0) {
   std::vector<package::QuantisedSurface> out;
   for (uint32_t f = 0; f < 4; ++f)
@@ -44,7 +44,7 @@ inline std::vector<package::QuantisedSurface> surfacesOfAGop(bool constant_topol
   return out;
 }
 
-// Two cameras of 100 × 120 pixels; one sequence, without files, whose layout has 64 × 48 texels.
+// Two cameras of 100 × 120 pixels; one sequence without files, with a layout of 64 × 48 texels.
 inline package::Character surfaceCharacter() {
   package::Character c;
   c.name = "body";
@@ -68,7 +68,7 @@ inline package::Character surfaceCharacter() {
   return c;
 }
 
-// Where the cameras' pictures lie in GOP 0 and in GOP 1; of the second camera GOP 1 has none.
+// Tiles of the cameras in GOP 0 or 1; in GOP 1 the second camera has none.
 inline std::vector<package::CameraTile> tilesOfAGop(uint32_t gop) {
   if (gop == 0) return {{{30, 20, 40, 80}, {0, 0, 24, 48}}, {{32, 22, 40, 80}, {24, 0, 20, 40}}};
   return {{{28, 18, 44, 88}, {8, 4, 22, 44}}, {}};

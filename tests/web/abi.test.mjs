@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The list of the C ABI and what is made from it: offsets, readers and writers, and that a field or a function on one
-// side only is refused by each side's compiler or by the build.
+// The list of the C ABI and the code generated from it: offsets, readers and writers; a field or function on one side
+// only is refused by a compiler or by the build.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -39,7 +39,7 @@ let folder;
 before(() => { folder = mkdtempSync(join(tmpdir(), 'fourdvt-abi-')); });
 after(() => rmSync(folder, { recursive: true, force: true }));
 
-// The page's half of a list, beside records.ts as in web/src.
+// Writes the TypeScript module of a list, beside records.ts as in web/src.
 function writePage(name, list) {
   const page = join(folder, name);
   mkdirSync(join(page, 'generated'), { recursive: true });

@@ -27,7 +27,7 @@ function inputs(modules) {
   return [out, dist, character, cameras];
 }
 
-// The index page as it is served with these files in the built web package, and with characters from cameras or without.
+// Assembles the index page with these files in the built web package, with or without characters from cameras.
 function indexWith(modules, hasCameras = true) {
   const [out, dist, character, cameras] = inputs(modules);
   execFileSync(process.execPath, [assemble, out, dist, character, ...(hasCameras ? [cameras] : [])]);

@@ -10,7 +10,7 @@ import { fileURLToPath } from 'node:url';
 import { launchServer } from './harness.mjs';
 
 const kPatienceMs = 60_000;
-const kLongestRunMs = 2 * 3600_000; // of tests: a browser that nobody stops ends then
+const kLongestRunMs = 2 * 3600_000; // maximum run of tests, after which the browser ends by itself
 
 function stop(file) {
   if (!existsSync(file)) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The package in pages that are built: by Vite and by webpack, which must take all of the player's files along, and in TypeScript with
-// React. And a page that keeps the player's files elsewhere.
+// The package in built pages: by Vite and by webpack, which must include all of the player's files, and in TypeScript with
+// React; and a page that keeps the player's files elsewhere.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { cpSync, mkdirSync, mkdtempSync, readdirSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
@@ -36,7 +36,7 @@ after(async () => {
 
 afterEach(() => server?.close());
 
-// Shows the page until its second part and its worker are there.
+// Shows the page, and waits until its second part and its worker are loaded.
 async function expectAll(site, pages = {}) {
   symlinkSync(join(kSite, 'character'), join(site, 'character'));
   server = await serve(site, 0, { pages });

@@ -2,7 +2,7 @@
 // node tests/web/check.mjs SITE OUT FOURDVT CHARACTER: the last step of `bash site/demo.sh --check`.
 // Opens the served site, orbits walk and run, compares the silhouette's size with native stills, watches frames advance,
 // measures the front page's layout.
-// node tests/web/check.mjs --first SITE OUT: of a site with one motion, which is served before the rest is baked: it plays.
+// node tests/web/check.mjs --first SITE OUT: only tests that a site with one motion plays, before the rest is baked.
 import { mkdirSync, readdirSync, readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { gzipSync } from 'node:zlib';
@@ -69,7 +69,7 @@ async function watchFrames(page, sequence) {
   report(seen.length >= kDistinctFrames, `${sequence} plays: frames ${seen.join(', ')} seen`);
 }
 
-// The class's slider from end to end: the parameter follows, frames advance, the character stays in the picture.
+// Moves the class's slider from end to end: the parameter follows, frames advance, the character stays in the picture.
 async function sweepSlider(page) {
   const steps = await page.evaluate(() => {
     const viewer = document.querySelector('fourdvt-viewer');
@@ -121,7 +121,7 @@ async function checkLayout(page) {
   }
 }
 
-// Barcodes are read on the plane path; a visitor's browser may have measured the other one as faster.
+// Checks barcodes on the plane path, which a browser's measurement might not select.
 async function checkPairing(browser, address) {
   const page = await openPage(browser, {}, 'i420');
   await page.goto(address);

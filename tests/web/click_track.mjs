@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A site whose character plays a click track, pages that show it, and what finds the clicks in all that such a page plays.
+// A site whose character plays a click track, pages that show it, and detection of the clicks in a page's sound.
 import { cpSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A clock of the page that tests turn, so that a fault of a minute takes no minute: timers, performance.now, Date and
-// the time of animation frames. Network, decoder and GPU stay real.
+// A clock of the page that tests advance, to shorten waits: timers, performance.now, Date and the time of animation
+// frames. Network, decoder and GPU stay real.
 //   await page.addInitScript(installClock);  …  await page.evaluate((ms) => globalThis.testClock.turn(ms), 60_000);
 
 /**

@@ -69,7 +69,7 @@ function placed([x, y, z]) {
   const turn = kPlace.heading_deg * Math.PI / 180, [c, s] = [Math.cos(turn), Math.sin(turn)];
   return [kPlace.x + c * x + s * z, y, kPlace.z - s * x + c * z];
 }
-// The pose that sees the unplaced character as `pose` sees the placed one.
+// Returns the pose from which the unplaced character looks as the placed one does from `pose`.
 function unplaced({ rows, t }) {
   const zero = placed([0, 0, 0]);
   const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => sub(placed(axis), zero));
@@ -147,7 +147,7 @@ function numberBehind({ width, height, data }, what) {
   return number;
 }
 
-// What is before the film in frame n of the track: 1 where it shows something else than the film's picture.
+// Returns the mask of foreground in frame n of the track: 1 where the pixel differs from the film's picture.
 function maskBefore(n) {
   const { data } = shown[n], behind = film[Math.min(n, kFilmed - 1)].data;
   return Uint8Array.from({ length: kWidth * kHeight }, (_, i) => (difference(data, 4 * i, behind.subarray(4 * i, 4 * i + 3)) > kOther ? 1 : 0));
@@ -272,7 +272,7 @@ test('the character is where each camera of the track sees it, and not where the
   });
 });
 
-// How many of the pixels of either are of both, and how far apart the brightness of these is.
+// Compares two masks: intersection over union, and mean difference of brightness in the intersection.
 function likeness(mask, data, other) {
   let both = 0, either = 0, sum = 0;
   const luma = (from, i) => 0.299 * from[4 * i] + 0.587 * from[4 * i + 1] + 0.114 * from[4 * i + 2];
@@ -286,7 +286,7 @@ function likeness(mask, data, other) {
   return { overlap: both / either, levels: sum / both };
 }
 
-// The plain stills of the walk know neither scenes nor placements nor times.
+// Compares with plain stills of the walk, which have no scene, placement or time.
 test('every frame of a track has the character\'s frame of its time, turned and placed', async () => {
   putCameras('unplaced', kTrack.map((camera) => ({ ...camera, pose: unplaced(camera.pose) })), 1);
   putScene('alone.json', { ...filmed(), background: undefined });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The viewer in the containers that pages put it in: padding and borders, scaled and turned ancestors, zoom, screens of another pixel ratio, other documents,
-// pages that are scrolled by touch, that are read from right to left, or that have a contrast theme.
+// The viewer in different containers: padding and borders, scaled and rotated ancestors, zoom, other pixel ratios, other
+// documents, pages scrolled by touch, right-to-left pages, and contrast themes.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 
@@ -62,7 +62,7 @@ const until = (page, condition, argument) => page.waitForFunction(condition, arg
 const viewer = (page, read, argument) => page.evaluate(`(${read})(document.querySelector('fourdvt-viewer'), ${JSON.stringify(argument)})`);
 const rendered = (page) => page.evaluate(async () => { for (let i = 0; i < 3; ++i) await new Promise((next) => requestAnimationFrame(next)); });
 const near = (seen, wanted, by, what) => seen.forEach((value, i) => assert.ok(Math.abs(value - wanted[i]) <= by, `${what}: ${seen}, not ${wanted}`));
-// Styles of the viewer and of what it stands in.
+// Sets the styles of the viewer and of its container.
 async function dress(page, style, outer = '') {
   await page.evaluate(([style, outer]) => {
     document.querySelector('fourdvt-viewer').style.cssText = style;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The content hashes of a character folder (native/package/FORMAT.md), made anew after its files were changed, so that a
-// test reaches what lies behind them.
+// Recomputes the content hashes of a character folder (native/package/FORMAT.md) after changes of its files, so that
+// tests reach checks behind the hashes.
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
@@ -13,7 +13,7 @@ export function fnv1a(bytes) {
   for (const byte of bytes) hash = ((hash ^ BigInt(byte)) * kPrime) & kMask;
   return hash;
 }
-/** As the manifest has it. */
+/** Formats a hash as in the manifest. */
 export const digits = (hash) => hash.toString(16).padStart(16, '0');
 
 function rehashStream(folder, { stream, renditions }) {

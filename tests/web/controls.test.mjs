@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Things that a visitor finds round the character: the pause button and the bar of `controls`, poster, prompt, limits of the view, sizes,
-// languages, and what screen readers hear.
+// The viewer's interface around the character: pause button and bar of `controls`, poster, prompt, limits of the view,
+// sizes, languages, and announcements for screen readers.
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';

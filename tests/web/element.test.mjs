@@ -113,7 +113,7 @@ function countLiveObjects() {
   };
 }
 
-// Adds an element and gives its first error event.
+// Adds an element and resolves to its first error event.
 const errorOf = (attributes) => page.evaluate(async (attributes) => {
   const viewer = document.createElement('fourdvt-viewer');
   for (const [name, value] of Object.entries(attributes)) viewer.setAttribute(name, value);

@@ -19,7 +19,7 @@ const kPage = `<!doctype html><title>errors</title><link rel="icon" href="data:,
 function damaged(name, ids, damage) {
   return { name, ids, damage };
 }
-// The same, with content hashes that agree with what the files are then.
+// Damages files and recomputes the content hashes to match.
 const forged = (name, ids, damage) => damaged(`${name}, and the hashes agree`, ids, (folder, gltf, extension) => {
   damage(folder, gltf, extension);
   rehash(folder, extension);
@@ -113,7 +113,7 @@ function makeCase({ damage }, name) {
   if (JSON.stringify(gltf) !== before) writeFileSync(manifest, JSON.stringify(gltf));
 }
 
-// The first of `ends` after setting src, and how many error events came within a further moment.
+// Sets src; returns the first event of `ends`, and the number of error events until shortly after it.
 const load = (src, ends = ['canplay', 'error']) => page.evaluate(async ({ src, ends, patience }) => {
   const viewer = document.querySelector('fourdvt-viewer');
   let errors = 0;

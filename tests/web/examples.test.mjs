@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pages of web/examples as the site serves them: each draws the character, and its controls do what they say.
+// The pages of web/examples on the site: each draws the character, and its controls have their effects.
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a visitor meets when something goes wrong around a good character: the network, the server, the decoder, the GPU,
-// the page. Faults that pass must pass; what stays is one error with its ID. Over all of them: no unhandled rejection, no
-// uncaught exception, and after the element has gone every decoder and picture is closed. Writes a table: fault, what
-// the visitor sees, recovery time or error.
+// Faults of network, server, decoder, GPU and page around a valid character. The viewer must recover from transient
+// faults; a permanent fault gives one error with its ID. In all cases: no unhandled rejection, no uncaught exception, and
+// after removal of the element every decoder and picture is closed. Writes a table: fault, visible effect, recovery time
+// or error.
 import assert from 'node:assert/strict';
 
 import {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// First seconds of a visit: a viewer that stands becomes sharp, motion does not wait for what can come later, and pictures below
-// the fold come when they are near.
+// First seconds of a visit: a paused viewer becomes sharp, motion does not wait for deferred loads, and viewers below the
+// fold load when they are near.
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';

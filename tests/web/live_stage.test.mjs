@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A live stage end to end: the sample's videos as cameras, `fourdvt live`, the viewer in a page. What a visitor sees when
-// the server goes away and comes back, when it plays another stage, and without the word that it wants.
+// A live stage end to end: the sample's videos as cameras, `fourdvt live`, the viewer in a page. Behaviour when the
+// server goes away and comes back, when it plays another stage, and without the required token.
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';

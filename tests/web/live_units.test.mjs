@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// web/src/live/live.ts without a browser: a WebSocket, a page and a player that the test plays, and a clock that it turns.
+// web/src/live/live.ts without a browser: with fakes of WebSocket, page and player, and a clock that the test advances.
 import assert from 'node:assert/strict';
 import { mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';

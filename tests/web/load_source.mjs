@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts of the element without a browser: bundled from source, and gone when the process ends.
+// Loads parts of the element without a browser, from a bundle of the source that is removed when the process ends.
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';

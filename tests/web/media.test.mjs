@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The media element's contract, by the controls of media-chrome (the package itself), which drive any element that keeps it.
+// HTMLMediaElement's interface, tested with the controls of media-chrome (the package itself), which drive any element
+// that implements it.
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Methods of characters from cameras: native against browser for each, what a device shows that cannot draw into
-// half-float textures, and the page with two methods on one view.
+// Methods of characters from cameras: native against browser for each, the fallback on a device without half-float
+// render targets, and the page with two methods on one view.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { join } from 'node:path';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names of a character's files: a page takes them from the manifest, whether they hold hashes or not, and when a new bake
-// has replaced the one that plays, so that the old names are gone, it goes on with the new one.
+// Names of a character's files: a page reads them from the manifest, with hashes or without. If a new bake has replaced
+// the playing one, whose file names no longer exist, the page continues with the new one.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';

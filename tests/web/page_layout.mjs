@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Problems of a page's layout, as sentences. Runs inside of the page: uses nothing from outside of the function. window: its
-// size in CSS pixels; a phone's own measure grows with what is too wide.
+// Returns problems of a page's layout, as sentences. Runs in the page: uses nothing from outside of the function. window:
+// size in CSS pixels; a parameter, since a phone's innerWidth grows with content that is too wide.
 export async function layoutProblems({ state, window: { width: innerWidth, height: innerHeight }, below = false, world = false }) {
   const kMinContrast = 4.5, kMinLarge = 3, kSlackPx = 2, kFigureAlpha = 200;
   const problems = [], viewers = [...document.querySelectorAll('fourdvt-viewer')];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every way of a decoded picture onto the GPU: with a VideoDecoder, and with a <video> element where there is none. Pictures are
-// paired with their geometry over loops, seeks, rungs, motions and a slider.
+// Every upload path of decoded pictures, with VideoDecoder and with a <video> element: pictures are paired with their
+// geometry over loops, seeks, renditions, motions and a slider.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A page with many viewers of the sample in a grid, as owners of portfolios have: how it is made, scrolled and counted.
+// A page with many viewers of the sample in a grid, as in a portfolio: makes and scrolls it, and counts its resources.
 import { openPage } from './harness.mjs';
 import { serve } from './server.mjs';
 

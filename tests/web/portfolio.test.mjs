@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Many viewers on one page: one GL context and one instance of the player serve all; what is far from the screen is freed, what comes
-// back is alive; the fault of one is not the others'.
+// Many viewers on one page: all share one GL context and one instance of the player; viewers far from the screen are freed
+// and play again when they return; a fault of one does not affect the others.
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';

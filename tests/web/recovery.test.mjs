@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The element with a real character when its surroundings misbehave: a lost GL context, a slow upload path, a server
-// without byte ranges, a box that leaves the screen.
+// The element with a real character in adverse conditions: a lost GL context, a slow upload path, a server without byte
+// ranges, an element that leaves the screen.
 import assert from 'node:assert/strict';
 import { after, afterEach, before, test } from 'node:test';
 

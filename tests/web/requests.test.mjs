@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Requests of a character's files, against servers of a few lines: which answers are waited out and which are errors at once, with cause
-// and remedy; where names lead after a redirect and in a manifest without a folder; addresses that the page signs. Executed from source.
+// Requests of a character's files, against minimal servers: answers that are retried, and those that are errors at once,
+// with cause and remedy; resolution of names after a redirect and in a manifest without a folder; signed addresses.
+// Executed from source.
 import assert from 'node:assert/strict';
 import { createServer } from 'node:http';
 import { afterEach, test } from 'node:test';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sound in step with the picture: clicks are found in what the page plays, sample by sample, and compared with the media time of the
-// picture that is on the screen then. Over loops, seeks, rates, changes of the motion, and the steps of a class.
+// Synchronisation of sound and picture: finds clicks in the page's output, sample by sample, and compares them with the
+// media time of the picture on screen, over loops, seeks, rates, changes of the motion, and the steps of a class.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sound and its page: what is silent, what the browser's policy lets be heard, files that cannot be had, and the sample's own sound in
-// two browsers' decoders.
+// Sound in a page: states without sound, the browser's autoplay policy, files that cannot be loaded, and the sample's own
+// sound in two browsers' decoders.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The joystick of touch screens, by fingers that Chromium emulates: what it steers, that it lets go, and that fingers
-// beside it turn the camera instead.
+// The joystick of touch screens, with touches emulated by Chromium: it steers, it stops on release, and touches beside
+// it turn the camera instead.
 import assert from 'node:assert/strict';
 import { after, before, beforeEach, test } from 'node:test';
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// web/src/decode/video-element.ts without a browser: a <video> element that the test plays, with what browsers do to one, and a clock that
-// it turns.
+// web/src/decode/video-element.ts without a browser: with a fake <video> element that imitates browsers' behaviour, and a
+// clock that the test advances.
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nothing comes of one step of a start, or of playback: an event and a line say which one, both end when it goes on, and where there is
-// another way it is taken. The clock is the test's.
+// One step of a start or of playback makes no progress: an event and a note name the step, the note ends when it
+// progresses, and a fallback is used where there is one. The test controls the clock.
 import assert from 'node:assert/strict';
 import { after, afterEach, before, test } from 'node:test';
 

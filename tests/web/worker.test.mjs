@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The worker that decodes geometry: one for all viewers of a page, exact frames, its characters forgotten when they go; and
-// pages where it cannot be had, fails, falls silent or lies, which play on without it and say so once.
+// The worker that decodes geometry: one for all viewers of a page, exact frames, characters dropped when they leave. Pages
+// where it cannot start, fails, stops answering or sends wrong data play on without it, with one warning.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ten minutes of a live system with a page that draws: slope of memory. And a recording that becomes a character.
+// Runs a live system with a drawing page for ten minutes: slope of memory. Then bakes the recording into a character.
 import { execFileSync } from 'node:child_process';
 import { readFileSync, rmSync } from 'node:fs';
 import { join } from 'node:path';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Faults of a live system: each is brought about while a page watches; what the page then misses, and for how long.
-// Results: {seen, recovery_s or null, figures}.
+// Faults of a live system, each injected while a page watches: the frames that the page misses, and the time to
+// recovery. Results: {seen, recovery_s or null, figures}.
 import { connect } from 'node:net';
 
 import { mean, median, quantile, rowsOf } from './latency.mjs';
@@ -102,7 +102,7 @@ const cut = fault('connection-cut', 'a camera\'s connection is cut in the middle
   };
 });
 
-// A WebSocket handshake by hand, then bytes that are no frames.
+// Performs a WebSocket handshake by hand, then sends bytes that are no valid frames.
 function hostile(port, head, body) {
   return new Promise((done) => {
     const socket = connect(port, '127.0.0.1', () => socket.write(head));
@@ -124,7 +124,7 @@ const noise = (bytes, seed) => {
   return out;
 };
 
-// A binary message that a server takes for one: masked, with its length.
+// Valid binary WebSocket message of a client: masked, with its length.
 function message(payload) {
   const head = payload.length < 126 ? Buffer.from([0x82, 0x80 | payload.length]) : Buffer.from([0x82, 0xfe, payload.length >> 8, payload.length & 255]);
   return Buffer.concat([head, Buffer.alloc(4), payload]);

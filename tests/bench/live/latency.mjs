@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times of capture, from the number that is painted on a picture. Stages play their videos by the wall clock: in the k-th
-// frame's length since 1970 all cameras show picture k modulo `pictures` (native/live/camera/source.cpp), so that a number that
-// is read and a time of arrival give the time of capture without any clock that a message carries.
+// Capture times from the numbers painted on pictures. Stages play their videos by the wall clock: in the k-th frame
+// period since 1970 all cameras show picture k modulo `pictures` (native/live/camera/source.cpp). A number read from a
+// picture and its arrival time therefore give the capture time, without a clock in the messages.
 
-/** Milliseconds since 1970 at which the picture `number` was taken that had come by `arrivedMs`. */
+/** Capture time, ms since 1970, of the picture `number` that arrived at `arrivedMs`. */
 export function capturedMs(number, arrivedMs, { fps, pictures }) {
   const last = Math.floor(arrivedMs * fps / 1000);
   const behind = (((last - number) % pictures) + pictures) % pictures;
@@ -17,14 +17,14 @@ export function quantile(values, share) {
 export const median = (values) => quantile(values, 0.5);
 export const mean = (values) => (values.length ? values.reduce((sum, v) => sum + v, 0) / values.length : NaN);
 
-/** The number that most of a frame's cameras show; null: none reads. */
+/** The most frequent number among a frame's cameras; null: none is readable. */
 export function numberOf(frame) {
   const votes = new Map();
   for (const { counter } of frame.cameras) if (counter !== null) votes.set(counter, (votes.get(counter) ?? 0) + 1);
   return [...votes].sort((a, b) => b[1] - a[1])[0]?.[0] ?? null;
 }
 
-/** A row for each frame whose number reads, of `fourdvt-lab stream`'s output and the times at which the messages came. */
+/** Rows for frames with a readable number, from `fourdvt-lab stream`'s output and the messages' arrival times. */
 export function rowsOf(recorded, arrivalsMs, stage) {
   return recorded.frames.flatMap((frame, i) => {
     const number = numberOf(frame), ms = arrivalsMs[i];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Processes of a live system (a server, cameras), a connection between them that is slow or breaks, and the processes' CPU time and
-// memory.
+// Processes of a live system (a server, cameras), a slow or breaking connection between them, and the processes' CPU
+// time and memory.
 import { spawn } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { createServer, connect } from 'node:net';
@@ -59,7 +59,7 @@ export class LiveServer extends Program {
   }
 }
 
-/** `fourdvt live-camera`: one process a camera. */
+/** `fourdvt live-camera`: one process per camera. */
 export class LiveCamera extends Program {
   constructor(server, name, { options = [], port = server.port } = {}) {
     super(['live-camera', join(server.stage, 'RIG.json'), name, '--server', `ws://127.0.0.1:${port}`, ...options], { FOURDVT_LIVE_TOKEN: server.token('camera') });
@@ -67,25 +67,25 @@ export class LiveCamera extends Program {
   }
 }
 
-/** Counts of a live system's state, each of `everyMs`, until stop(): the list of {ms, status}. */
+/** Records a live system's state every `everyMs` until stop(), which returns the list of {ms, status}. */
 export function watch(server, everyMs) {
   const seen = [];
   let stopped = false;
   const done = (async () => {
     for (; !stopped; await pause(everyMs)) {
-      const status = await server.status().catch(() => null); // it may be away
+      const status = await server.status().catch(() => null); // null while it is down
       if (status) seen.push({ ms: Date.now(), status });
     }
   })();
   return { seen, async stop() { stopped = true; await done; return seen; } };
 }
 
-/** Between a client and a server: passes bytes on, as many a second as it may, in pieces as small as it must, until it is cut. */
+/** Proxy between a client and a server, with a limited rate and piece size, until it is cut. */
 export class Link {
   constructor(port, { bytesPerSecond = Infinity, pieceBytes = Infinity } = {}) {
     this.cuts = 0;
     this.sockets = new Set();
-    this.cutAfter = Infinity; // bytes more from the client
+    this.cutAfter = Infinity; // remaining bytes from the client
     this.server = createServer((client) => {
       const there = connect({ port, host: '127.0.0.1', noDelay: true });
       client.setNoDelay(true);
@@ -113,7 +113,7 @@ export class Link {
     this.cuts += 1;
     this.cutMs = Date.now();
     client.destroy();
-    there.end(); // what was written goes out before
+    there.end(); // sends pending data first
   }
   #slowly(from, to, bytesPerSecond) {
     const kStepMs = 10, most = Math.max(1, Math.round(bytesPerSecond * kStepMs / 1000));
@@ -130,7 +130,7 @@ export class Link {
   }
 }
 
-/** CPU seconds of a process and of all that it started, so far. */
+/** CPU seconds so far of a process and its descendants. */
 export function cpuSeconds(pid) {
   const fields = statOf(pid);
   return fields ? (Number(fields[11]) + Number(fields[12]) + Number(fields[13]) + Number(fields[14])) / kTicksPerSecond : 0;

@@ -19,7 +19,7 @@ const rate = (name, title, size, fps, more = {}, options = []) => ({
   measure: (work) => withSystem(stage(work, size, fps), { options }, (system) => figuresOf(system, folderOf(work, name), more)),
 });
 
-// The capture's surfaces in place of those that came, judged at its held-out cameras.
+// Replaces the capture's surfaces by the received ones, and scores them at its held-out cameras.
 function quality(work, name, surfaces) {
   const folder = folderOf(work, `${name}-capture`);
   rmSync(folder, { recursive: true, force: true });
@@ -49,7 +49,7 @@ const tolerance = ({ size, fps }, px) => {
 
 const kLosses = 5;
 
-// All programs of the system on one core for ten seconds. Returns spans of time and their medians.
+// Runs all programs of the system on one core for ten seconds. Returns time spans and their medians.
 const loseCore = (work) => withSystem(stage(work, '640x480', 12), {}, async (system) => {
   const receiver = await Receiver.open(system.browser, system.server);
   await pause(10_000);
@@ -89,7 +89,7 @@ const loss = {
   },
 };
 
-// Chromium's processes, which no handle names.
+// Chromium's processes, to which Playwright gives no handle.
 function browsers() {
   return readdirSync('/proc').filter((name) => /^\d+$/.test(name)).filter((pid) => {
     try {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// A page that watches a live stream and keeps every message with the time at which it came. Clock: that of the machine, which
+// A page that watches a live stream and keeps every message with its arrival time, by the machine's clock, which
 // cameras and server share in these measurements.
 import { closeSync, mkdirSync, openSync, writeFileSync, writeSync } from 'node:fs';
 import { join } from 'node:path';
 
-const kPagePath = '/live/live.css'; // anything without scripts
+const kPagePath = '/live/live.css'; // any file without scripts
 
-// In the page, before its scripts. `frames` has {ms, data}, `pictures` the times of decoded pictures, `states` {ms, state}.
+// Runs in the page before its scripts. `frames`: {ms, data}; `pictures`: times of decoded pictures; `states`: {ms,
+// state}.
 function keepMessages() {
   const kept = (globalThis.kept = { manifests: [], frames: [], pictures: [], states: [], latencies: [] });
   globalThis.WebSocket = class extends WebSocket {
@@ -27,7 +28,7 @@ function keepMessages() {
   };
 }
 
-// In a page of the server's own origin: browsers do not let any other connect to this machine.
+// Runs in a page of the server's own origin: browsers let no other page connect to this machine.
 function watchWithViewer({ address, width, height }) {
   const viewer = document.createElement('fourdvt-viewer'), note = (state) => kept.states.push({ ms: Date.now(), state });
   viewer.style.cssText = `display: block; width: ${width}px; height: ${height}px`;
@@ -107,6 +108,6 @@ export class Receiver {
   close() { return this.page.close(); }
 }
 
-/** True of a live frame whose picture decodes without any before it. */
+/** True for a live frame whose picture decodes without earlier ones. */
 export const isKey = (bytes) => (bytes[kFlagsAt] & 1) === 1;
 const kFlagsAt = 6;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counted stages of the sample: six of its cameras, pictures of two sizes.
+// Counted stages of the sample: six of its cameras, pictures in two sizes.
 import { execFileSync } from 'node:child_process';
 import { existsSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -11,7 +11,7 @@ export const kSample = join(kRoot, 'site/sample/actor_a');
 export const kCameras = ['cam00', 'cam01', 'cam02', 'cam04', 'cam05', 'cam07'];
 const kBounds = { min: [-0.9, 0, -0.9], max: [0.9, 2.1, 0.9] };
 
-/** {folder, fps, pictures, frames, name} of the stage in that size, played at fps; made unless it is there. */
+/** {folder, fps, pictures, frames, name} of the stage of this size, played at fps; created if missing. */
 export function stage(folder, size, fps, sequence = 'run') {
   const made = join(folder, `stage-${size}-${fps}`);
   if (!existsSync(join(made, 'RIG.json'))) {

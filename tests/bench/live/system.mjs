@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A whole live system on this machine, server, six cameras and a browser, for as long as `use` runs; and its figures over a while.
+// Runs a whole live system on this machine (server, six cameras and a browser) while `use` runs, and measures it.
 import { rmSync } from 'node:fs';
 import { join } from 'node:path';
 
@@ -11,7 +11,7 @@ import { kCameras, readStream } from './stages.mjs';
 
 const kWarmMs = 8000;
 
-/** Runs `use(system)`; system: {stage, server, cameras, browser, add}. What is in `add(…)`ed has stop() or close(), and is ended too. */
+/** Runs `use(system)`; system: {stage, server, cameras, browser, add}. Stops or closes objects passed to `add`. */
 export async function withSystem(stage, { options = [], cameras: names = kCameras } = {}, use) {
   const ends = [], add = (thing) => (ends.push(thing), thing);
   try {
@@ -28,7 +28,7 @@ export async function withSystem(stage, { options = [], cameras: names = kCamera
 
 const sum = (values) => values.reduce((total, v) => total + v, 0);
 
-/** Figures of a system over `seconds`, after it has settled. viewer: see Receiver. folder: for the recording. */
+/** Measurements of a system over `seconds`, after it has settled. viewer: see Receiver. folder: for the recording. */
 export async function figuresOf(system, folder, { seconds = 30, viewer, surfaces } = {}) {
   const { server, cameras, browser, stage } = system;
   const receiver = await Receiver.open(browser, server, { viewer });
@@ -46,7 +46,7 @@ export async function figuresOf(system, folder, { seconds = 30, viewer, surfaces
   const arrivals = await receiver.write(folder);
   await receiver.close();
   const recorded = readStream(folder, stage, surfaces);
-  // Frames that came after the figures were taken are left out.
+  // Excludes frames that arrived after the measurement.
   const rows = rowsOf(recorded, arrivals, stage).filter(({ ms }) => ms <= beganMs + 1000 * wall_s);
   const lost = (field) => after[field] - before[field];
   const ofCameras = (field) => sum(after.cameras.map((camera) => camera[field])) - sum(before.cameras.map((camera) => camera[field]));

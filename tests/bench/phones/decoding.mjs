@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Time of decoding one frame's geometry in a page: in the worker, and in slices of the main thread where there is none. Draw
-// calls are left out, so that the software rasteriser takes no core from it.
+// Time of decoding one frame's geometry in a page: in the worker, and without one in slices of the main thread. Draw
+// calls are omitted, so that the software rasteriser uses no core.
 import { launch, openPage } from '../../web/harness.mjs';
 import { openOnPath, servePlain } from '../../web/play_path.mjs';
 import { drawNothing, withoutWorkers } from './tasks.mjs';
 
-// In the page before its scripts: notes what workers say.
+// Runs in the page before its scripts: records messages of workers.
 function noteMessages() {
   globalThis.said = [];
   globalThis.Worker = class extends Worker {
@@ -16,7 +16,8 @@ function noteMessages() {
   };
 }
 
-// Loads the character anew with this motion and seeks the last frame of each half, so that all of its GOPs are decoded: ms a frame.
+// Reloads the character with this motion and seeks the last frame of each half, so that all GOPs are decoded. Returns
+// ms per frame.
 async function decodeAll(sequence) {
   const viewer = globalThis.viewer;
   const once = (type, action) => new Promise((done) => {
@@ -35,7 +36,7 @@ async function decodeAll(sequence) {
   return (1000 * decoded.reduce((sum, { seconds }) => sum + seconds, 0)) / decoded.length;
 }
 
-// Milliseconds a frame: of the first load, and of later ones, when the browser has compiled the code well.
+// Milliseconds per frame: of the first load, and of later ones, after the browser has optimised the code.
 async function decodeIn(browser, server, sequence, worker, rounds) {
   const page = await openPage(browser, {}, 'i420');
   await page.addInitScript(drawNothing);
@@ -49,7 +50,7 @@ async function decodeIn(browser, server, sequence, worker, rounds) {
   return { first, later };
 }
 
-/** { motion: { worker, page } }, of each { first, later: [] } in ms a frame, of a plain motion and of a class. */
+/** { motion: { worker, page } }, each { first, later: [] } in ms per frame, for a plain motion and for a class. */
 export async function measureDecoding(site, rounds = 6) {
   const server = await servePlain(site);
   const browser = await launch();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A page with many viewers, each with a character of its own (the same bytes under another address, without a cache): looked at for
-// a while, scrolled through to its end and back to its top.
+// A page with many viewers, each with its own character (the same bytes under other addresses, uncached): measured at
+// rest, while scrolled to its end, and back at its top.
 import { launch } from '../../web/harness.mjs';
 import { fill, holdings, openPortfolio, pressPhone, scrollTo, servePortfolio } from '../../web/portfolio.mjs';
 
@@ -8,9 +8,9 @@ const kLookMs = 4000;
 const kPatienceMs = 40_000;
 
 /**
- * { contexts, modules, errors, decoders, firstMs, steps: ms until all on screen have a picture, failed: steps that never came to it,
- * unseenBytes: fetched for viewers that nobody had looked at, peak: { loaded, gpu, heap }, back: pictures that the first
- * viewer shows in a second when it is seen again }.
+ * { contexts, modules, errors, decoders, firstMs, steps: ms until all on screen have a picture, failed: steps that never
+ * reach this, unseenBytes: fetched for viewers never on screen, peak: { loaded, gpu, heap }, back: pictures that the
+ * first viewer shows in a second once it is on screen again }.
  */
 export async function measurePortfolio(site, count) {
   const server = await servePortfolio(site), browser = await launch();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows of site/measured/phones.mjs: { name, kind, title, measure({ root, site, before }) }. before: the site of an earlier version, for
-// those rows that compare with one; without it they are not measured.
+// Rows of site/measured/phones.mjs: { name, kind, title, measure({ root, site, before }) }. before: site of an earlier
+// version; rows that compare with it are skipped without it.
 import { execFile } from 'node:child_process';
 import { mkdtempSync, readFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -58,7 +58,7 @@ const after = [
   ...['i420', 'rgba', 'video'].flatMap((path) => ['0', 'highest'].map((quality) => uploadRow(path, quality))),
 ];
 
-// The version before, measured by the same programs.
+// Rows of the earlier version, measured by the same programs.
 const before = after.filter(({ name }) => name === 'tasks' || name === 'portfolio-24' || /^uploads-(i420|rgba)-/.test(name)).map((row) => ({
   ...row, name: `${row.name}-before`, before: true, measure: ({ before: site }) => row.measure({ site }),
 }));
@@ -77,7 +77,7 @@ const decoding = { name: 'decoding', kind: 'decoding', title: 'decoding in a pag
     return { motions };
   } };
 
-// Benches of the release build, as they print.
+// Benches of the release build, with their output.
 const bench = (name, title, words) => ({ name: `bench-${name}`, kind: 'bench', title, async measure({ root }) {
   const program = join(root, 'build/release/tests/bench', `bench_${name}`);
   const { stdout } = await promisify(execFile)(program, words.map((word) => word.replace('ROOT', root)), { maxBuffer: 1 << 24 });

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// CPU time of the longest tasks of a page's main thread, from Chromium's trace: while the first picture comes, at the first seek
-// in a class, at the first use of its slider, while it plays, at a change of motion and of rung. Draw calls are left out (the page's own WebGL functions are replaced), so that
-// no software rasteriser is in it; time of the thread's CPU, so that other programs are not.
+// CPU time of the longest tasks of a page's main thread, from Chromium's trace: until the first picture, at the first
+// seek in a class, at the first use of its slider, during playback, at a change of motion and of rung. Draw calls are
+// omitted (the page's WebGL functions are replaced) to exclude the software rasteriser; CPU time of the thread excludes
+// other programs.
 import { readFileSync } from 'node:fs';
 
 import { launch, openPage } from '../../web/harness.mjs';
@@ -9,7 +10,7 @@ import { openOnPath, servePlain } from '../../web/play_path.mjs';
 
 const kViewport = { width: 240, height: 280 };
 
-// Both in the page before its scripts.
+// Both run in the page before its scripts.
 export function drawNothing() {
   for (const name of ['drawArrays', 'drawElements']) WebGL2RenderingContext.prototype[name] = () => {};
 }
@@ -18,7 +19,7 @@ export function withoutWorkers() {
   delete globalThis.Worker;
 }
 
-// The page's scenes; each is marked in the trace by its name.
+// Plays the scenes in the page; each is marked in the trace by its name.
 async function playScenes(rounds) {
   const viewer = globalThis.viewer;
   const pause = (ms) => new Promise((done) => setTimeout(done, ms));
@@ -31,7 +32,7 @@ async function playScenes(rounds) {
   };
   performance.mark('start ends');
   for (let round = 0; round < rounds; ++round) {
-    // A new player has decoded nothing yet.
+    // Replaces the player, so that nothing is decoded yet.
     viewer.setAttribute('sequence', 'locomotion');
     const ready = once('canplay');
     viewer.load();
@@ -48,7 +49,7 @@ async function playScenes(rounds) {
   }
 }
 
-// Tasks of the thread on which the marks are made, in ms of its CPU.
+// Tasks of the marks' thread, in ms of its CPU.
 function readTrace(events) {
   const marks = events.filter(({ cat, name }) => cat?.includes('blink.user_timing') && / (begins|ends)$/.test(name));
   if (!marks.length) throw new Error('the trace has no marks');
@@ -64,7 +65,7 @@ function readTrace(events) {
   return scenes;
 }
 
-/** { start, seek, slider, play, motion, rung }: lists of the longest task's ms, a number per scene. */
+/** { start, seek, slider, play, motion, rung }: ms of the longest task of each scene, a list over the rounds. */
 export async function measureTasks(site, rounds = 4, worker = true) {
   const server = await servePlain(site);
   const browser = await launch();

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes that a page copies and uploads for each picture that it shows, and what it holds: counted in the page's own calls
-// of WebCodecs, WebGL and typed arrays, while the sample's class plays at the end of its slider and in its middle.
+// Bytes that a page copies and uploads per shown picture, and bytes that it holds: counted in the page's calls of
+// WebCodecs, WebGL and typed arrays, while the sample's class plays at the end and in the middle of its slider.
 import { launch, openPage } from '../../web/harness.mjs';
 import { openOnPath, servePlain } from '../../web/play_path.mjs';
 
-// In the page before its scripts. Copies below 64 kB are meshes, messages and records.
+// Runs in the page before its scripts. Ignores copies below 64 kB: meshes, messages and records.
 function count() {
   const counts = (globalThis.counts = { decoderCopies: 0, heapCopies: 0, uploads: 0, videoUploads: 0, memory: null });
   const copyTo = VideoFrame.prototype.copyTo;
@@ -51,14 +51,14 @@ async function playAt(share, seconds) {
     uploads: each('uploads') + each('videoUploads'), textures: viewer.stats.textureBytes, wasm: counts.memory?.buffer.byteLength ?? 0 };
 }
 
-/** Bytes, by place of the slider: per shown picture, and bytes held. quality: the viewer's attribute. */
+/** Bytes by slider position: per shown picture, and held in memory. quality: the viewer's attribute. */
 export async function measureUploads(site, path, quality, seconds = 6) {
   const server = await servePlain(site);
   const browser = await launch();
   try {
     const page = await openPage(browser, { viewport: { width: 240, height: 280 } }, 'auto');
     await page.addInitScript(count);
-    // An earlier player takes the path from the tab's memory.
+    // Earlier versions of the player read the path from the tab's session storage.
     await page.addInitScript((path) => { try { sessionStorage.setItem('fourdvt-upload-path', path); } catch { /* none */ } }, path);
     await openOnPath(page, server, path);
     await page.evaluate(async (quality) => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cameras that a character keeps of many: spread in direction, and none that shows little.
+// Selection of a character's cameras among many: spread in direction, none that shows little of the surface.
 #include "bake/method/camera_choice.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ TEST(CameraChoice, FourOfAFineRingStandAQuarterApart) {
 TEST(CameraChoice, ThirtyOneOfAHundredAndTwentyEightLeaveNoGap) {
   const auto chosen = chooseCameras(ringOf(128), box(), 31);
   ASSERT_EQ(chosen.size(), 31u);
-  for (size_t k = 0; k < chosen.size(); ++k) {  // spacing 4.1 of 128 on average; farthest points keep within twice it
+  for (size_t k = 0; k < chosen.size(); ++k) {  // mean spacing 4.1 of 128; farthest points keep within twice it
     const size_t next = k + 1 < chosen.size() ? chosen[k + 1] : chosen[0] + 128;
     EXPECT_LE(next - chosen[k], 8u);
   }
@@ -57,7 +57,7 @@ TEST(CameraChoice, ThirtyOneOfAHundredAndTwentyEightLeaveNoGap) {
 
 TEST(CameraChoice, CamerasThatShowLittleAreLeftOut) {
   Cameras cameras = ringOf(8);
-  cameras[2].cx = 480 + 100;  // the box lies beyond the right border, but for its edge
+  cameras[2].cx = 480 + 100;  // only the box's edge lies inside the right border
   cameras[5].cam_from_world = testing::lookAt({-3, 0, 0}, {-6, 0, 0}, 480, 640, 400).cam_from_world;  // looks away
   const auto chosen = chooseCameras(cameras, box(), 6);
   EXPECT_EQ(chosen, (std::vector<size_t>{0, 1, 3, 4, 6, 7}));

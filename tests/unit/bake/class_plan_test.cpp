@@ -13,7 +13,7 @@ namespace {
 
 bool keepOn(double) { return true; }
 
-// Points on ellipses, each with its own phase: no two poses alike.
+// Points on ellipses with a phase each: no two poses are alike.
 Positions ring(double u) {
   Positions out;
   for (int i = 0; i < 20; ++i) {
@@ -48,7 +48,7 @@ TEST(TimeWarp, RecoversAKnownWarpAndItsCyclicOffset) {
       EXPECT_NEAR(shown - std::round(shown), 0, 0.012) << "phase " << p << " offset " << offset;
     }
     EXPECT_LT(time[27] - time[0], 19);
-    EXPECT_GT(19 - (time[27] - time[0]), 0.2);  // the step that closes the loop is one like others
+    EXPECT_GT(19 - (time[27] - time[0]), 0.2);  // the step that closes the loop is like the others
   }
 }
 
@@ -61,7 +61,7 @@ TEST(TimeWarp, JoinsTheEndsOfWhatDoesNotLoop) {
 }
 
 TEST(TimeWarp, PaceKeepsItsBounds) {
-  // Nothing in common: the path may not jump all the same.
+  // Unrelated motions: the path still may not jump.
   const PoseFeatures reference = ringFeatures(28, true, [](double u) { return 3 * u; });
   const std::vector<double> time = warpTime(reference, ringFeatures(14, true, same), true);
   for (size_t p = 1; p < 28; ++p) {
@@ -84,14 +84,14 @@ TEST(TimeWarp, ABandRoundTheThinnedWarpFindsThePathOfTheWholeSearch) {
         155, loop, [=](double u) { return u + 0.05 * std::sin(kTau * u) + 0.004 * std::sin(9 * kTau * u) + offset; });
     const std::vector<double> whole = warpTime(reference, member, loop);
     WarpSearch few;
-    few.max_cells = 200 * 155 * 11 / 10;  // a tenth of what the whole search takes
+    few.max_cells = 200 * 155 * 11 / 10;  // a tenth of the full search's cells
     const std::vector<double> band = warpTime(reference, member, loop, few);
     ASSERT_EQ(band.size(), 200u);
     EXPECT_LT(maxApart(band, whole, 155), 0.25) << "frames, a few steps; loop " << loop;
     std::vector<double> even;
     for (size_t p = 0; p < 200; ++p) even.push_back(whole[0] + double(p) * (loop ? 155 / 200. : 154 / 199.));
     EXPECT_GT(maxApart(whole, even, 155), 3) << "the member's time is not its mean pace";
-    // A band that is too narrow is widened until the path keeps off its edges.
+    // A band that is too narrow is widened until the path stays off its edges.
     few.band_frames = 0.05;
     EXPECT_LT(maxApart(warpTime(reference, member, loop, few), whole, 155), 0.25)
         << "frames, a few steps; loop " << loop;
@@ -166,9 +166,9 @@ TEST(ClassPlan, WalkAndRunBecomeOneMotionBySpeed) {
   EXPECT_NEAR(plan.manifest[1].parameter[0], 2.7, 2e-2);
   EXPECT_TRUE(plan.notes.empty());
   for (uint32_t p = 0; p < 28; ++p) EXPECT_EQ(plan.members[0].source_frame[p], p);
-  EXPECT_NEAR(plan.members[1].source_frame[0], 0.75 * 19, 0.7);  // where the walker's left foot is put down
+  EXPECT_NEAR(plan.members[1].source_frame[0], 0.75 * 19, 0.7);  // where the walker's left foot touches down
   for (const ClassMember& member : plan.members) EXPECT_EQ(member.root[0], glm::vec3(0));
-  const float whole = float(2.7 * 19 / 25);  // over the loop's seam, too
+  const float whole = float(2.7 * 19 / 25);  // also across the loop's seam
   EXPECT_NEAR(plan.members[1].root[27].y,
               whole * (plan.members[1].source_frame[27] - plan.members[1].source_frame[0]) / 19, 0.03);
 }
@@ -221,7 +221,7 @@ TEST(ClassPlan, ImpossibleClassesAreRefused) {
   });
 }
 
-// A bake refuses them before it reads a picture.
+// A bake rejects these before it reads a picture.
 TEST(ClassPlan, WhatShowsWithoutMeshesIsCheckedWithoutThem) {
   const auto problem = [](const std::vector<std::string>& parameters, const std::vector<std::vector<double>>& values) {
     Walkers walkers = walkAndRun();
@@ -249,7 +249,7 @@ TEST(ClassPlan, StopsWhenAsked) {
   EXPECT_EQ(plan.error().id, ErrorId::Interrupted);
 }
 
-// A tube that sways; members sway by different angles.
+// Tubes that sway, each member by another angle.
 struct Tubes {
   Tube tube;
   capture::Capture capture;
@@ -282,7 +282,7 @@ struct Tubes {
   }
 };
 
-// Largest error of what the player shows, over phases and values between the checks.
+// Largest error of the meshes that the player shows, over phases and over values between the checked ones.
 double shownError(const Tubes& tubes, const ClassPlan& plan, const std::vector<std::vector<double>>& values) {
   const package::Sequence sequence = manifestOf(plan);
   const auto blend = NonlinearBlend::create(tubes.tube.topology, Tube::bent(0)).take();

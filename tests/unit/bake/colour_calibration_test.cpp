@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colour maps from synthetic cameras whose gains and offsets are known.
+// Colour maps of synthetic cameras with known gains and offsets.
 #include "bake/texels/colour_calibration.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ PinholeCamera cameraAt(double x) {  // looks along -z at the wall in z = 0
   return camera;
 }
 
-// A wall of kTiles² squares of 0.1 m; faces 2i and 2i+1 are square i.
+// Wall of kTiles² squares of 0.1 m; faces 2i and 2i+1 form square i.
 struct Wall {
   MeshTopology topology;
   Positions positions;
@@ -40,7 +40,7 @@ struct Wall {
   }
 };
 
-// Smooth and colourful.
+// Smooth, colourful pattern of the wall.
 glm::vec3 wallColour(double x, double y) {
   return {0.5 + 0.25 * std::sin(7 * x + 2 * y), 0.5 + 0.25 * std::sin(5 * y - 3 * x + 1),
           0.5 + 0.25 * std::cos(4 * x + 6 * y)};
@@ -50,7 +50,7 @@ glm::vec3 inverse(const ColourMap& map, const glm::vec3& colour) {
   return glm::inverse(map.matrix) * (colour - map.offset);
 }
 
-// What a camera films whose correction is `map`.
+// Picture recorded by a camera whose correction is `map`.
 Image film(const PinholeCamera& camera, const ColourMap& map) {
   Image image(kSide, kSide, 4, 255);
   const glm::dvec3 centre = camera.centreInWorld();
@@ -131,7 +131,7 @@ TEST_F(ColourCalibration, MeanMapIsTheIdentity) {
 TEST_F(ColourCalibration, HighlightsInOneCameraDoNotMatter) {
   distort();
   std::vector<Image> filmed = pictures();
-  for (int y = 20; y < 76; ++y)  // a tenth of camera 2's picture shines, half of it clipped
+  for (int y = 20; y < 76; ++y)  // a tenth of camera 2's picture is overexposed, half of it clipped
     for (int x = 40; x < 56; ++x) std::fill_n(filmed[2].at(x, y), 3, uint8_t(y < 48 ? 255 : 230));
   expectRecovered(solve(filmed), 3.0);
 }

@@ -38,7 +38,7 @@ TEST_F(BoxCosts, FrontFaceIsFeasibleForBothWithTheirAngles) {
   }
 }
 
-// Views whose optical axis does not meet the picture.
+// Cameras whose optical axis misses the picture.
 TEST_F(BoxCosts, AShiftedLensHasThePenaltiesOfWhereItLooks) {
   for (PinholeCamera& camera : cameras) camera = fourdvt::testing::withShiftedLens(camera, 0.6);
   const FaceCosts costs = measure(all);
@@ -77,7 +77,7 @@ TEST_F(BoxCosts, PartlyHiddenCamerasServeOnlyWhereNoneQualifies) {
 
 TEST_F(BoxCosts, PartialCamerasPayForTheSquareOfTheHiddenShare) {
   std::vector<float> fractions = all;
-  fractions[8] = 0.5f;  // camera 0, face 8: penalty 0 if it saw all of it
+  fractions[8] = 0.5f;  // camera 0, face 8: penalty 0 if it were fully visible
   fractions[12 + 9] = 0.2f;
   const FaceCosts costs = measure(fractions);
   EXPECT_EQ(costs.partial[8], 0b01u);
@@ -99,7 +99,7 @@ TEST_F(BoxCosts, RayPenaltyLooksAtTheFaceNotAlongTheAxis) {
   }
 }
 
-// The face's projected area is measured by projecting its corners: small faces only, so shrink the box.
+// Compares with the area of the face's projected corners, which requires small faces: the box is scaled down.
 TEST_F(BoxCosts, ResolutionPenaltyIsTheShareOfTheBestCamerasPixels) {
   for (glm::vec3& p : box.positions) p *= 0.01f;
   cameras[1].fx = cameras[1].fy = 150;
@@ -109,11 +109,12 @@ TEST_F(BoxCosts, ResolutionPenaltyIsTheShareOfTheBestCamerasPixels) {
     for (int k = 0; k < 3; ++k) p[k] = camera.project(glm::dvec3(box.positions[box.topology.face_vertices[face][k]]));
     return 0.5 * std::abs((p[1] - p[0]).x * (p[2] - p[0]).y - (p[1] - p[0]).y * (p[2] - p[0]).x);
   };
-  // Camera 1 is as far as camera 0 and has the longer focal length: turned to it, the face would have most pixels.
+  // Camera 1 is as far as camera 0 and has the longer focal length: if it faced camera 1, the face would have most
+  // pixels.
   const double area = 0.5 * 0.01 * 0.01, distance = 5, best = area * 150 * 150 / (distance * distance);
   for (int f : {8, 9})
     for (int c : {0, 1}) EXPECT_NEAR(costs.penalty[f * 2 + c], 1 - pixels(cameras[c], f) / best, 0.01) << c;
-  EXPECT_LT(costs.penalty[8 * 2 + 1], costs.penalty[8 * 2]);  // axis and ray say the opposite
+  EXPECT_LT(costs.penalty[8 * 2 + 1], costs.penalty[8 * 2]);  // axis and ray rank them in reverse
 }
 
 TEST_F(BoxCosts, FacesWithoutAreaHaveNoCamera) {

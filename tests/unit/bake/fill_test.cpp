@@ -35,7 +35,7 @@ const GutterTexel* at(const GutterMap& map, int x, int y) {
 
 TEST(GutterMap, StepsAcrossTheSeamIntoTheNeighbour) {
   const GutterMap map = makeGutterMap(twoCharts(false), kSize, 6);
-  // Chart A ends at texel 24, chart B starts at texel 40: k texels beyond A are k texels into B.
+  // Chart A ends at texel 24, chart B starts at texel 40: k texels beyond A correspond to k texels into B.
   for (int k = 0; k < 6; ++k) {
     const GutterTexel* right_of_a = at(map, 24 + k, 30);
     ASSERT_NE(right_of_a, nullptr) << k;
@@ -57,7 +57,7 @@ TEST(GutterMap, FollowsAMirroredPartner) {
   EXPECT_NEAR(g->source_y, kSize - 20.5f, 1e-3);
 }
 
-// A strip of three rectangles in charts of their own: A 16, B 3 (between texels 36 and 39), C 12 texels wide.
+// A strip of three rectangles, one chart each: A 16, B 3 (between texels 36 and 39), C 12 texels wide.
 TEST(GutterMap, WalksOnOverANarrowChartIntoTheNext) {
   MeshTopology t;
   t.vertex_count = 8;  // 0 1 2 3 above, 4 5 6 7 below
@@ -81,7 +81,7 @@ TEST(GutterMap, WalksOnOverANarrowChartIntoTheNext) {
 }
 
 TEST(GutterMap, WalkThatLeavesTheMeshHasNoContent) {
-  // Chart B of the strip is 16 texels wide, so that a gutter of 20 would reach beyond the mesh's end.
+  // Chart B is 16 texels wide, so that a gutter of 20 would pass the end of the mesh.
   const GutterMap map = makeGutterMap(twoCharts(false), 2 * kSize, 40);
   for (const GutterTexel& g : map.texels) {
     EXPECT_GE(g.source_x, 16);
@@ -135,7 +135,7 @@ TEST(Fill, HolesOfTheFirstLayerTakeAFurtherOneShiftedByTheirDifference) {
   const GutterMap map = makeGutterMap(twoCharts(false), kSize, 6),
                   small = makeGutterMap(twoCharts(false), kSize / 2, 3);
   std::vector<Image> layers{rampLayer(map), Image(kSize / 2, kSize / 2, 4)};
-  // Layer 2 shows a mark that layer 1's neighbourhood cannot tell, and is 25 levels darker.
+  // Layer 2 has a mark that is absent from layer 1, and is 25 levels darker.
   for (int y = 0; y < kSize / 2; ++y)
     for (int x = 0; x < kSize / 2; ++x) {
       if (!small.inside[y * kSize / 2 + x]) continue;
@@ -152,7 +152,7 @@ TEST(Fill, HolesOfTheFirstLayerTakeAFurtherOneShiftedByTheirDifference) {
     for (int x : {12, 19}) ASSERT_NEAR(layers[0].at(x, y)[0], ramp(float(x - 8)), 3) << x << " " << y;
 }
 
-// Layers that differ by a smooth gain: no step at the hole's border beyond the content's own.
+// Layers that differ by a smooth gain: the hole's border shows no step beyond the content's own.
 TEST(Fill, HoleMeetsItsBorderWithoutAStep) {
   const GutterMap map = makeGutterMap(twoCharts(false), kSize, 6);
   std::vector<Image> layers{rampLayer(map), rampLayer(map)};
@@ -167,7 +167,7 @@ TEST(Fill, HoleMeetsItsBorderWithoutAStep) {
   }
 }
 
-// A third chart that touches chart B in UV only must not colour it.
+// A third chart that is adjacent to chart B in UV only must not colour it.
 TEST(Fill, WhatNoCameraShowsComesFromTheSurfaceNotFromTheChartBeside) {
   MeshTopology t = twoCharts(false);
   t.vertex_count = 9;  // a triangle on its own, between the charts

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lengths of a bake: those of a person for a person, in proportion for other surfaces, and those that are given.
+// Lengths of a bake: defaults for a person, in proportion for other surfaces, and explicit ones.
 #include <gtest/gtest.h>
 
 #include "bake/run/job.h"

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes that players cannot hold in a texture are refused before the bake begins its work.
-#include "bake/stages/stages.h"
-
+// Meshes too large for players' textures are rejected before the bake starts its work.
 #include <gtest/gtest.h>
 
+#include "bake/stages/stages.h"
 #include "capture_fixture.h"
 #include "render/character_model.h"
 

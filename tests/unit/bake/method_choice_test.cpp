@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The choice of a method: the rule on made-up scores, costs, where a view counts as blended, and pictures that lie
-// elsewhere as a whole.
+// The choice of a method: the rule on synthetic scores, costs, the mask of blended pixels, and registration of shifted
+// pictures.
 #include "bake/method/method_choice.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ MethodScore score(const char* method, double cost, double psnr_db, double ssim =
   return {method, cost, psnr_db, ssim, psnr_db, psnr_db, ssim};
 }
 
-// Without corrections.
+// Rule without corrections.
 constexpr ChoiceRule kPlain{.own_share = 0, .search_db = 0, .blend_db_per_px = 0};
 
 std::string verdictOn(const MethodChoice& choice, const std::string& method) {
@@ -112,7 +112,7 @@ TEST(MethodCosts, AreFvvrsFramesAndFallWithTheFaces) {
   EXPECT_EQ(methodCandidates().front(), "fvvr") << "shifts are measured on it";
 }
 
-// Dots of every size, the same wherever they are looked up.
+// Dots of all sizes on a fixed pattern, moved by `moved`.
 Image dotted(int width, int height, glm::dvec2 moved) {
   Image out(width, height, 3);
   for (int y = 0; y < height; ++y)
@@ -148,7 +148,7 @@ TEST(Registration, LooksAtNothingOutside) {
   EXPECT_EQ(found.psnr_db, measure::kEqual_db);
 }
 
-// A wall of 2 × 2 m at z = 0, and cameras 3 m before it.
+// Wall of 2 × 2 m at z = 0; cameras stand 3 m in front of it.
 const TriangleMesh kWall{{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
 PinholeCamera beforeTheWall(double x) { return testing::lookAt({x, 0, 3}, {0, 0, 0}, 120, 100, 100); }
 
@@ -167,13 +167,13 @@ TEST(SharedSight, IsBetweenTwoCameras) {
 }
 
 TEST(SharedSight, NeedsWeightsOfLikeSize) {
-  // Seen by one camera from before and by one from the far side, at a cosine of .14: its share is below a quarter.
+  // Seen by one frontal camera and one grazing one, at a cosine of .14: its share is below a quarter.
   const std::vector<PinholeCamera> cameras{beforeTheWall(0), testing::lookAt({21, 0, 3}, {0, 0, 0}, 120, 100, 100)};
   EXPECT_EQ(shareOf(SharedSight(cameras, kWall, 1).of(beforeTheWall(0.2), std::nullopt)), 0);
 }
 
 TEST(SharedSight, IsNotWhereAScreenHidesOneOfThem) {
-  TriangleMesh scene = kWall;  // a screen half a metre before the wall hides it from the left camera
+  TriangleMesh scene = kWall;  // a screen 0.5 m in front of the wall hides it from the left camera
   for (const glm::vec3 p :
        {glm::vec3(-1.2, -1, 0.8), glm::vec3(0, -1, 0.8), glm::vec3(0, 1, 0.8), glm::vec3(-1.2, 1, 0.8)})
     scene.positions.push_back(p);

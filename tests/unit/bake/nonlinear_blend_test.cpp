@@ -37,7 +37,7 @@ TEST(NonlinearBlend, ABendingTubeBendsAlongTheArc) {
   }
 }
 
-// A tube whose lower half is straight and stays, and whose upper half bends to an arc.
+// Tube whose lower half stays straight, and whose upper half bends to an arc.
 Positions halfBent(double angle) {
   Positions out = Tube::bent(0);
   const Positions arc = Tube::bent(2 * angle);
@@ -65,7 +65,7 @@ TEST(NonlinearBlend, MembersThemselvesAreExact) {
   const std::vector<Positions> members = {Tube::bent(0), Tube::bent(1.5)};
   const auto blend = make(tube.topology, Tube::bent(0.4));  // any pose is a reference
   EXPECT_LT(largestDistance(blend.blend(members, std::vector<float>{0, 1}), members[1]), 1e-5);
-  // Both equal: a solve, yet nothing moves.
+  // Equal members: solves without moving anything.
   const std::vector<Positions> same = {members[1], members[1]};
   EXPECT_LT(largestDistance(blend.blend(same, std::vector<float>{0.5f, 0.5f}), members[1]), 1e-5);
 }
@@ -93,7 +93,7 @@ TEST(NonlinearBlend, ThreeMembersMixTheirTurns) {
 }
 
 TEST(NonlinearBlend, BeyondAHalfTurnNeighboursAgree) {
-  // The tube's tip turns by 3.8: past π the shortest way would tear the tube.
+  // The tube's tip turns by 3.8: beyond π the shortest way would tear the tube.
   const Tube tube;
   const std::vector<Positions> members = {Tube::bent(0), Tube::bent(3.8)};
   const auto blend = make(tube.topology, members[0]);
@@ -111,7 +111,7 @@ TEST(NonlinearBlend, BadFacesDoNoHarm) {
   faces[96] = {48, 48, 48};          // a hole, and a face of one point
   faces.push_back({0, 1, 1});        // an edge
   faces.push_back({30, 31, 43});     // a third face at its edges
-  faces.push_back({100, 101, own});  // a vertex on another one's spot
+  faces.push_back({100, 101, own});  // a vertex in the same place as another
   tube.topology.vertex_count = lonely + 1;
   tube.topology.face_uvs.assign(faces.size(), {0, 1, 2});
   const Positions mixed = make(tube.topology, members[0]).blend(members, std::vector<float>{0.5f, 0.5f});
@@ -158,7 +158,7 @@ TEST(HybridBlend, ReferencesAreJoinedAndMoreLeaveLess) {
   }
 }
 
-// The product of the distances to all nodes bounds the error of the polynomial through them.
+// Bounds the error of the polynomial through the nodes by the product of the distances to all nodes.
 TEST(HybridBlend, PolynomialsStrayLeastWithStretchedChebyshevPoints) {
   const auto largestProduct = [](std::span<const Shares> nodes) {
     double largest = 0;
@@ -186,7 +186,7 @@ TEST(HybridBlend, PolynomialsStrayLeastWithStretchedChebyshevPoints) {
 TEST(HybridBlend, TrianglesMixTheReferencesRoundAPoint) {
   const auto nodes = hybridNodes(false, 2, 12, HybridMix::Straight);
   ASSERT_EQ(nodes.size(), 3u);
-  double sum = 0;  // amid the three edges' middles, they share everything
+  double sum = 0;  // midway between the three edges' middles
   for (double c : hybridCoefficients(nodes, 2, HybridMix::Straight, Shares(1) / 3.0)) sum += c;
   EXPECT_NEAR(sum, 1, 1e-9);
   for (double c : hybridCoefficients(nodes, 2, HybridMix::Straight, {1, 0, 0})) EXPECT_NEAR(c, 0, 1e-9);

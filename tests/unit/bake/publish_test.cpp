@@ -39,7 +39,7 @@ struct Publish : testing::Test {
   }
 };
 
-// A manifest with one sequence and one camera; `mark` is the hash in the names, with its dot.
+// Manifest with one sequence and one camera; `mark`: hash in the file names, with its dot.
 std::string manifest(const std::string& mark, const std::string& sequence = "walk") {
   const auto uri = [&](const std::string& stem, const std::string& end) {
     return R"({"uri": ")" + stem + mark + end + R"("})";
@@ -52,7 +52,7 @@ std::string manifest(const std::string& mark, const std::string& sequence = "wal
          uri(sequence + ".64-30", ".mp4") + ", " + uri(sequence, ".mp4") + "]}]}}}";
 }
 
-// The files of a bake, with what stays beside the manifest.
+// Files of a bake, and those that stay beside the manifest.
 Files baked(const std::string& mark, const std::string& content, const std::string& sequence = "walk") {
   Files files{{"character.gltf", manifest(mark, sequence)}};
   for (const char* stem : {"mesh", "motion"}) files[stem + mark + ".bin"] = content;
@@ -73,7 +73,7 @@ TEST_F(Publish, NewFolderHoldsTheResult) {
 }
 
 TEST_F(Publish, ReplacesAnotherBakeAndKeepsOtherFiles) {
-  for (const char* old_mark : {"", ".bbbbbbbb"}) {  // names without hashes: of earlier versions
+  for (const char* old_mark : {"", ".bbbbbbbb"}) {  // names without hashes: earlier versions
     SCOPED_TRACE(old_mark);
     fs::remove_all(folder);
     write(to, baked(old_mark, "old", "run"));
@@ -97,7 +97,7 @@ TEST_F(Publish, SameBakeAgainIsKept) {
   }
 }
 
-// Names in a manifest from elsewhere lead nowhere else.
+// Names in a foreign manifest must not lead outside the folder.
 TEST_F(Publish, RemovesNothingOutsideItsFolder) {
   for (const std::string name : {"../secret.bin", "/../secret.bin", "parts/../../secret.bin"}) {
     std::string gltf = manifest(".bbbbbbbb", "run");
@@ -121,7 +121,7 @@ TEST_F(Publish, LeavesFilesOfAGltfThatIsNoBakes) {
   EXPECT_EQ(held()["report.json"], "mine");
 }
 
-// A file that cannot be replaced: the earlier character stays whole, and nothing is left beside it.
+// A file that cannot be replaced: the earlier character stays complete, without leftovers.
 TEST_F(Publish, FailureLeavesTheEarlierCharacter) {
   Files old = baked(".bbbbbbbb", "old");
   old.erase("report.html");
@@ -139,7 +139,7 @@ TEST_F(Publish, FailureLeavesTheEarlierCharacter) {
   for (const auto& [name, content] : now) EXPECT_EQ(name.find("aaaaaaaa"), std::string::npos) << name;
 }
 
-// The manifest replaces the earlier one when all its files are there: it is the last to be moved.
+// The manifest is moved last, after all its files.
 TEST_F(Publish, ManifestComesLast) {
   write(to, baked(".bbbbbbbb", "old"));
   Files files = baked(".aaaaaaaa", "new");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The options of a bake and the table of named settings: every entry is one that a bake accepts, in order, and the
-// default is the default.
+// The options of a bake and the table of named settings: a bake accepts every entry, entries are in order, and the
+// default entry equals the options' defaults.
 #include "bake/quality.h"
 
 #include <gtest/gtest.h>

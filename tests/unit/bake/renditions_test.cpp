@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ladder of renditions: its text, the standard one, and what cannot be.
+// The ladder of renditions: parsing, the standard one, and invalid ones.
 #include "bake/run/renditions.h"
 
 #include <gtest/gtest.h>

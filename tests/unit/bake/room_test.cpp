@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The room's picture on boxes that painted cameras stand in: means, what does not count, feathering, the fill.
+// The room's picture on boxes with cameras that see one colour each: means, excluded pixels, feathering, the fill.
 #include "bake/room/room.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 constexpr int kSide = 64;
 const BoundingBox kBox{{-2, 0, -2}, {2, 3, 2}};
 
-// Looks level from (x, 1, z), along -z or, turned, along +z; 90 degrees wide and high.
+// Plate of one colour from (x, 1, z), looking horizontally along -z or, turned, along +z; 90 degrees wide and high.
 RoomPlate painted(double x, double z, bool turned, const glm::u8vec3& paint) {
   RoomPlate plate;
   plate.camera.width = plate.camera.height = kSide;
@@ -68,7 +68,7 @@ TEST(Room, NothingFromBehindACameraOrAFace) {
   const RoomPlate away = painted(0, 1, true, {255, 255, 255});
   EXPECT_EQ(look({away}, RoomBlend::Mean).cameras, 0);
   expectColour(look({kThree[0], away}, RoomBlend::Mean).colour, {30, 0, 255});
-  // A camera outside of the room sees the back of the wall before it, and the inner side of the opposite one.
+  // A camera outside the room faces the near wall's back, and the inner side of the opposite wall.
   const RoomPlate outside = painted(0, 5, false, {1, 2, 3});
   EXPECT_EQ(look({outside}, RoomBlend::Mean, {0, 1, 2}, {0, 0, -1}).cameras, 0);
   EXPECT_EQ(look({outside}, RoomBlend::Mean).cameras, 1);
@@ -85,7 +85,7 @@ TEST(Room, NothingFromAMargin) {
   EXPECT_EQ(look({kThree[2]}, RoomBlend::Mean, {1.99, 2.99, 1.4}, {-1, 0, 0}).cameras, 0) << "out of the picture";
 }
 
-// Along a wall that the picture ends on, from its middle outwards.
+// Samples along a wall on which the picture ends, from its middle outwards.
 TEST(Room, FeatherFallsToNothingAtTheBorder) {
   const std::vector<RoomPlate> plate{painted(0, 0.5, false, {80, 80, 80})};
   float before = 2;
@@ -163,7 +163,7 @@ TEST(Room, WhatNobodySeesContinuesItsNeighbourhood) {
   };
   EXPECT_GT(middle(4, 0.5f)[0], 195);                        // the wall at -z
   EXPECT_GT(middle(5, 0.5f)[2], 195);                        // at +z
-  EXPECT_GT(middle(3, 0.05f)[0], middle(3, 0.95f)[0] + 80);  // the ceiling goes from one to the other
+  EXPECT_GT(middle(3, 0.05f)[0], middle(3, 0.95f)[0] + 80);  // the ceiling blends from one to the other
 }
 
 }  // namespace

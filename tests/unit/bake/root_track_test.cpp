@@ -58,8 +58,8 @@ TEST(RootTrack, FollowsASpeedThatVariesWithinThePass) {
   EXPECT_LT(skate(walker, found).max_m, 0.3 * skate(walker, constant).max_m);
 }
 
-// How far the track is from `travelled`, metres along z, in the mean over frames and 20 runs, if every vertex of
-// `frame` jitters by up to 6 mm in every frame.
+// Mean distance between the track and `travelled` along z, metres, over frames and 20 runs, if every vertex of `frame`
+// jitters by up to 6 mm in every frame.
 double jitteredError(const Walker& walker, const std::function<Positions(uint32_t)>& frame,
                      const std::function<double(uint32_t)>& travelled) {
   constexpr int kRuns = 20;
@@ -83,8 +83,8 @@ double jitteredError(const Walker& walker, const std::function<Positions(uint32_
   return sum / (kRuns * count);
 }
 
-// The errors of steps that are measured frame by frame add up; a contact as a whole averages them. `first_share` 0.2:
-// what stands at the pass's end stands at its beginning.
+// Errors of steps measured frame by frame would add up; a whole contact averages them. `first_share` 0.2: a foot that
+// stands at the pass's end also stands at its beginning.
 TEST(RootTrack, JitterDoesNotAddUpToADrift) {
   for (const double first_share : {0.0, 0.2}) {
     Walker walker("walk", 1.2, 28);
@@ -96,8 +96,8 @@ TEST(RootTrack, JitterDoesNotAddUpToADrift) {
   }
 }
 
-// Both feet stay where they are while the body, and with it the character's frame, sways: contacts as long as the loop
-// and longer than the longest that are followed in one piece, and without a loop.
+// Both feet stand still while the body, and the character's frame with it, sways: contacts as long as the loop, longer
+// than the limit for one piece, and without a loop.
 TEST(RootTrack, FeetThatAlwaysStandShowHowTheBodySways) {
   for (const uint32_t frames : {20u, 60u, 400u}) {
     Walker walker("sway", 0, frames);
@@ -148,7 +148,7 @@ TEST(Footfalls, AreWhereAWalkersFeetComeDown) {
   };
   const auto found = [&] { return footfalls(walker.capture, walker.sequence, track(walker), read).value(); };
   EXPECT_EQ(found(), (std::vector<uint32_t>{0, 14}));
-  walker.first_share = 0.25;  // the loop is cut where one foot stands and the other swings
+  walker.first_share = 0.25;  // the loop begins while one foot stands and the other swings
   EXPECT_EQ(found(), (std::vector<uint32_t>{7, 21}));
   walker.first_share = 1.5 / 28;
   EXPECT_EQ(found(), (std::vector<uint32_t>{13, 27})) << "round the loop's end";

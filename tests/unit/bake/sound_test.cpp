@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encoded segments, read back by another decoder than a browser's.
+// Encoded segments, decoded by a decoder other than a browser's.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Interleaved; silence but for bursts of 3 ms, on the left louder than on the right.
+// Interleaved silence with bursts of 3 ms, louder on the left than on the right.
 std::vector<float> clicks(size_t count, int channels, const std::vector<size_t>& at) {
   std::vector<float> out(count * size_t(channels), 0);
   for (const size_t first : at)

@@ -8,7 +8,7 @@ namespace {
 
 TEST(StepPhases, FollowTheMembersOwnTime) {
   const uint32_t frames[] = {2, 7};
-  // 4 phases of a loop of 10 frames, which begins at frame 6 and runs at another speed in its second half.
+  // 4 phases of a loop of 10 frames, which begins at frame 6 and has another speed in its second half.
   const double source[] = {6, 7, 10, 13};
   const auto phases = stepPhases(frames, source, 10, 4);
   ASSERT_EQ(phases.size(), 2u);

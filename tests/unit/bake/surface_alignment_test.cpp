@@ -12,8 +12,8 @@
 namespace fourdvt::bake {
 namespace {
 
-// Square of n × n cells in the plane z = 0, facing +Z, side 1 m, lower left corner at the origin; texture coordinates
-// cover 0.25…0.75.
+// Square of n × n cells in the plane z = 0, facing +Z, sides of 1 m, lower left corner at the origin; texture
+// coordinates cover 0.25…0.75.
 struct Grid {
   MeshTopology topology;
   Positions positions;
@@ -95,7 +95,7 @@ std::vector<SeenVertex> pixelGrid(const cv::Size& size) {
 
 float mean(const glm::mat2& certainty) { return 0.5f * (certainty[0][0] + certainty[1][1]); }
 
-// Noise of the given shares of two sources; opaque within a border.
+// Mixture of a common and an own noise in the given shares; opaque within a border.
 cv::Mat noisyLook(double common, double own, int seed) {
   constexpr int kSide = 160, kBorder = 12;
   cv::Mat luma = cv::Mat::zeros(kSide, kSide, CV_32F);
@@ -167,7 +167,7 @@ TEST(SurfaceAlignmentViews, FaceWithoutAreaGivesNoTangent) {
 TEST(SurfaceAlignmentViews, SeesFrontFacesOnlyAndProjectsTangents) {
   Grid grid(4);
   const uint32_t front_count = grid.topology.vertex_count;
-  Grid behind(4);  // 0.2 m behind, larger by a ring that shows
+  Grid behind(4);  // 0.2 m behind; larger, so that its border is visible
   for (const glm::vec3& p : behind.positions) grid.positions.push_back(glm::vec3(1.5f * glm::vec2(p) - 0.25f, -0.2f));
   for (const glm::uvec3& face : behind.topology.face_vertices)
     grid.topology.face_vertices.push_back(face + front_count);
@@ -253,7 +253,7 @@ std::vector<glm::vec2> fieldOf(const SurfaceFrames& frames, const glm::vec3& dis
 
 TEST(SurfaceAlignmentSmooth, HolesTakeTheirNeighboursFieldAcrossTurningTangents) {
   Tube tube;
-  for (glm::vec3& p : tube.positions) p = {p.y, p.z, p.x};  // lying: the tangents' helper axis changes on the way round
+  for (glm::vec3& p : tube.positions) p = {p.y, p.z, p.x};  // lying: the tangents' reference axis changes round it
   const SurfaceFrames frames = computeSurfaceFrames(tube.topology, tube.positions);
   const auto field = fieldOf(frames, {0.01f, 0, 0});
   std::vector<VertexEstimate> estimates(field.size());
@@ -285,7 +285,7 @@ TEST(SurfaceAlignmentSmooth, FacesWithoutAreaDoNoHarm) {
 }
 
 TEST(SurfaceAlignmentCharts, CutsAtTheGutterAndInsideKeepsAll) {
-  const Grid grid(8);  // 0.5 of the texture's side is a metre: 128 of 256 texels
+  const Grid grid(8);  // 1 m is half of the texture's side: 128 of 256 texels
   const SurfaceFrames frames = grid.frames();
   const ChartLimits limits(grid.topology, frames, 256, 10);
   const auto longest = [&](float length_m) {
@@ -336,13 +336,13 @@ TEST(SurfaceAlignmentTime, LoopsWrapOnly) {
   EXPECT_NEAR(line[0].displacement_m[0].x, line[1].displacement_m[0].x, 4e-3);
 }
 
-// Against elimination without any structure.
+// Compares with dense elimination.
 TEST(SurfaceAlignmentTime, LoopSolvesItsSystem) {
   std::vector<AlignedFrame> frames, before;
   for (int t = 0; t < 5; ++t) frames.push_back(frameOf(0.01f * float(t * t % 7), 0.2f + 0.1f * float(t)));
   before = frames;
   steadyAlignment(frames, true);
-  float sum = 0;  // the pulls in time cancel over the loop
+  float sum = 0;  // the temporal terms cancel over the loop
   for (int t = 0; t < 5; ++t)
     sum += (before[t].confidence[0] + 1e-3f) * (frames[t].displacement_m[0].x - before[t].displacement_m[0].x);
   EXPECT_NEAR(sum, 0, 1e-6);

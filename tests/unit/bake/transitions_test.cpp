@@ -51,10 +51,10 @@ TEST(Transitions, FindTheSameMotionElsewhereTurnedAndMoved) {
   const Walker walker("walk", 1.2, 28);
   Walker later = walker;
   later.first_share = 10.0 / 28;
-  const motion::Placement away{{0.4f, -0.7f}, 0.9f};  // where the other capture stood
+  const motion::Placement away{{0.4f, -0.7f}, 0.9f};  // position of the other capture
   TransitionState moved = stateOf(later);
   moved.positions = [=](uint32_t, uint32_t t) -> Result<Positions> { return placed(later.frame(t), away); };
-  moved.root = [=](uint32_t, uint32_t t) {  // along its own heading
+  moved.root = [=](uint32_t, uint32_t t) {  // along its heading
     const glm::vec2 step = motion::moved({glm::vec2(0), 0.9f}, {0, 1.2f * float(t) / 25, 0}).ground_m;
     return glm::vec3(step, 0);
   };
@@ -64,7 +64,7 @@ TEST(Transitions, FindTheSameMotionElsewhereTurnedAndMoved) {
     ASSERT_NE(entry, nullptr);
     EXPECT_EQ(entry->frame, (t + 18) % 28);
     EXPECT_LT(entry->cost, 1);
-    // The other's points, moved by the shift, are this one's.
+    // The target's points, moved by the shift, coincide with the source's.
     const Positions fitted =
         placed(moved.positions(0, entry->frame).value(), {glm::vec2(entry->shift), entry->shift.z});
     EXPECT_LT(largestDistance(fitted, walker.frame(t)), 0.002) << t;
@@ -72,7 +72,7 @@ TEST(Transitions, FindTheSameMotionElsewhereTurnedAndMoved) {
 }
 
 TEST(Transitions, CostIsMillimetresOfDistance) {
-  // Everything 12 mm higher: nothing over the ground can help.
+  // Everything 12 mm higher: no shift over the ground reduces the cost.
   const Walker stand("stand", 0, 4);
   TransitionState higher = stateOf(stand);
   higher.positions = [=](uint32_t, uint32_t t) -> Result<Positions> {
@@ -90,7 +90,7 @@ TEST(Transitions, OppositeMotionDoesNotFit) {
   TransitionState backwards = stateOf(walker);
   backwards.positions = [=](uint32_t, uint32_t t) -> Result<Positions> { return walker.frame((28 - t) % 28); };
   backwards.root = [](uint32_t, uint32_t t) { return glm::vec3(0, -1.2f * float(t) / 25, 0); };
-  // Every pose is there, but none moves the same way.
+  // All poses match, but with opposite velocities.
   EXPECT_GT(graphOf({stateOf(walker), backwards}).entry(0, 5, 0, 1)->cost, 100);
   TransitionOptions shape_only;
   shape_only.velocity_weight = 0;
@@ -103,7 +103,7 @@ TEST(Transitions, OppositeMotionDoesNotFit) {
 }
 
 TEST(Transitions, SpeedOverTheGroundCounts) {
-  // The same treadmill poses at rest and travelling differ by the travel alone.
+  // The same treadmill poses, at rest and travelling, differ by the travel alone.
   const Walker stand("stand", 0, 6);
   TransitionState gliding = stateOf(stand);
   gliding.root = [](uint32_t, uint32_t t) { return glm::vec3(0, 0.5f * float(t) / 25, 0); };
@@ -161,7 +161,8 @@ TEST(Transitions, ClassesAreEnteredAtTheirBestWeight) {
 constexpr float kOwnStep_m = 0.03f;
 constexpr uint32_t kStill = 40, kLoop = 60;
 
-// Stands, then goes up and down at a known step; every other point is out by ±apart_m: no turn or move can mend that.
+// Stands, then moves up and down by known steps; every other point is off by ±apart_m, which no rotation or shift
+// corrects.
 TransitionState jumper(float apart_m) {
   const Walker stand("stand", 0, kLoop);
   TransitionState state = stateOf(stand);
@@ -195,7 +196,7 @@ TEST(Transitions, FadesAreAsLongAsItTakesNotToPop) {
     EXPECT_EQ(entry.fade_frames, expected) << apart_m;
     EXPECT_LE(entry.frame + entry.fade_frames, kStill + 1) << "both stand";
   }
-  // Nothing is long enough: the longest, at a price.
+  // No fade is long enough: takes the longest, at a price.
   const motion::Entry far = *graphOf({jumper(0), jumper(0.8f)}, options).entry(0, 2, 0, 1);
   const uint32_t longest = uint32_t(25 * options.fades_s.back() + 0.5);
   EXPECT_EQ(far.fade_frames, longest);
@@ -234,12 +235,12 @@ TEST(FadePath, PopIsTheSteepestPartOfTheFade) {
     const double expected = 0.2 * steepest(frames) / kOwnStep_m;
     EXPECT_NEAR(popOf(a, b, {3, 5, frames, glm::vec3(0)}, {own, 9}, {0.04, 1}), expected, 1e-4);
     EXPECT_NEAR(popOf(a, b, {3, 5, frames, glm::vec3(0)}, {own, 9}, {0.04, 0.5}), 2 * expected, 1e-4) << "of the mean";
-    // The place goes over along the shift, as fast.
+    // The position moves along the shift at the same speed.
     EXPECT_NEAR(popOf(a, a, {3, 5, frames, glm::vec3(0.2f, 0, 0)}, {own, 9}, {0.04, 1}), expected, 1e-4);
   }
   EXPECT_NEAR(popOf(a, a, {3, 3, 10, glm::vec3(0)}, {own, 9}, {0.04, 1}), 0, 1e-6);
   EXPECT_NEAR(popOf(a, a, {kStill, kStill, 10, glm::vec3(0)}, {own, 9}, {0.04, 1}), 1, 1e-4) << "as fast as itself";
-  // While it moves by itself the fade adds to that.
+  // During motion the fade adds to the motion's own steps.
   EXPECT_GT(popOf(a, b, {kStill - 5, kStill - 5, 10, glm::vec3(0)}, {own, 9}, {0.04, 1}), 1.5);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Common time and mesh blend of walk and run against the actor who walks, runs and does what lies between.
+// Common time and mesh blend of walk and run against the actor's exact intermediate motions.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -48,7 +48,7 @@ class StudioClass : public ::testing::Test {
   static Result<Positions> read(const capture::CaptureSequence& sequence, uint32_t frame) {
     return truth(sequence.name == "run" ? 1 : 0, double(frame) / sequence.frame_count);
   }
-  // Of run, at a phase of the class, beyond the walk's.
+  // Lead of the run's cycle over the walk's at a phase of the class.
   static double ahead(uint32_t p) {
     const double ahead = members_[1].source_frame[p] / kFrames[1] - double(p) / kFrames[0];
     return ahead - std::round(ahead);
@@ -60,7 +60,8 @@ class StudioClass : public ::testing::Test {
   static inline std::vector<ClassMember> members_;
 };
 
-// A frame of the run is 0.053 of its cycle. Runners stand shorter than walkers: no time makes all of the poses alike.
+// A frame of the run is 0.053 of its cycle. Runners' stances are shorter than walkers', so that no alignment matches
+// all poses.
 TEST_F(StudioClass, CommonTimeIsTheActorsPhase) {
   double mean = 0;
   for (uint32_t p = 0; p < kFrames[0]; ++p) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tangents and texture coordinates a metre, against a plane and a cylinder worked out by hand.
+// Tangents and texture coordinates per metre, on an analytic plane and cylinder.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kColumns = 24, kRows = 6;
 
-// A grid of columns × rows quads; each vertex has one texture vertex.
+// Grid of columns × rows quads; each vertex has one texture vertex.
 template <class PointAt, class UvAt>
 void makeGrid(const PointAt& point, const UvAt& uv, MeshTopology& topology, Positions& positions) {
   for (int row = 0; row <= kRows; ++row)
@@ -84,7 +84,7 @@ TEST(SurfaceFrame, aCylinderUnrolled) {
     for (int corner = 0; corner < 3; ++corner) {
       const uint32_t vertex = topology.face_vertices[face][corner];
       const int column = int(vertex) % (kColumns + 1);
-      if (column == 0 || column == kColumns) continue;  // half a neighbourhood only: the normal leans
+      if (column == 0 || column == kColumns) continue;  // neighbours on one side only: the normal leans
       const float turn = kTurn * column;
       const glm::mat2& k = frames.uv_from_tangents[3 * face + corner];
       const glm::vec2 round = k * alongTangents(frames, vertex, {0.01f * std::cos(turn), 0, -0.01f * std::sin(turn)});

@@ -18,7 +18,7 @@ FlatLoop loop(const std::vector<glm::dvec2>& places, uint32_t first_id) {
 
 double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
-// Triangles must cover the loops' area without turning over, and leave exactly the loops' edges open.
+// Expects triangles that cover the loops' area with positive orientation, and leave exactly the loops' edges open.
 void expectCovered(const std::vector<FlatLoop>& loops) {
   std::map<uint32_t, glm::dvec2> places;
   std::map<std::pair<uint32_t, uint32_t>, int> open;
@@ -43,7 +43,7 @@ void expectCovered(const std::vector<FlatLoop>& loops) {
     }
   }
   EXPECT_NEAR(covered, twice, 1e-9);
-  // Inner edges cancel; of a loop's edge its opposite is left, which the neighbouring face has to bring.
+  // Inner edges cancel. A loop's edge leaves its opposite, which the neighbouring face supplies.
   int left = 0;
   for (const auto& [edge, count] : open) left += count != 0;
   size_t edges = 0;
@@ -106,7 +106,7 @@ TEST(Triangulate, LoopThatRoundingTurnedOverStillClosesTheSurface) {
   triangulate({loop({{0, 0}, {0, 1e-16}, {1, 0}, {0.5, -1e-17}}, 0)}, triangles);
   EXPECT_EQ(triangles.size(), 2u);
   triangulate({loop(kOuterSquare, 10), loop({{20, 0}, {20, 1e-9}, {21, 0}}, 20)},
-              triangles);  // clockwise and in nothing
+              triangles);  // clockwise, inside no other loop
   EXPECT_EQ(triangles.size(), 5u);
 }
 

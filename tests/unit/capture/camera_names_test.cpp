@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cameras by the pictures that a COLMAP model lists: names with blanks, folders of rigs, several instants, rigs.bin and
-// frames.bin. Those two are made by hand after the layout that COLMAP's documentation publishes ("Output Format"): no
-// version that writes them (3.12 and later) was at hand.
+// frames.bin. These two are written by hand after the layout in COLMAP's documentation ("Output Format"), since no
+// version that writes them (3.12 and later) was available.
 #include <glm/gtc/quaternion.hpp>
 
 #include "base/bytes.h"
@@ -13,7 +13,7 @@ namespace {
 
 struct Listed {
   const char* path;
-  double x;  // of the camera's place, which tells cameras apart
+  double x;  // the camera's position, which identifies it
 };
 
 Result<std::vector<ListedCamera>> camerasOf(const std::vector<Listed>& listed) {
@@ -98,7 +98,7 @@ TEST(PictureNames, PointsStayInNames) {
   EXPECT_EQ(again.value()[0].pinhole.name, "cam.one");
 }
 
-// A rig of two cameras, the second turned by 90° about y and 1 to the right of the first; the rig stands 3 back.
+// Rig of two cameras, the second turned by 90° about y and 1 to the right of the first; the rig stands 3 back.
 const double kHalf = std::sqrt(0.5);
 
 TEST(ColmapRigs, PosesAreTheRigsInTextAndBytes) {

@@ -87,7 +87,7 @@ TEST(CaptureCamera, PointLinesAndNamesAreUnderstood) {
 
 double pattern(double x, double y) { return 128 + 60 * std::sin(x * 0.11) + 60 * std::cos(y * 0.13); }
 
-// A smooth pattern on the pinhole picture, warped forward by the distortion formula, comes back.
+// Recovers a smooth pattern of the pinhole picture from its forward distortion.
 TEST(CaptureCamera, UndistortionRestoresASyntheticPattern) {
   for (const char* model :
        {"SIMPLE_RADIAL 160 120 150 83 57 -0.15", "OPENCV 160 120 150 140 83 57 -0.15 0.05 0.003 -0.004"}) {
@@ -119,7 +119,7 @@ TEST(CaptureCamera, UndistortionRestoresASyntheticPattern) {
       }
     }
     EXPECT_LT(worst, 2.5) << model;
-    EXPECT_GT(before, 10.0) << model;  // the pattern does tell
+    EXPECT_GT(before, 10.0) << model;  // the pattern is distinctive
     EXPECT_EQ(*undistorter.apply(matte).at(80, 60), 255);
   }
 }

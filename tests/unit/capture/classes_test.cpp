@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The classes of capture.json: what they may say, and one message that names the file for what they may not.
+// The classes of capture.json: valid ones, and one message that names the file for invalid ones.
 #include "capture/capture_json.h"
 #include "capture_fixture.h"
 #include "mattes/frame_reader.h"
@@ -21,7 +21,7 @@ std::string locomotion(const std::string& members, const std::string& parameter 
   return R"([{"name": "locomotion", "parameter": )" + parameter + R"(, "members": )" + members + "}]";
 }
 
-// `named`: what the message must tell beside the file.
+// `named`: text that the message must contain besides the file.
 void expectRefused(const std::string& classes, const std::string& named) {
   const auto parsed = parse(classes);
   expectError(parsed, ErrorId::CaptureJson, "capture/capture.json");

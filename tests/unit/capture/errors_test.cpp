@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What users get wrong: one message that names the file, found when the capture is opened.
+// Users' mistakes: one message that names the file, when the capture is opened.
 #include "capture_fixture.h"
 #include "mattes/frame_reader.h"
 
@@ -40,7 +40,7 @@ TEST(CaptureErrors, BrokenCaptureJson) {
   }
 }
 
-// JSON has no infinity, but a division can make one.
+// JSON has no infinity, but a division can produce one.
 TEST(CaptureErrors, NumbersThatMakePositionsInfinite) {
   const SmallCapture capture;
   const std::string walk = R"("sequences": [{"name": "walk", "frames": 3)";
@@ -54,7 +54,7 @@ TEST(CaptureErrors, NumbersThatMakePositionsInfinite) {
   }
 }
 
-// Paths outside the folder, with the field that gives them.
+// Paths that leave the folder; the message names their field.
 TEST(CaptureErrors, PathsThatLeaveTheFolder) {
   const SmallCapture capture;
   const auto packed = [](const char* topology, const char* positions) {
@@ -155,7 +155,7 @@ TEST(CaptureErrors, VideoTooShort) {
   expectError(capture.open(), ErrorId::VideoTooShort, capture / "walk/cam00.mp4");
 }
 
-// A container that does not tell: the reader finds out.
+// A container without a frame count: the reader finds the end.
 TEST(CaptureErrors, VideoEndsEarlyWithoutHint) {
   struct TwoPictures final : VideoSource {
     int left = 2;

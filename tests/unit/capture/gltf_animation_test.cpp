@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// glTF that moves: nodes, morph targets and skins, by the rules of each interpolation, and takes of one file.
+// Animated glTF: nodes, morph targets and skins, by the rules of each interpolation, and several takes in one file.
 #include "capture/mesh_file.h"
 #include "capture_fixture.h"
 #include "mesh_files.h"
@@ -7,12 +7,12 @@
 namespace fourdvt::capture {
 namespace {
 
-// A glTF file that grows accessor by accessor.
+// A glTF file built accessor by accessor.
 class MovingGltf {
  public:
   std::string nodes = R"([{"mesh": 0}])", primitive, mesh_extra, root_extra;
 
-  // Number of the accessor. `extra`: more of its fields.
+  // Returns the accessor's index. `extra`: further fields.
   size_t add(const std::vector<float>& values, const std::string& type, size_t width, const std::string& extra = "") {
     return addRaw(rawBytes(values), type, values.size() / width, 5126, extra);
   }
@@ -34,7 +34,7 @@ class MovingGltf {
     return accessor_count_++;
   }
 
-  // One animation of one channel.
+  // Adds an animation of one channel.
   void animate(const std::string& path, const std::vector<float>& times, const std::vector<float>& values,
                const std::string& type, size_t width, const std::string& interpolation = "LINEAR", int node = 0) {
     const size_t input = add(times, "SCALAR", 1), output = add(values, type, width);
@@ -81,7 +81,7 @@ void expectNear(const glm::vec3& a, const glm::vec3& b) {
   EXPECT_LT(glm::distance(a, b), 1e-5) << a.x << " " << a.y << " " << a.z;
 }
 
-// Times count from the first key, which need not be 0.
+// Times are relative to the first key, which need not be 0.
 TEST(GltfAnimation, NodesMoveLinearly) {
   MovingGltf file = triangle();
   file.animate("translation", {5, 6, 8}, {0, 0, 0, 2, 0, 0, 2, 4, 0}, "VEC3", 3);
@@ -114,7 +114,7 @@ TEST(GltfAnimation, StepsHoldAndSplinesBend) {
   expectNear(vertexAt(spline, 2), {2, 0, 0});
 }
 
-// The shorter way round, at an even speed.
+// Shorter rotation, at constant speed.
 TEST(GltfAnimation, TurnsGoTheShorterWay) {
   const float half = std::sqrt(0.5f);
   for (const float sign : {1.0f, -1.0f}) {
@@ -162,8 +162,8 @@ TEST(GltfAnimation, SparseMorphTargets) {
   }
 }
 
-// Two joints: the second turns about its own place, which the bind matrix subtracts. The mesh's own node does not
-// count.
+// Two joints: the second rotates about its own position, which the bind matrix subtracts. The mesh's own node transform
+// is ignored.
 MovingGltf skinned() {
   MovingGltf file = triangle();
   const size_t joints =
@@ -184,7 +184,7 @@ TEST(GltfAnimation, SkinsFollowTheirJoints) {
   MovingGltf file = skinned();
   expectNear(vertexAt(file, 0, 1), {1, 0, 0});  // bound as it is
   file.animate("rotation", {0, 1}, {0, 0, 0, 1, 0, 0, 1, 0}, "VEC4", 4, "LINEAR", 3);
-  const double turn = M_PI / 2;  // of half a second
+  const double turn = M_PI / 2;  // after half a second
   expectNear(vertexAt(file, 0.5, 0), {0, 0, 0});
   expectNear(vertexAt(file, 0.5, 1), {std::cos(turn) + 1, 1 + std::sin(turn), 0});
   expectNear(vertexAt(file, 0.5, 2), {0, 1, 0});
@@ -229,7 +229,7 @@ TEST(GltfAnimation, DamagedOnes) {
   expectMessage(target, ErrorId::FileUnreadable, "morph target");
 }
 
-// The clip of the take's name where there are several.
+// If there are several, uses the animation with the take's name.
 TEST(GltfAnimation, SeveralAnimationsAreChosenByName) {
   MovingGltf file = triangle();
   file.animate("translation", {0, 1}, {0, 0, 0, 1, 0, 0}, "VEC3", 3);
@@ -254,7 +254,7 @@ TEST(GltfAnimation, LengthsMustFit) {
       << "to the next frame: its first instant is the frame's";
 }
 
-// A quad whose vertices are parted at a seam: six of them, four that move, and UVs.
+// A quad with a UV seam: six vertices, four animated ones.
 MovingGltf seamed() {
   MovingGltf file;
   file.add({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 0}, "VEC3", 3);

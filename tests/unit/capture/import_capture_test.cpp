@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a folder with a calibration and pictures to a capture that opens; what is missing or does not fit is said.
+// Imports a folder with a calibration and pictures into a capture that opens; reports missing and mismatched files.
 #include "capture/import/import_capture.h"
 
 #include "capture/import/readers.h"
@@ -10,7 +10,7 @@
 namespace fourdvt::capture {
 namespace {
 
-// Two cameras of 16x12 whose pictures have another grey each; the world's up is −Z and its unit a millimetre.
+// Two cameras of 16x12 with pictures of different greys; the file's world has −Z up, in millimetres.
 class ImportFolder : public TempFolder {
  public:
   ImportFolder() {
@@ -75,7 +75,7 @@ TEST(ImportCapture, OpensAsACapture) {
   }
 }
 
-// (x, y, z) of the file, in millimetres and with −z up, is (x, −z, y) in metres.
+// (x, y, z) in the file, millimetres with −z up, becomes (x, −z, y) in metres.
 TEST(ImportCapture, TurnsAndScalesTheWorld) {
   const ImportFolder files;
   ASSERT_TRUE(files.run().ok());
@@ -158,7 +158,7 @@ TEST(ImportCapture, SequencesHaveFoldersAndMattes) {
   EXPECT_TRUE(std::filesystem::is_symlink(files.options.folder + "/run/mask2/000001.png"));
 }
 
-// Two cameras' warnings are one line.
+// Equal warnings of two cameras become one line.
 TEST(ImportCapture, SameWarningsAreOne) {
   ImportFolder files;
   for (const char* name : {"in/cam1/background.png", "in/cam2/background.png"}) files.remove(name);
@@ -168,7 +168,7 @@ TEST(ImportCapture, SameWarningsAreOne) {
   EXPECT_EQ(summary.value().warnings.size(), 1u);
 }
 
-// Mattes beside the pictures, and test pictures, belong to the capture.
+// Mattes beside the pictures, and test pictures, count as used.
 TEST(ImportCapture, FilesThatAreUsedGiveNoWarning) {
   ImportFolder files;
   files.options.source = kSample;

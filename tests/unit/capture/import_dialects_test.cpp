@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Dialects of calibrations as people bring them: a point of the world comes to the pixel of the format's own formula.
+// Dialects of calibrations in practice: a world point projects to the pixel of the format's own formula.
 #include "capture/import/camera_numbers.h"
 #include "capture/import/import_capture.h"
 #include "capture/import/readers.h"
@@ -24,7 +24,7 @@ const Vector kAxis{0.3, -0.2, 0.1}, kPlace{0.05, -0.1, 3};  // world to camera
 
 Vector seenByDialect(const Vector& point) { return plus(times(rodrigues(kAxis), point), kPlace); }
 
-// Camera to world, row by row, 4 columns; the axes' signs as the format has them.
+// Camera to world, row by row, 4 columns; axis signs of the format.
 std::string cameraToWorld(double y_and_z, int rows, const char* between) {
   const Rows back = transposed(rodrigues(kAxis));
   const Vector centre = times(back, {-kPlace[0], -kPlace[1], -kPlace[2]});
@@ -326,7 +326,7 @@ TEST(DialectRealityCapture, TableOfAngles) {
   EXPECT_EQ(camera.listed, "cam00.jpg");
   camera.camera.pinhole.width = 480, camera.camera.pinhole.height = 640;
   setLens(*camera.relative, camera.camera.pinhole);
-  // Written anew: Rz(-30°) Rx(60°) Ry(-20°) takes the camera's x right, y up, z back to the world.
+  // Independent formula: Rz(-30°) Rx(60°) Ry(-20°) maps the camera's x right, y up, z back to the world.
   const double k = std::acos(-1.0) / 180;
   const auto turned = [&](const Vector& p) {
     const Vector off = plus(p, {1, 2, 3}, -1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calibrations of other programs: a point of the world comes to the pixel that the format's own formula gives.
+// Calibrations of other programs: a world point projects to the pixel of the format's own formula.
 #include <cstring>
 
 #include "import_fixture.h"

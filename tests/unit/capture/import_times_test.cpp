@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pairs of pictures that an import makes by time stamps, time codes and numbers; what a camera lacks is named.
+// Matching of pictures at import by time stamps, time codes and numbers; messages name what a camera lacks.
 #include "capture/import/import_capture.h"
 #include "capture_fixture.h"
 #include "clip_files.h"
@@ -24,7 +24,7 @@ class TimedFolder : public TempFolder {
   void clips(const ClipFile& clip, const std::string& ending = ".mp4") const {
     for (int c = 0; c < 3; ++c) writeClip(*this / ("in/cam" + std::to_string(c) + ending), clip);
   }
-  // Pictures of grey 10 times their number, or mattes that have it at (3, 3); that of `without` is not there.
+  // Writes pictures of grey 10 × number, or mattes with this value at (3, 3); omits `without`.
   void pictures(const std::string& folder, int first, int end, int without = -1, int channels = 3) const {
     for (int i = first; i < end; ++i)
       if (i != without)
@@ -37,7 +37,7 @@ class TimedFolder : public TempFolder {
     if (summary.ok()) done = summary.value().done, warnings = summary.value().warnings;
     return summary;
   }
-  // [camera] tens of grey of the frames; empty: an error.
+  // [camera] greys of the frames, divided by 10; empty: an error.
   std::vector<std::vector<int>> greys(MatteNeed need = MatteNeed::None) const {
     auto capture = mattes::openCapture(options.folder, platform::openVideoFile, {}, MeshNeed::Nothing, need);
     EXPECT_TRUE(capture.ok()) << (capture.ok() ? "" : capture.error().message);
@@ -70,7 +70,7 @@ class TimedFolder : public TempFolder {
 
 using Greys = std::vector<std::vector<int>>;
 
-double lostAt3(int i) { return (i < 3 ? i : i + 1) / 25.0; }  // picture 3 of the others
+double lostAt3(int i) { return (i < 3 ? i : i + 1) / 25.0; }  // omits picture 3 of the others
 int greyWithout3(int i) { return 10 * (i < 3 ? i : i + 1); }
 
 TEST(ImportTimes, AClipThatLacksAPictureIsNamedAndTheTakeIsCut) {
@@ -183,7 +183,7 @@ TEST(ImportTimes, FoldersArePairedByTheirNumbers) {
   EXPECT_EQ(files.greys(), (Greys{kept, kept, kept}));
 }
 
-// Meshes of all instants begin with the first picture of all cameras.
+// Meshes of all instants start with the first picture common to all cameras.
 TEST(ImportTimes, MeshesGoWithTheirPictures) {
   TimedFolder files;
   for (int c = 0; c < 3; ++c) files.pictures("in/cam" + std::to_string(c), c == 1 ? 3 : 0, 9);
@@ -214,7 +214,7 @@ TEST(ImportTimes, AMissingPictureOrMatteIsNamed) {
   }
 }
 
-// The other numbers show which one is missing.
+// The other numbers reveal the missing one.
 TEST(ImportTimes, AMissingFirstMatteOfAVideoIsNamed) {
   TimedFolder files;
   files.clips({.pictures = 8});

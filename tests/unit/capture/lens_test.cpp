@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lens models with more coefficients, fisheyes and skew; COLMAP's binary model. Formulas are those that OpenCV and
-// COLMAP publish, written anew.
+// Lens models with more coefficients, fisheyes and skew; COLMAP's binary model. Formulas are reimplemented from the
+// documentation of OpenCV and COLMAP.
 #include <cmath>
 
 #include "base/bytes.h"
@@ -16,7 +16,7 @@ CaptureCamera lens(const std::string& model) {
   return cameras.ok() ? cameras.value().front() : CaptureCamera{};
 }
 
-// fx 500, fy 510, cx 320, cy 240: the pinhole's pixel of the ray (x, y, 1).
+// Pixel of the ray (x, y, 1) in a pinhole with fx 500, fy 510, cx 320, cy 240.
 glm::dvec2 pixelOf(double x, double y) { return {500 * x + 320, 510 * y + 240}; }
 
 void expectPixel(const glm::dvec2& got, double u, double v) {
@@ -54,7 +54,7 @@ TEST(Lens, FisheyeIsEquidistant) {
   expectPixel(filmedPixel(lens("RADIAL_FISHEYE 640 480 500 320 240 0.1 -0.2"), {320, 240 - 250}), 320, 240 - 500 * rd2);
 }
 
-// Written as COLMAP text, the lens is read again.
+// Expects the same lens after writing and reading it as COLMAP text.
 void expectKept(const CaptureCamera& camera) {
   const ColmapText text = colmapText({camera}, 1);
   auto again = parseColmapText(text.cameras, text.images, "again");
@@ -101,8 +101,8 @@ TEST(Lens, SkewShiftsRows) {
 
 double wave(double x, double y) { return 128 + 60 * std::sin(x * 0.11) + 60 * std::cos(y * 0.13); }
 
-// A wave over the pinhole's picture, seen through the lens, comes back. The lens is undone by Newton's method on
-// filmedPixel, which the tests above pin down.
+// Expects a wave over the pinhole's picture to be recovered through the lens, which is inverted by Newton's method on
+// filmedPixel; the tests above verify that function.
 void expectRestored(const CaptureCamera& camera) {
   const PinholeCamera& p = camera.pinhole;
   Image filmed(p.width, p.height, 3);
@@ -128,7 +128,7 @@ void expectRestored(const CaptureCamera& camera) {
     }
   }
   EXPECT_LT(worst, 3);
-  EXPECT_GT(before, 10);  // the pattern does tell
+  EXPECT_GT(before, 10);  // the pattern is distinctive
 }
 
 TEST(Lens, PicturesComeBackFromEveryModel) {

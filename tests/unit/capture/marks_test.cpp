@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures that their files mark as turned, mirrored, stretched or of other colours, and the report of it.
+// Pictures whose files mark them as rotated, mirrored, non-square or in another colour space, and the report on these.
 #include <lcms2.h>
 
 #include "capture/picture_report.h"
@@ -53,7 +53,7 @@ CaptureCamera calibratedFor(int width, int height, Orientation orientation = Ori
   return camera;
 }
 
-// EXIF 2.3: where row 0 and column 0 of the stored picture are seen.
+// EXIF 2.3: displayed sides of the stored picture's row 0 and column 0.
 TEST(Upright, EightOrientationsOfExif) {
   const char* kRow0[] = {"top", "top", "bottom", "bottom", "left", "right", "right", "left"};
   const char* kColumn0[] = {"left", "right", "right", "left", "top", "top", "bottom", "bottom"};
@@ -179,7 +179,7 @@ TEST(Upright, CapturesAreReadAsTheyAreCalibrated) {
   ASSERT_TRUE(reader.ok());
   const mattes::CaptureFrame frame = reader.value()->next().take();
   EXPECT_EQ(frame.pictures[1].width, 16);
-  EXPECT_EQ(*frame.pictures[1].at(15, 0), 200);  // the first row is seen at the right
+  EXPECT_EQ(*frame.pictures[1].at(15, 0), 200);  // the first row is displayed at the right
 }
 
 TEST(Upright, CaptureJsonDecides) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mattes in the alpha channel of the colour pictures: stills, and videos that are simulated.
+// Mattes in the alpha channel of the colour pictures: stills, and simulated videos.
 #include "capture/matted_pictures.h"
 
 #include <opencv2/core.hpp>
@@ -43,7 +43,7 @@ class CutOuts : public SmallCapture {
 
 TEST(MattedPictures, AlphaOfColourIsTheMatte) {
   const CutOuts files;
-  files.write("background/cam00.png", SmallCapture::grey(90));  // plates come after it
+  files.write("background/cam00.png", SmallCapture::grey(90));  // plates have lower priority
   const auto capture = files.open();
   ASSERT_TRUE(capture.ok()) << capture.error().message;
   auto reader =
@@ -81,7 +81,7 @@ TEST(MattedPictures, ConstantAlphaIsNoMatte) {
     for (int frame = 0; frame < 3; ++frame) files.write("walk/cam00/" + numbered(frame, ".png"), constantAlpha(alpha));
     EXPECT_EQ(files.origin(), MatteOrigin::None);
     expectError(files.open(), ErrorId::FileMissing, files / "background/cam00.png");
-    files.write("walk/cam00/000002.png", cutOut());  // the performer comes in late
+    files.write("walk/cam00/000002.png", cutOut());  // the performer appears later
     EXPECT_EQ(files.origin(), MatteOrigin::ColourAlpha);
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mesh files that are damaged or not what their names say: one message that names the file and says what helps.
+// Damaged or misnamed mesh files: one message that names the file and the remedy.
 #include "capture/mesh_file.h"
 #include "capture_fixture.h"
 #include "mesh_files.h"
@@ -43,7 +43,7 @@ TEST(MeshErrors, NoFaces) {
   expectMessage(R"({"asset": {"version": "2.0"}})", "a.gltf", ErrorId::MeshIndex, "no faces");
 }
 
-// Elements that hold no surface are stepped over; faces under another name are not lost in silence.
+// Skips elements other than the surface's; rejects faces under another name instead of losing them silently.
 TEST(MeshErrors, PlyElementsAreNamed) {
   const std::string vertices =
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
@@ -69,7 +69,7 @@ TEST(MeshErrors, IndexOutOfRange) {
   }
 }
 
-// An index beyond a primitive's own vertices does not reach those of the next.
+// An index beyond a primitive's own vertices must not reach the next primitive's.
 TEST(MeshErrors, IndexIntoAnotherPrimitive) {
   TriangleMesh mesh = squareMesh();
   mesh.faces[1].z = 5;
@@ -82,7 +82,7 @@ TEST(MeshErrors, IndexIntoAnotherPrimitive) {
   EXPECT_EQ(right.value().positions.size(), 10u);
 }
 
-// Whatever a file is cut off at, it is refused, and short of the last bytes as truncated.
+// Truncated at any length, a file is rejected; except for the last bytes, as truncated.
 TEST(MeshErrors, TruncatedFiles) {
   const std::string ply = plyBytes(squareMesh()), binary = glbBytes(squareMesh());
   const std::string ascii =
@@ -99,7 +99,7 @@ TEST(MeshErrors, TruncatedFiles) {
     expectMessage(json.substr(0, size), "a.gltf", ErrorId::FileUnreadable, "truncated");
 }
 
-// A header may announce what it likes: the bytes behind it decide.
+// Counts in a header are checked against the bytes that follow.
 TEST(MeshErrors, AnnouncedCountsAreNotBelieved) {
   const std::string ply = plyBytes(squareMesh());
   for (const std::string count : {"4000000000", "99999999999999999"})
@@ -164,7 +164,7 @@ TEST(MeshErrors, BrokenGltf) {
   expectMessage(R"({"asset": {"version": "1.0"}})", "a.gltf", ErrorId::Unsupported, "no glTF 2.0");
 }
 
-// A few bytes for each node that shows a mesh once more, but many for each of its vertices.
+// A node that repeats a mesh takes a few bytes, but multiplies vertices.
 TEST(MeshErrors, RepeatedMeshesAreBounded) {
   std::string children = "1", nodes, parts = R"({"attributes": {"POSITION": 0}, "mode": 6})";
   for (int i = 2; i <= 20000; ++i) children.append(",").append(std::to_string(i));

@@ -32,7 +32,7 @@ TEST(MeshFormats, ObjWithUvsNormalsAndPolygons) {
   EXPECT_EQ(mesh.value().faces, (std::vector<glm::uvec3>{{0, 1, 2}, {0, 2, 3}, {0, 1, 2}, {0, 1, 2}}));
 }
 
-// Scanners' and modellers' PLYs: faces first, other elements, colours, doubles, a quad, a line.
+// PLY files of scanners and modelling programs: faces first, other elements, colours, doubles, a quad, a line.
 TEST(MeshFormats, AsciiPlyWithMoreThanItNeeds) {
   const auto mesh = parseMesh(
       "ply\r\nformat ascii 1.0\ncomment by hand\nobj_info x\nelement face 3\nproperty uchar quality\n"
@@ -44,7 +44,7 @@ TEST(MeshFormats, AsciiPlyWithMoreThanItNeeds) {
   expectSame(mesh, {{{1, 2, 3}, {2, 2, 3}, {2, 3, 3}, {1, 3, 3}}, {{0, 1, 2}, {0, 2, 3}, {3, 2, 1}}});
 }
 
-// Strips as in Stanford's scans: -1 parts them, every second triangle of one is turned, one vertex twice only joins two
+// Strips as in Stanford's scans: -1 separates them, every second triangle is reversed, a repeated vertex only joins two
 // parts.
 TEST(MeshFormats, PlyStrips) {
   const std::string head =
@@ -61,7 +61,8 @@ TEST(MeshFormats, PlyStrips) {
   EXPECT_EQ(faces("6 0 1 2 2 3 4\n"), (std::vector<glm::uvec3>{{0, 1, 2}, {3, 2, 4}}));
 }
 
-// An L whose first corner does not see all of it, in each kind of file that has polygons; in PLY before its vertices.
+// An L-shaped polygon whose first corner does not see all of it, in each format with polygons; in PLY before its
+// vertices.
 TEST(MeshFormats, ConcavePolygons) {
   const std::string obj = "v 0 2 0\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\n";
   const std::vector<TriangleMesh> meshes{
@@ -103,7 +104,7 @@ TEST(MeshFormats, BigEndianPly) {
   expectSame(parseMesh(text, "a.ply"), mesh);
 }
 
-// A node that turns, scales and mirrors, below one that moves: the faces stay outside out.
+// A node that rotates, scales and mirrors, below one that moves: faces keep their outer side.
 TEST(MeshFormats, GltfNodesMoveTheirMeshes) {
   const TriangleMesh mesh = squareMesh();
   const std::string nodes = R"([{"children": [1, 2], "translation": [10, 0, 0]}, {"mesh": 0, "scale": [-2, 1, 1]},
@@ -120,7 +121,7 @@ TEST(MeshFormats, GltfNodesMoveTheirMeshes) {
   EXPECT_NEAR(glm::distance(quarter.value().positions[1], glm::vec3(0, 1, 1)), 0, 1e-6);
 }
 
-// Parts of one material each share the vertices; points and lines are left out; strips and fans become triangles.
+// Primitives of several materials share vertices; points and lines are skipped; strips and fans become triangles.
 TEST(MeshFormats, GltfPrimitives) {
   const TriangleMesh mesh = squareMesh();
   const std::string parts = R"([{"attributes": {"POSITION": 0}, "indices": 1},
@@ -197,7 +198,7 @@ BoundingBox boundsOf(const TriangleMesh& mesh) {
   return box;
 }
 
-// The mesh without the faces of one band of heights, and without the vertices that nothing uses then.
+// Mesh without the faces in a band of heights, and without vertices that are then unused.
 TriangleMesh withoutBand(const TriangleMesh& mesh, float from_m, float to_m) {
   TriangleMesh out;
   std::vector<uint32_t> kept(mesh.positions.size(), 0xffffffff);

@@ -59,7 +59,7 @@ TEST(CaptureMeshKinds, EveryFrameHasItsOwnFaces) {
   expectError(readMeshFrame(capture.value(), capture.value().sequences[0], 0), ErrorId::MeshTopology, files.path());
 }
 
-// Names as other programs write them; frame k has k + 1 triangles.
+// File names as other programs write them; frame k has k + 1 triangles.
 TEST(CaptureMeshKinds, FindsNumberedFiles) {
   struct Names {
     const char *prefix, *suffix;
@@ -99,8 +99,8 @@ void expectWords(const BareCapture& files, ErrorId id, const std::string& file, 
   if (!capture.ok()) EXPECT_NE(capture.error().message.find(words), std::string::npos) << capture.error().message;
 }
 
-// Two candidates are not guessed between, whatever comes after them, and whichever has more files; one that is too
-// short is none.
+// Two candidate series are an error, whatever follows their numbers and whichever is longer; a series that is too short
+// is no candidate.
 TEST(CaptureMeshKinds, SeveralSeriesAreNamed) {
   BareCapture files;
   for (int k = 0; k < 3; ++k) {
@@ -117,7 +117,7 @@ TEST(CaptureMeshKinds, SeveralSeriesAreNamed) {
   EXPECT_TRUE(files.openAs(MeshNeed::AnySurface).ok());
 }
 
-// A hole is named by the number that the missing file would have.
+// A gap is reported by the number of the missing file.
 TEST(CaptureMeshKinds, AHoleHasItsNumber) {
   BareCapture files;
   for (const int number : {9, 11, 12}) files.write("walk/mesh/scan_" + std::to_string(number) + ".obj", fanObj(1, 0));
@@ -174,7 +174,7 @@ TEST(CaptureMeshKinds, WithoutMeshesThePicturesAreRead) {
   }
 }
 
-// Whoever needs no meshes is not stopped by broken ones.
+// Readers that need no meshes are not stopped by broken ones.
 TEST(CaptureMeshKinds, MeshesThatNobodyWantsAreNotRead) {
   SmallCapture constant;
   constant.write("walk/mesh/000000.obj", std::string("v nan\n"));
@@ -187,7 +187,7 @@ TEST(CaptureMeshKinds, MeshesThatNobodyWantsAreNotRead) {
   }
 }
 
-// What needs constant topology, as a bake does, refuses the others and says what helps.
+// A reader that needs constant topology, as a bake does, rejects others with a remedy.
 TEST(CaptureMeshKinds, ANeedThatIsNotMetIsRefused) {
   BareCapture files("constant");
   for (const MeshNeed need : {MeshNeed::ConstantTopology, MeshNeed::AnySurface}) {
@@ -196,11 +196,11 @@ TEST(CaptureMeshKinds, ANeedThatIsNotMetIsRefused) {
     EXPECT_NE(none.error().message.find("fourdvt reconstruct"), std::string::npos) << none.error().message;
   }
   files.declare("constant", R"(, "mesh": null)");
-  files.write("walk/mesh/000000.obj", quadObj(0));  // said not to be used
+  files.write("walk/mesh/000000.obj", quadObj(0));  // declared as unused
   expectError(files.openAs(MeshNeed::AnySurface), ErrorId::FileMissing, files / "capture.json");
   files.remove("walk/mesh");
   files.declare("per-frame");
-  const auto free = files.open();  // whether the files are there does not matter
+  const auto free = files.open();  // the files need not exist
   expectError(free, ErrorId::MeshTopology, files / "capture.json");
   EXPECT_NE(free.error().message.find("layers need meshes of constant topology with UVs"), std::string::npos);
 }

@@ -34,7 +34,7 @@ std::vector<glm::uvec3> sheetFaces() {
   return out;
 }
 
-// The first `count` vertices in another order.
+// Permutes the first `count` vertices.
 Positions shuffled(Positions positions, size_t count) {
   std::shuffle(positions.begin(), positions.begin() + long(count), std::mt19937(5));
   return positions;
@@ -97,7 +97,7 @@ TEST(MeshOrder, FramesThatDifferAreNamed) {
   expectFrame(files, "has 576 vertices and 1057 triangles, not 576 and 1058");
 }
 
-// The first sequence's order is that of all.
+// The first sequence's order applies to all.
 TEST(MeshOrder, SequencesAreComparedWithEachOther) {
   SmallCapture files;
   files.write("capture.json", std::string(R"({"fps": 25, "sequences": [{"name": "walk", "frames": 3}, {"name": "run",
@@ -119,7 +119,7 @@ TEST(MeshOrder, PolygonsThatBecomeConcave) {
   EXPECT_TRUE(readMeshFrame(capture.value(), capture.value().sequences[0], 1).ok());
 }
 
-// Meshes of constant topology may begin at any number, too, and PLY is named where its UVs would be needed.
+// Meshes of constant topology may start at any number, and PLY is an error where UVs are required.
 TEST(MeshOrder, ConstantTopologyByAnyNumber) {
   SmallCapture files;
   files.remove("walk/mesh");

@@ -35,7 +35,7 @@ TEST(CaptureObj, LinesMayContinueAndAMarkMayStandBefore) {
   EXPECT_TRUE(parseObj(plain + "f 1/1 2/1 3/1 \\", "a").ok()) << "at the end of the file";
 }
 
-// A polygon may be convex at one instant and concave at another: its triangles stay those of the mesh that is given.
+// A polygon may be convex at one instant and concave at another: it keeps the triangles of the given mesh.
 TEST(CaptureObj, PolygonsAreSplitAsBefore) {
   const std::string flat = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n", dart = "v 0 0 0\nv 1 0 0\nv 0.2 0.2 0\nv 0 1 0\n",
                     rest = "v 9 9 9\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n", quad = "f 2/2 3/3 4/4 1/1\n";

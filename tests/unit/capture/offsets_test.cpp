@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cameras that are off in time, and clips that start later: which picture, mesh and matte is read for a frame.
+// Cameras with time offsets, and clips that start later: indices of the picture, mesh and matte read for a frame.
 #include "capture_fixture.h"
 #include "mattes/frame_reader.h"
 
 namespace fourdvt::capture {
 namespace {
 
-// [camera] grey level of each frame: 10 times the picture's number, and the camera's.
+// [camera] grey level of each frame: 10 × the picture's number, plus the camera's.
 std::vector<std::vector<int>> greysOf(const Capture& capture) {
   std::vector<std::vector<int>> out(capture.cameras.size());
   auto reader = mattes::FrameReader::open(capture, capture.sequences[0], platform::openVideoFile);

@@ -23,7 +23,7 @@ glm::dvec3 areaOf(const Corners& p, const glm::uvec3& t) {
   return 0.5 * glm::cross(glm::dvec3(p[t.y] - p[t.x]), glm::dvec3(p[t.z] - p[t.x]));
 }
 
-// The triangles cover the polygon once: none is turned over, and their areas sum up to its own.
+// Expects triangles that cover the polygon once: none reversed, and their areas sum up to its own.
 void expectCovered(const Corners& corners, const Triangles& triangles, double area) {
   glm::dvec3 sum(0);
   for (const glm::uvec3& t : triangles) sum += areaOf(corners, t);
@@ -52,7 +52,7 @@ TEST(Polygon, ConvexOnesAreFans) {
   for (uint32_t i = 0; i < fan.size(); ++i) ASSERT_EQ(fan[i], glm::uvec3(0, i + 1, i + 2));
 }
 
-// Corners on a side, corners twice, sides that bend out of the plane: as they ever were.
+// Collinear and repeated corners, sides that leave the plane: triangulated as a fan.
 TEST(Polygon, NearlyConvexOnesAreFans) {
   for (const Corners& corners :
        {Corners{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}},
@@ -77,7 +77,7 @@ TEST(Polygon, ConcaveOnesAreCoveredOnce) {
   EXPECT_EQ(split(begunAt(dart, 1)), (Triangles{{3, 0, 1}, {3, 1, 2}})) << "the other diagonal";
 }
 
-// A square with a square hole: the cut that leads to the hole is walked in both directions.
+// A square with a square hole: the cut to the hole is traversed in both directions.
 TEST(Polygon, ACutMayLeadToAHole) {
   const Corners corners{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {0, 0, 0},
                         {1, 1, 0}, {1, 3, 0}, {3, 3, 0}, {3, 1, 0}, {1, 1, 0}};
@@ -87,7 +87,7 @@ TEST(Polygon, ACutMayLeadToAHole) {
   }
 }
 
-// Nothing is right about them: every corner is used, and nothing breaks.
+// Invalid polygons: every corner is used, without a crash.
 TEST(Polygon, CrossingAndFlatOnesAreFans) {
   const float nan = NAN;
   for (const Corners& corners :

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The room that capture.json may give, and the plates that it is textured from.
+// The optional room in capture.json, and the plates for its texture.
 #include "capture_fixture.h"
 #include "mattes/plate_key.h"
 
@@ -46,7 +46,7 @@ TEST(CaptureRoom, PlatesAreAveragedAndSayWhereTheyReach) {
   ASSERT_EQ(plate.value().channels, 4);
   EXPECT_EQ(plate.value().at(8, 6)[0], 50);
   EXPECT_EQ(plate.value().at(0, 0)[3], 255);
-  camera.distortion.k1 = 0.5;  // the corners of the pinhole's picture lie beyond the lens's
+  camera.distortion.k1 = 0.5;  // corners of the pinhole picture lie outside the lens's
   const auto pincushion = mattes::readRoomPlate(capture.value(), camera);
   ASSERT_TRUE(pincushion.ok());
   EXPECT_EQ(pincushion.value().at(8, 6)[3], 255);

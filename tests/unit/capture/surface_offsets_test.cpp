@@ -34,7 +34,7 @@ TEST(SurfaceOffsets, LoopsStayLoops) {
 }
 
 TEST(SurfaceOffsets, MeshThatIsCutAlongASeamStaysClosed) {
-  // A roof of two quads that do not share vertices along the ridge.
+  // A roof of two quads with separate vertices along the ridge.
   MeshTopology topology;
   topology.vertex_count = 8;
   topology.face_vertices = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}};
@@ -42,7 +42,7 @@ TEST(SurfaceOffsets, MeshThatIsCutAlongASeamStaysClosed) {
   SurfaceOffsets offsets;
   offsets.same_as = weldedVertices(given);
   EXPECT_EQ(offsets.same_as, (std::vector<uint32_t>{0, 1, 2, 3, 1, 5, 6, 2}));
-  offsets.constant_m = {0.1f, 0.1f, 0.1f, 0.1f, 0.7f, 0.1f, 0.1f, 0.7f};  // those of the copies do not count
+  offsets.constant_m = {0.1f, 0.1f, 0.1f, 0.1f, 0.7f, 0.1f, 0.1f, 0.7f};  // values of the copies are ignored
   Positions moved = given;
   addOffsets(offsets, topology, offsetsAt(offsets, "walk", 0), moved);
   EXPECT_EQ(moved[1], moved[4]);
@@ -60,7 +60,7 @@ TEST(SurfaceOffsets, EveryMeshFrameThatIsReadHasThem) {
   capture.value().offsets = offsets;
   const auto positions = readMeshFrame(capture.value(), capture.value().sequences[0], 1);
   ASSERT_TRUE(positions.ok());
-  for (const glm::vec3& p : positions.value()) EXPECT_NEAR(p.z, 0.1 + 0.25, 1e-6);  // the quad looks along +z
+  for (const glm::vec3& p : positions.value()) EXPECT_NEAR(p.z, 0.1 + 0.25, 1e-6);  // the quad faces +z
 }
 
 TEST(ColmapText, ReadsBackWhatWasWritten) {

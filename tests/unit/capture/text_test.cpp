@@ -132,7 +132,7 @@ TEST(Text, DecimalCommasAreRefusedByEveryReader) {
         "c.toml: [a]");
 }
 
-// With a mark, Windows' line ends, tabs and comments, every format of lines reads as without.
+// With a byte-order mark, Windows' line ends, tabs and comments, every line-based format reads the same.
 TEST(Text, EveryReaderTakesMarksTabsAndLineEnds) {
   const std::string mark = "\xef\xbb\xbf";
   for (const std::string end : {"\n", "\r\n", "\r"}) {

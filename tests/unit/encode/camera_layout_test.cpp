@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Characters from cameras: regions, packing, the tiled picture's layout, and what fills a tile.
+// Characters from cameras: regions, packing, the tiled picture's layout, and the filling of tiles.
 #include "encode/camera_layout.h"
 
 #include <gtest/gtest.h>
@@ -71,7 +71,7 @@ void expectSound(const CameraLayout& layout, const std::vector<PinholeCamera>& c
   }
 }
 
-// Cells stay whole at every eighth, so that no texel of a smaller picture covers two of them.
+// Cells scale to whole texels at every eighth, so that no texel of a smaller picture covers two cells.
 TEST(CameraLayout, ASmallerPictureKeepsTilesApart) {
   const auto cameras = ring(5, 200, 160);
   const CameraLayout layout = planCameraLayout(cameras, randomRegions(3, 2, 5, 200, 160), 1);
@@ -127,7 +127,7 @@ TEST(CameraLayout, KeepsEveryRegionInOneLayout) {
 }
 
 TEST(CameraLayout, ScaleOneShowsPixelsAsTheyAre) {
-  const auto cameras = ring(3, 101, 75);  // pictures that are no whole cells
+  const auto cameras = ring(3, 101, 75);  // picture sizes that are no multiples of a cell
   const auto regions = randomRegions(3, 2, cameras.size(), 101, 75);
   const CameraLayout layout = planCameraLayout(cameras, regions, 1);
   expectSound(layout, cameras, regions);
@@ -175,7 +175,7 @@ TEST(CameraLayout, RegionsHoldTheProjectedSurface) {
   EXPECT_EQ(united({}, {2, 3, 4, 5}).x, 2);
 }
 
-// A disc of two colours in the middle.
+// Disc of two colours in the middle.
 Image disc(int size) {
   Image out(size, size, 4);
   for (int y = 0; y < size; ++y) {
@@ -243,7 +243,7 @@ TEST(QuantisedSurface, RoundsAndWeldsWhatLiesAtOnePlace) {
   EXPECT_EQ(welded.positions, apart.positions);
 }
 
-// A unit ball of `bands` by 2 `bands` quads, closed.
+// Closed unit sphere of `bands` by 2 `bands` quads.
 TriangleMesh ball(uint32_t bands) {
   TriangleMesh out;
   const uint32_t around = 2 * bands;

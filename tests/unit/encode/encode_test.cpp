@@ -18,7 +18,7 @@ namespace {
 
 constexpr uint32_t kFrames = 29;
 
-// GoogleTest prints it.
+// Name of the parameter, printed by GoogleTest.
 std::string nameOf(const testing::TestParamInfo<Codec>& info) { return infoOf(info.param).name; }
 
 struct EncodeTest : testing::TestWithParam<Codec> {
@@ -35,7 +35,7 @@ struct EncodeTest : testing::TestWithParam<Codec> {
     return codec == Codec::H264 ? "medium" : codec == Codec::Vp9 ? "5" : "7";
   }
 
-  // A disc that moves, so that B-frames pay.
+  // Moving disc, so that B-frames save bits.
   I420Picture picture(uint32_t frame) const {
     Image layer(512, 512, 4, 255);
     for (int y = 0; y < 512; ++y)
@@ -104,7 +104,7 @@ TEST_P(EncodeTest, FolderThatCannotBeWrittenIsOneClearError) {
   EXPECT_NE(written.error().message.find("absent/test.mp4"), std::string::npos);
 }
 
-// What WebCodecs gets: 8 bits, 4:2:0, BT.709, limited range.
+// Codec string for WebCodecs: 8 bits, 4:2:0, BT.709, limited range.
 TEST_P(EncodeTest, CodecStringIsComplete) {
   const auto load = [&](uint32_t gop) { return encode(gop); };
   ASSERT_TRUE(writeMp4(path, settings, uint32_t(first.size()), load).ok());

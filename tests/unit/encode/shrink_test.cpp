@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Smaller layers: constants stay, means are kept, a step moves by area, neighbours in a tiled picture do not bleed in.
+// Smaller layers: constants and means are preserved, a step moves by area, neighbours in a tiled picture do not bleed
+// in.
 #include <gtest/gtest.h>
 
 #include <random>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colours of a surface's vertices against known ones: who sees what, what averages, what is filled.
+// Colours of a surface's vertices against known ones: visibility, averaging, filling.
 #include <gtest/gtest.h>
 
 #include "encode/surfaces.h"
@@ -9,7 +9,7 @@ namespace {
 
 constexpr uint16_t kOne = 65535;
 
-// 200 × 200 pixels, looking at the origin from `z` metres; its pictures are `colour` all over.
+// Camera of 200 × 200 pixels that looks at the origin from `z` metres.
 PinholeCamera cameraAt(double z) {
   PinholeCamera camera;
   camera.width = camera.height = 200;
@@ -31,7 +31,7 @@ Image plain(glm::u8vec3 colour, uint8_t alpha = 255) {
   return out;
 }
 
-// A square of n × n cells round (0, 0, z), facing +Z, or -Z with `turned`.
+// Adds a square of n × n cells round (0, 0, z), facing +Z, or -Z with `turned`.
 void addSquare(TriangleMesh& mesh, double z, double side, uint32_t n, bool turned = false) {
   const auto first = static_cast<uint32_t>(mesh.positions.size());
   for (uint32_t y = 0; y <= n; ++y)
@@ -66,7 +66,7 @@ TEST(VertexColours, AShieldHidesWhatLiesBehindIt) {
   addSquare(mesh, 0, 0.8, 16);
   const size_t wall = mesh.positions.size();
   addSquare(mesh, 0.5, 0.4, 8);
-  // The first camera sees both, and its picture is red where the shield is: the wall must not take that.
+  // The first camera sees both, and its picture is red on the shield: the wall must not take this colour.
   const PinholeCamera camera = cameraAt(2);
   Image picture = plain({0, 0, 255});
   for (int y = 0; y < 200; ++y) {
@@ -83,7 +83,7 @@ TEST(VertexColours, AShieldHidesWhatLiesBehindIt) {
   EXPECT_GT(redShare(wall + 40), 0.99) << "the middle of the shield";
   double most = 0;
   for (size_t v = 0; v < wall; ++v) most = std::max(most, redShare(v));
-  // The square that a vertex averages reaches over the shield's outline by a third of an edge.
+  // The square over which a vertex averages extends past the shield's outline by a third of an edge.
   EXPECT_LT(most, 0.6) << "a vertex behind the shield is red";
   EXPECT_LT(redShare(8 * 17 + 8), 0.01) << "the wall's middle is filled from beside the shield";
 }

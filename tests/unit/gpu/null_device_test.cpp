@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Validation and counting, which the null device and GLES share.
+// Validation and counting, shared by the null device and GLES.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plans and records of jobs: what a piece's name depends on, what counts as done.
+// Plans and records of jobs: inputs of a piece's name, and conditions under which a piece counts as finished.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -77,7 +77,7 @@ TEST_F(Jobs, DamagedAndForeignPlansAreNamed) {
   EXPECT_EQ(readPlan(folder.string()).error().id, ErrorId::FileMissing);
 }
 
-// A hash covers the piece's own inputs and those of all that it needs, and no others.
+// A hash covers the inputs of the piece and of all its prerequisites, and no others.
 TEST(JobPlan, NamesOfOutputsFollowWhatTheyDependOn) {
   const Plan plan = smallPlan();
   Plan other = plan;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Labels on graphs small enough to know the answer: the box between two cameras, chains with every labelling tried,
-// random sheets for what must hold whatever the labels are.
+// Labels on graphs with known answers: the box between two cameras, chains with brute force over all labellings, and
+// random sheets for invariants.
 #include "bake/labels/labelling.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ FaceGraph sheetOf(uint32_t columns, uint32_t rows) {
   return graphOf(columns * rows, std::move(edges));
 }
 
-// Penalties and feasible cameras at random; about one face in ten has no camera, a fifth of the rest are partial.
+// Random penalties and feasible cameras; about one face in ten has no camera, a fifth of the others are partial.
 FaceCosts randomCosts(std::mt19937& random, uint32_t faces, int cameras) {
   FaceCosts out{cameras, std::vector<uint32_t>(faces), std::vector<uint32_t>(faces), {}};
   for (uint32_t f = 0; f < faces; ++f) {
@@ -105,7 +105,7 @@ double energyOf(const Problem& problem, const LabelOptions& options, const Label
 
 uint32_t usable(const FaceCosts& costs, size_t face) { return costs.feasible[face] | costs.partial[face]; }
 
-// The least energy over every labelling with one layer.
+// Minimum energy over all labellings with one layer.
 double bruteForce(const Problem& problem, const LabelOptions& options) {
   const size_t faces = problem.graph.face_count, nodes = faces * problem.frames.size();
   Labels labels(problem.frames.size(), std::vector<uint8_t>(faces));
@@ -174,10 +174,10 @@ TEST_F(BoxLabels, HiddenCamerasAreReplaced) {
 
 // The two triangles of the front face share the diagonal: 1/1 + 1/1 = 2 for a seam, against 0.25 of penalty.
 TEST_F(BoxLabels, SpatialAvoidsASeamThatCostsMoreThanThePenalty) {
-  fractions[8] = 0;  // face 8 must take camera 1, face 9 would rather take camera 0
+  fractions[8] = 0;  // face 8 must take camera 1; face 9 is cheaper with camera 0
   EXPECT_EQ(labels(kNaive)[9], 0);
   EXPECT_EQ(labels(kSpatial)[9], 1);
-  EXPECT_EQ(labels(kSpatial)[12 + 9], 0);  // the next layer, without the camera taken before
+  EXPECT_EQ(labels(kSpatial)[12 + 9], 0);  // the next layer, without the first one's camera
 }
 
 struct AllLabellings : testing::TestWithParam<const Labelling*> {};
@@ -214,7 +214,7 @@ TEST_P(AllLabellings, LabelsDoNotDependOnTheJobCount) {
   }
 }
 
-// Two labels: an expansion is the whole problem, so that one sweep finds the optimum.
+// With two labels one expansion is the whole problem: one sweep finds the optimum.
 TEST(Expansion, IsExactForTwoCameras) {
   for (uint32_t seed = 0; seed < 40; ++seed) {
     Problem problem = randomProblem(seed, chainOf(5), 2, 2);
@@ -236,7 +236,7 @@ TEST(Expansion, IsWithinFivePercentForFourCameras) {
   }
 }
 
-// A block of its own, so that every move can be watched.
+// Uses its own block, to check the energy after every move.
 TEST(Expansion, MovesNeverRaiseTheEnergy) {
   const Problem problem = randomProblem(3, sheetOf(12, 10), 6, 6);
   LabelOptions options;
@@ -266,7 +266,7 @@ TEST(Expansion, MovesNeverRaiseTheEnergy) {
   }
   EXPECT_GT(falls, 10);
   EXPECT_LT(energy, start * 9 / 10);
-  // The integer energy is that of the statistics.
+  // The integer energy equals the statistics' energy.
   block.solve(1);
   Labels planar;
   for (const auto& frame : labels) {
@@ -313,7 +313,7 @@ TEST(Flow, FindsTheMinimumOfRandomGraphs) {
     flow.solve();
     for (int i = 0; i < n; ++i) found |= unsigned(flow.one(i)) << i;
     ASSERT_EQ(cost(found), cost(best)) << "round " << round;
-    ASSERT_EQ(found, best) << "round " << round;  // the smallest of the minima
+    ASSERT_EQ(found, best) << "round " << round;  // the minimum with the fewest ones
   }
 }
 
@@ -323,13 +323,13 @@ TEST(Joint, LossOfFeasibilityForcesAChangeAndOnlyThat) {
   for (int f = 0; f < 6; ++f) costs.penalty.insert(costs.penalty.end(), {0.2f, 0.3f});
   for (int t = 0; t < 20; ++t) problem.frames.push_back(costs);
   for (int t = 10; t < 20; ++t)
-    for (uint32_t& mask : problem.frames[t].feasible) mask = 2;  // camera 0 is lost
+    for (uint32_t& mask : problem.frames[t].feasible) mask = 2;  // camera 0 becomes infeasible
   const Labels labels = solve(problem, withRule(kJoint, 1)).labels;
   for (int t = 0; t < 20; ++t)
     for (int f = 0; f < 6; ++f) EXPECT_EQ(labels[t][f], t < 10 ? 0 : 1) << t;
 }
 
-// One frame in which the other camera is a little better: not worth two flips of every face.
+// In one frame the other camera is slightly better, which does not justify two flips of every face.
 TEST(Joint, IgnoresAShortAdvantageThatSpatialFollows) {
   Problem problem{chainOf(6), {}};
   for (int t = 0; t < 9; ++t) {
@@ -341,7 +341,7 @@ TEST(Joint, IgnoresAShortAdvantageThatSpatialFollows) {
   EXPECT_NEAR(solve(problem, withRule(kSpatial, 1)).statistics.flip_percent[0], 25, 1e-9);  // 2 of 8 steps
 }
 
-// A row of seen, unseen, seen: the label goes on across the middle, and its made-up penalty is not counted.
+// Faces seen, unseen, seen: the label continues across the middle, whose penalty is not counted.
 TEST(Joint, LabelGoesOnAcrossAFaceThatNoCameraSees) {
   Problem problem{chainOf(3), {}};
   for (int t = 0; t < 2; ++t)
@@ -354,9 +354,9 @@ TEST(Joint, LabelGoesOnAcrossAFaceThatNoCameraSees) {
   EXPECT_EQ(spatial.labels[0], (std::vector<uint8_t>{1, package::kNoCamera, 1}));
 }
 
-// What the study takes away to see what it adds.
+// Options that the study switches off to measure the effect of each.
 TEST(Joint, WithoutItsLibertiesItTakesFullyVisibleCamerasOnly) {
-  // Seen, unseen, seen by camera 1; camera 0 sees face 2 in part and is the cheaper one with its neighbours.
+  // Seen, unseen, seen by camera 1; camera 0 sees face 2 in part and is cheaper in total, with its neighbours.
   Problem problem{chainOf(4), {}};
   problem.frames.push_back(
       {2, {0b01, 0, 0b10, 0b01}, {0, 0, 0b01, 0}, {0, 1, 0, 0}, {0.2f, 1, 1.9f, 1.9f, 0.25f, 0.2f, 0.2f, 1}});
@@ -391,7 +391,7 @@ TEST(TemporalPaper, FlipsCostLessTheMoreFacesTheMeshHas) {
   }
 }
 
-// On one random problem: whatever separates the modes shows in their statistics.
+// Compares the rules' statistics on one random problem.
 TEST(Labellings, StandInTheOrderOfWhatTheyAskFor) {
   const Problem problem = randomProblem(11, sheetOf(12, 10), 24, 5);
   const auto of = [&](const Labelling& rule) { return solve(problem, withRule(rule)).statistics; };
@@ -432,7 +432,7 @@ TEST(Windows, CoverEveryFrameOnceAndKeepOddOnesApart) {
       EXPECT_EQ(w.odd, i % 2 == 1);
       EXPECT_LE(w.frozen_end, frames);
       if (i >= 2 && w.odd) {
-        EXPECT_GE(w.frozen_first, windows[i - 2].end);  // never reads what its neighbour writes
+        EXPECT_GE(w.frozen_first, windows[i - 2].end);  // reads no frame that its neighbour writes
         EXPECT_GE(w.first, windows[i - 2].frozen_end);
       }
       next = w.fresh_end;
@@ -457,14 +457,14 @@ TEST(Statistics, CountSeamsAndFlips) {
   EXPECT_NEAR(s.empty_percent, 100 / 8.0, 1e-9);
 }
 
-// Face 3 is not seen in the first frame, face 2 in the second.
+// Face 3 is unseen in the first frame, face 2 in the second.
 TEST(Statistics, CountOnFacesThatACameraSees) {
   const FaceGraph graph = chainOf(4);
   LabelMeter meter(withRule(kNaive, 1), graph);
   FaceCosts costs{2, std::vector<uint32_t>(4, 3), {}, {0, 0, 0, 1}, std::vector<float>(8, 0.5f)};
   meter.add(costs, {0, 0, 1, 0});  // seams 1|2 and 2|3, the second beside an unseen face
   costs.unseen = {0, 0, 1, 0};
-  meter.add(costs, {1, 1, 0, 0});  // seam 1|2 beside an unseen face; flips 0, 1, and 2 that was seen once
+  meter.add(costs, {1, 1, 0, 0});  // seam 1|2 beside an unseen face; flips 0, 1, and 2, seen in one frame only
   const LabelStatistics s = meter.statistics();
   EXPECT_NEAR(s.seam_percent[0], 100 * 3.0 / 6, 1e-9);
   EXPECT_NEAR(s.seen_seam_percent[0], 100 * 1.0 / 3, 1e-9);  // edges 0-1, 1-2; 0-1
@@ -472,7 +472,7 @@ TEST(Statistics, CountOnFacesThatACameraSees) {
   EXPECT_NEAR(s.seen_flip_percent[0], 100 * 2.0 / 2, 1e-9);  // faces 0 and 1
 }
 
-// Keeps windows in memory.
+// Keeps windows of labels in memory.
 struct Shelf {
   std::map<std::pair<uint32_t, uint32_t>, std::vector<uint8_t>> windows;
   std::mutex mutex;
@@ -505,14 +505,14 @@ TEST(SolveLabels, GoesOnWithTheWindowsThatWereKept) {
   ASSERT_EQ(shelf.windows.size(), windows.size());
   const auto all = shelf.windows;
 
-  // Nothing is solved again: costs by which other labels are cheaper do not matter.
+  // Does not solve again, although other costs would give other labels.
   Problem other = problem;
   for (FaceCosts& costs : other.frames)
     for (float& penalty : costs.penalty) penalty = 1 - penalty;
   EXPECT_NE(solve(other, options).labels, expected.labels);
   EXPECT_EQ(solve(other, options, &keeper).labels, expected.labels);
 
-  // Solves what is missing after an interruption, or where a file lost its end.
+  // Solves missing windows, after an interruption or with a truncated file.
   for (const bool odd : {false, true}) {
     shelf.windows = all;
     for (const LabelWindow& window : windows)

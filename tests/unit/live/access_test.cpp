@@ -26,7 +26,7 @@ class Access : public ServiceTest {
     return path;
   }
   void demandTokens() { options_.access.tokens = {"camera-token-1234", "viewer-token-1234", "console-token-123"}; }
-  // A WebSocket of a page opens, and is closed at once with nothing sent before.
+  // Expects that a page's WebSocket opens and is closed at once, without a message before.
   void expectClosed(const std::string& target, int code, const std::string& fields = {}) {
     int opcode = 0;
     const auto socket = open(target, fields);
@@ -114,7 +114,7 @@ TEST_F(Access, OnlyItsOwnNamesReachAServerOnLoopback) {
   }
   for (const char* host : {"rebound.example", "rebound.example:8090", "127.0.0.1.example", "[::1", ""}) {
     const std::string field = "Host: " + std::string(host) + "\r\n";
-    // The page's own origin is that of the wrong name.
+    // The page's own origin has the wrong name.
     expectClosed("/live", kCloseOrigin, field + "Origin: http://" + host + "\r\n");
     EXPECT_EQ(get("/status.json", field), 403) << host;
     EXPECT_EQ(get("/", field), 403) << host;

@@ -10,7 +10,7 @@ TEST_F(LiveCameras, AreMetAndHandTheirMessagesOn) {
   start();
   const auto camera = openCamera("right");
   ASSERT_TRUE(pipeline_.waitFor("connected 1"));
-  const auto settings = readToCamera(std::vector<uint8_t>());  // settings first, then a question
+  const auto settings = readToCamera(std::vector<uint8_t>());  // settings are sent first, then a clock question
   EXPECT_FALSE(settings.ok());
   const std::string first = camera->receiveFrame(), second = camera->receiveFrame();
   const auto told = readToCamera({reinterpret_cast<const uint8_t*>(first.data()), first.size()});
@@ -56,7 +56,7 @@ TEST_F(LiveCameras, ASecondConnectionReplacesTheFirst) {
   second->send(fromCamera(CameraPicture{5}));
   ASSERT_TRUE(pipeline_.waitFor("picture 0 5"));
   expectOthersServed();
-  EXPECT_EQ(pipeline_.count("gone 0"), 0u);  // the first one's end is not the camera's
+  EXPECT_EQ(pipeline_.count("gone 0"), 0u);  // the first connection's end does not disconnect the camera
   second->send(clientFrame(std::string("\x03\xe8", 2), 8));
   EXPECT_TRUE(pipeline_.waitFor("gone 0"));
 }
@@ -73,7 +73,7 @@ TEST_F(LiveCameras, InvalidMessagesCloseThatConnectionOnly) {
       fromCamera(CameraPicture{1}),           // before the Hello
       fromCamera(ClockAnswer{}),              // the same
       fromCamera(Hello{"nobody", 640, 480}),  // not in the rig
-      fromCamera(Hello{"left", 641, 480}),    // another size
+      fromCamera(Hello{"left", 641, 480}),    // another size than in the rig
       afterHello(fromCamera(Hello{"right", 640, 480})),
       afterHello(clientFrame(damaged)),
       afterHello(clientFrame("text", 1)),
@@ -92,7 +92,7 @@ TEST_F(LiveCameras, InvalidMessagesCloseThatConnectionOnly) {
 TEST_F(LiveCameras, OversizeMessagesAndFloodsCloseThatConnectionOnly) {
   start();
   const auto large = openCamera("left");
-  large->send(std::string("\x82\xff\0\0\0\0\0\x40\0\x01", 10) + std::string(4, '\0'));  // 4 MiB and 1 byte, it says
+  large->send(std::string("\x82\xff\0\0\0\0\0\x40\0\x01", 10) + std::string(4, '\0'));  // header of 4 MiB and 1 byte
   EXPECT_EQ(large->receiveClose(), 1009);
   const auto flood = openCamera("left");
   std::string burst;
@@ -139,10 +139,10 @@ TEST_F(LiveCameras, SourcesOfTheRigAreReadWithTheServersClock) {
   EXPECT_EQ(settings.values()[0].tolerance_px, 1.5);
   pipeline_.events.on_settings(0, {9, 50, {}});
   EXPECT_EQ(settings.values().back().tolerance_px, 9);
-  EXPECT_TRUE(pipeline_.waitFor("clock 0 0", 3));                // at first, and each second
+  EXPECT_TRUE(pipeline_.waitFor("clock 0 0", 3));                // at once, and every second
   EXPECT_EQ(openCamera("left")->receiveClose(), kCloseInvalid);  // this process reads it itself
   expectOthersServed();
-  service_.reset();  // before what its workers use
+  service_.reset();  // before its workers' objects
 }
 
 TEST_F(LiveCameras, ASourceThatEndsIsOpenedAgain) {
@@ -161,7 +161,7 @@ TEST_F(LiveCameras, ASourceThatEndsIsOpenedAgain) {
   EXPECT_TRUE(eventually([&] { return starts == 3; }));
   EXPECT_TRUE(pipeline_.waitFor("connected 0", 3));
   EXPECT_EQ(lines_.values()[0], "camera left: the cable was pulled");
-  service_.reset();  // before what its workers use
+  service_.reset();  // before its workers' objects
 }
 
 TEST_F(LiveCameras, ASourceThatCannotBeOpenedAtFirstIsAnError) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A live service with a pipeline that only notes what it is given, for the tests of this folder.
+// A live service with a pipeline that only records its calls, for the tests of this folder.
 #pragma once
 
 #include <atomic>
@@ -9,7 +9,7 @@
 
 namespace fourdvt::live {
 
-// What a FakePipeline has received; outlives it.
+// Calls that a FakePipeline has received; outlives it.
 struct PipelineLog {
   Log<std::string> calls;  // "connected 0", "clock 1 5", "picture 0 7", "key", "tolerance 2", "crf 30"
   PipelineEvents events;
@@ -93,7 +93,7 @@ class ServiceTest : public testing::Test {
   std::string url(const std::string& path) const { return "ws://127.0.0.1:" + std::to_string(port_) + path; }
   void frame(const std::string& bytes, bool key) { pipeline_.events.on_frame(bytesOf(bytes), key); }
 
-  // The status of a WebSocket's handshake; 101: it is open.
+  // Opens a WebSocket. `status`: expected status of the handshake; 101: it is open.
   std::unique_ptr<RawSocket> open(const std::string& target, const std::string& fields = {}, int status = 101,
                                   int receive_bytes = 0) {
     auto socket = std::make_unique<RawSocket>(port_, receive_bytes);
@@ -107,7 +107,7 @@ class ServiceTest : public testing::Test {
     socket->send(fromCamera(Hello{name, 640, 480}));
     return socket;
   }
-  // A viewer and a camera are served as ever.
+  // Expects that another viewer and another camera are still served.
   void expectOthersServed() {
     LoggedClient viewer(url("/live"));
     ASSERT_TRUE(viewer.messages.waitFor(1));

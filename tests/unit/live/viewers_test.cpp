@@ -7,7 +7,7 @@
 namespace fourdvt::live {
 namespace {
 
-// A connection whose queue the test sets.
+// Connection with a queue length set by the test.
 struct FakeConnection final : Connection {
   HttpRequest opened_with;
   std::vector<std::string> sent;
@@ -44,9 +44,9 @@ TEST(SkipPolicy, OneThatIsBehindMissesFramesUpToTheNextKeyAndOthersNone) {
     viewers.send(bytesOf("2"), false);
     (by_bytes ? slow->bytes : slow->messages) += 1;
     viewers.send(bytesOf("3"), false);
-    viewers.send(bytesOf("k4"), true);  // it is behind at a key, too
+    viewers.send(bytesOf("k4"), true);  // its queue is too long at a key, too
     slow->messages = slow->bytes = 0;
-    viewers.send(bytesOf("5"), false);  // it could take it, but has not the frames before
+    viewers.send(bytesOf("5"), false);  // its queue is short, but earlier frames are missing
     viewers.send(bytesOf("k6"), true);
     viewers.send(bytesOf("7"), false);
     EXPECT_EQ(slow->sent, (Sent{"m", "k1", "2", "k6", "7"}));
@@ -114,10 +114,10 @@ TEST_F(LiveViewers, OneThatNeverReadsSlowsNobody) {
   const std::string large(60000, 'x');
   for (size_t i = 0; i < 60; ++i) {
     frame(large, true);
-    ASSERT_TRUE(viewer.messages.waitFor(2 + i));  // it gets every frame
+    ASSERT_TRUE(viewer.messages.waitFor(2 + i));  // receives every frame
   }
   const uint64_t skipped = service_->status().viewers.frames_skipped;
-  EXPECT_GE(skipped, 40u);  // all of the dead one's, but what its sockets hold
+  EXPECT_GE(skipped, 40u);  // all of the dead viewer's, except those in its socket
   EXPECT_LT(skipped, 60u);
 }
 

@@ -27,7 +27,7 @@ size_t covered(const Image& coverage) {
   return size_t(std::count_if(coverage.pixels.begin(), coverage.pixels.end(), [](uint8_t c) { return c >= 128; }));
 }
 
-// The farthest of the outline's points from the circle, but for the ring along the picture's border.
+// Largest distance between the outline and the circle, without the ring along the picture's border.
 double outlineError_px(const Image& coverage, const glm::dvec2& centre, double radius_px) {
   double worst = 0;
   size_t points = 0;
@@ -83,7 +83,7 @@ TEST(Keyer, LeavesShadowsToTheBackground) {
   const glm::dvec2 centre(150, 90), below(200, 190);
   for (const auto& [plate, dark] : {std::pair(wallPlate(320, 240), 0.68), std::pair(greenPlate(320, 240), 0.45)}) {
     Image picture = plate;
-    shade(picture, [&, least = dark](int x, int y) {  // with a soft border, under the disc and beside it
+    shade(picture, [&, least = dark](int x, int y) {  // with a soft border, below the disc and beside it
       const glm::dvec2 off = (glm::dvec2(x, y) - below) / glm::dvec2(90, 40);
       return 1 - (1 - least) * std::clamp(3 * (1.2 - glm::length(off)), 0.0, 1.0);
     });

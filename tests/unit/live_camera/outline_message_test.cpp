@@ -26,7 +26,7 @@ int64_t turn(const Point16& a, const Point16& b, const Point16& c) {
   return (int64_t(b.x) - a.x) * (int64_t(c.y) - a.y) - (int64_t(b.y) - a.y) * (int64_t(c.x) - a.x);
 }
 
-// Whether two edges have a point in common, touching counted.
+// True if two edges intersect or touch.
 bool meet(const Point16& a, const Point16& b, const Point16& c, const Point16& d) {
   const auto sign = [](int64_t v) { return (v > 0) - (v < 0); };
   const int abc = sign(turn(a, b, c)), abd = sign(turn(a, b, d)), cda = sign(turn(c, d, a)), cdb = sign(turn(c, d, b));
@@ -38,7 +38,8 @@ bool meet(const Point16& a, const Point16& b, const Point16& c, const Point16& d
   return abc * abd <= 0 && cda * cdb <= 0;
 }
 
-// Every ring has three points that differ, lies in the picture, and meets neither itself nor another.
+// Expects that every ring has at least three distinct points, lies in the picture, and touches neither itself nor
+// others.
 void expectValid(const std::vector<Ring16>& rings, const Image& coverage) {
   EXPECT_LE(rings.size(), kMaxRings);
   std::vector<std::pair<Point16, Point16>> edges;
@@ -101,7 +102,7 @@ TEST(Rings, FollowADisc) {
       EXPECT_NEAR(glm::length(p - centre), 50, 0.15);
       twice_area += p.x * next.y - p.y * next.x;
     }
-    EXPECT_LT(twice_area, 0);  // background lies outside of it
+    EXPECT_LT(twice_area, 0);  // background lies outside
     EXPECT_NEAR(-twice_area / 2, std::numbers::pi * 2500, 330 * (tolerance_px + 0.1));
   }
 }

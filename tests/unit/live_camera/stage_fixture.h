@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of a stage with a disc in front of it, whose coverage is known exactly.
+// Pictures of a stage with a disc in front, whose coverage is computed exactly.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace fourdvt::live::testing {
 
 using Colour = std::array<double, 3>;
 
-// A wall in soft stripes over a floor.
+// A wall with soft stripes, above a floor.
 inline Image wallPlate(int width, int height) {
   Image out(width, height, 3);
   for (int y = 0; y < height; ++y)
@@ -37,7 +37,7 @@ inline Image greenPlate(int width, int height) {
   return out;
 }
 
-// Share of a pixel within the disc, 0…1.
+// Share of a pixel inside the disc, 0…1.
 inline double discShare(int x, int y, const glm::dvec2& centre, double radius_px) {
   constexpr int kFine = 8;
   int inside = 0;
@@ -63,7 +63,7 @@ inline void paintDisc(Image& picture, const glm::dvec2& centre, double radius_px
       picture, [&](int x, int y) { return discShare(x, y, centre, radius_px); }, colour);
 }
 
-// Darkens, as a shadow does.
+// Multiplies by factor(x, y), as a shadow does.
 inline void shade(Image& picture, const std::function<double(int, int)>& factor) {
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x)

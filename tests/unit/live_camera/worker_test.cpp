@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera whose video shows a disc that moves: what it sends, by the clock.
+// A camera whose video shows a moving disc: its messages, by the clock.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -22,7 +22,7 @@ using namespace fourdvt::live::testing;
 
 constexpr int kWidth = 160, kHeight = 120, kPictures = 20;
 constexpr double kRadius_px = 18;
-constexpr std::chrono::seconds kPatience{100};  // for a busy machine
+constexpr std::chrono::seconds kPatience{100};  // timeout for a busy machine
 
 glm::dvec2 centreOf(int number) { return {30.0 + 5 * number, 60}; }
 
@@ -52,7 +52,7 @@ class Stage : public TempFolder {
   }
 };
 
-// Messages that came, and an error.
+// Received messages, and an error.
 struct Received {
   std::mutex mutex;
   std::condition_variable changed;
@@ -73,7 +73,7 @@ struct Received {
       changed.notify_all();
     };
   }
-  // The messages once `enough` is true of them; none after all patience.
+  // Returns the messages once `enough` returns true for them; none on timeout.
   std::vector<CameraPicture> wait(const std::function<bool(const std::vector<CameraPicture>&)>& enough) {
     std::unique_lock lock(mutex);
     const bool came = changed.wait_for(lock, kPatience, [&] { return error || enough(pictures); });
@@ -82,7 +82,7 @@ struct Received {
   }
 };
 
-// The mean of the ring round the performer.
+// Mean point of the ring round the performer.
 glm::dvec2 middleOf(const CameraPicture& picture) {
   double twice_area = 0;
   glm::dvec2 sum(0);
@@ -121,7 +121,7 @@ TEST(VideoInput, DecodesPicturesByTheirNumber) {
     ASSERT_TRUE(input.value()->convert(rgb).ok());
     const glm::ivec2 centre(centreOf(number));
     EXPECT_NEAR(rgb.at(centre.x, centre.y)[0], 170, 12) << number;
-    const int behind = centre.x - int(kRadius_px) - 3;  // it was there a picture before
+    const int behind = centre.x - int(kRadius_px) - 3;  // the disc's place one picture earlier
     EXPECT_NEAR(rgb.at(behind, 60)[1], wallPlate(kWidth, kHeight).at(behind, 60)[1], 16) << number;
   }
   EXPECT_FALSE(input.value()->decode(kPictures).ok());
@@ -181,11 +181,11 @@ TEST(CameraWorker, ObeysItsSettings) {
     return count;
   };
   received.wait([&](const auto& all) { return !all.empty() && points(all.back()) < 14; });
-  worker.value()->set({1, 85, {0, 0, 16, 16}});  // a corner where the performer never is
+  worker.value()->set({1, 85, {0, 0, 16, 16}});  // a corner that the performer never enters
   const auto pictures = received.wait([](const auto& all) { return !all.empty() && all.back().jpeg.empty(); });
   ASSERT_FALSE(pictures.empty());
   EXPECT_EQ(pictures.back().crop.width, 0);
-  EXPECT_EQ(pictures.back().rings.size(), 1u);  // background all over
+  EXPECT_EQ(pictures.back().rings.size(), 1u);  // nothing but background
 }
 
 TEST(CameraWorker, LeavesPicturesOutWhereNoOneTakesThem) {

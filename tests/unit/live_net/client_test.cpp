@@ -12,7 +12,7 @@ TEST_F(Clients, ReconnectAfterTheServerHasRestarted) {
   LoggedClient client(url());
   ASSERT_TRUE(client.opens.waitFor(1));
   server_.reset();
-  ASSERT_TRUE(client.closes.waitFor(2));  // the loss, and an attempt at least that failed
+  ASSERT_TRUE(client.closes.waitFor(2));  // the loss, and at least one failed attempt
   EXPECT_FALSE(client.client->open());
   client.client->send(bytesOf("dropped"));
   EXPECT_EQ(client.client->queuedBytes(), 0u);

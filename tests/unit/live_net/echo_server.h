@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A server that sends back what it receives, for the tests of this folder.
+// Server that sends back every message, for the tests of this folder.
 #pragma once
 
 #include "socket_fixture.h"
@@ -57,7 +57,7 @@ class EchoServer : public testing::Test {
     port_ = server_->port();
   }
   std::string url(const std::string& path = "/") const { return "ws://127.0.0.1:" + std::to_string(port_) + path; }
-  // Others are served.
+  // Expects that another client is still served.
   void expectEcho() {
     LoggedClient other(url());
     ASSERT_TRUE(other.opens.waitFor(1));
@@ -65,7 +65,7 @@ class EchoServer : public testing::Test {
     ASSERT_TRUE(other.messages.waitFor(1));
     EXPECT_EQ(other.messages.values()[0], "still there?");
   }
-  // A raw socket whose WebSocket is open.
+  // Raw socket with an open WebSocket.
   std::unique_ptr<RawSocket> openRaw(int receive_bytes = 0) {
     auto socket = std::make_unique<RawSocket>(port_, receive_bytes);
     socket->send(upgradeRequest("/"));

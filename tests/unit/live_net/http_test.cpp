@@ -40,7 +40,7 @@ TEST_F(Http, KeepsTheConnectionForFurtherRequests) {
   socket.send("HEAD /three HTTP/1.1\r\nHost: h\r\n\r\n");
   EXPECT_NE(socket.receive("\r\n\r\n").find("Content-Length: 10"), std::string::npos);
   socket.send("GET /four HTTP/1.0\r\n\r\n");
-  const std::string last = socket.receive();  // up to the server's end
+  const std::string last = socket.receive();  // until the server closes
   EXPECT_EQ(bodyOf(last), "/four|||");
 }
 

@@ -11,7 +11,7 @@
 namespace fourdvt::live {
 namespace {
 
-// Writes a key and a certificate that it signs itself. names: as of subjectAltName.
+// Writes a key and a self-signed certificate. names: as in subjectAltName.
 void writeCertificate(const std::string& certificate_file, const std::string& key_file, const char* names) {
   EVP_PKEY* key = EVP_EC_gen("P-256");
   X509* certificate = X509_new();

@@ -31,7 +31,7 @@ TEST_F(WebSockets, CloseHandshakeEndsTheConnectionOnce) {
   ASSERT_TRUE(handler_.closes.waitFor(1));
   expectEcho();
   server_.reset();
-  EXPECT_EQ(handler_.closes.values().size(), 2u);  // that of expectEcho() is the other one
+  EXPECT_EQ(handler_.closes.values().size(), 2u);  // the other one is expectEcho()'s
 }
 
 TEST_F(WebSockets, RefusesAMessageThatIsTooLarge) {
@@ -67,7 +67,7 @@ TEST_F(WebSockets, ClosesWhoSendsTooManyMessages) {
   EXPECT_EQ(socket->receiveClose(), 1008);
   ASSERT_TRUE(handler_.closes.waitFor(1));
   const size_t count = handler_.messages.values().size();
-  EXPECT_GE(count, 10u);  // two seconds' worth at once
+  EXPECT_GE(count, 10u);  // a burst of two seconds' messages
   EXPECT_LT(count, 500u);
   expectEcho();
 }
@@ -88,7 +88,7 @@ TEST_F(WebSockets, GarbageInPlaceOfAFrameEndsThatConnectionOnly) {
   const auto bad = openRaw(), unmasked = openRaw();
   bad->send(std::string(500, '\xff'));
   EXPECT_EQ(bad->receiveClose(), 1002);
-  unmasked->send(std::string("\x82\x01x", 3));  // clients must mask
+  unmasked->send(std::string("\x82\x01x", 3));  // client frames must be masked
   EXPECT_EQ(unmasked->receiveClose(), 1002);
   ASSERT_TRUE(handler_.closes.waitFor(2));
   EXPECT_TRUE(handler_.messages.values().empty());
@@ -128,7 +128,7 @@ TEST_F(WebSockets, TruncatedHandshakesHarmNobody) {
     RawSocket cut(port_), waiting(port_);
     cut.send(request.substr(0, bytes));
     waiting.send(request.substr(0, bytes));
-    EXPECT_EQ(waiting.receive(), "") << bytes;  // closed by the server, after its limit
+    EXPECT_EQ(waiting.receive(), "") << bytes;  // closed by the server at its timeout
   }
   options_.handshake_s = 10;
   start();
@@ -138,7 +138,7 @@ TEST_F(WebSockets, TruncatedHandshakesHarmNobody) {
 
 TEST_F(WebSockets, ADeadClientIsCutAtItsLimitAndOthersGoOn) {
   handler_.limits.max_queued_bytes = 1 << 20;
-  options_.idle_s = 10 * kPatience;  // not closed by that
+  options_.idle_s = 10 * kPatience;  // excludes the idle timeout
   start();
   const auto dead = openRaw(4096);  // never reads
   ASSERT_TRUE(handler_.opens.waitFor(1));
@@ -149,12 +149,12 @@ TEST_F(WebSockets, ADeadClientIsCutAtItsLimitAndOthersGoOn) {
       if (closed == connection) return true;
     return false;
   };
-  for (int sent = 0; sent < 50; ++sent) {  // more than its socket takes and twice what may wait for it
+  for (int sent = 0; sent < 50; ++sent) {  // more than its socket holds, and twice the queue's limit
     connection->send(message);
     if (sent == 10) expectEcho();
   }
   ASSERT_TRUE(eventually(isCut));
-  EXPECT_TRUE(eventually([&] { return connection->queuedBytes() == 0; }));  // nothing is kept for it
+  EXPECT_TRUE(eventually([&] { return connection->queuedBytes() == 0; }));  // its queue is released
   connection->send(message);
   EXPECT_EQ(connection->queuedBytes(), 0u);
   expectEcho();
@@ -207,7 +207,7 @@ TEST_F(WebSockets, CallsActionsPeriodically) {
   Log<int> calls;
   server_->every(0.001, [&] { calls.add(1); });
   EXPECT_TRUE(calls.waitFor(5));
-  server_.reset();  // none comes later: `calls` is about to end
+  server_.reset();  // no call may come after the end of `calls`
 }
 
 }  // namespace

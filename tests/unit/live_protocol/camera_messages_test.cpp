@@ -58,7 +58,7 @@ TEST(FromCamera, ComesBackAsItWas) {
   EXPECT_EQ(m.crop.y, 20);
   EXPECT_EQ(m.crop.width, 30);
   EXPECT_EQ(m.crop.height, 40);
-  EXPECT_TRUE(readFromCamera(writeFromCamera(CameraPicture{})).ok());  // sees nothing
+  EXPECT_TRUE(readFromCamera(writeFromCamera(CameraPicture{})).ok());  // neither outline nor picture
 }
 
 TEST(FromCamera, IsRefusedWhereItEndsEarly) {
@@ -71,7 +71,7 @@ TEST(FromCamera, IsRefusedWhereItEndsEarly) {
     bytes.push_back(0);
     expectRefused(bytes);
   }
-  // Beyond the rings lies the picture, whose length is the message's.
+  // The picture follows the rings, up to the message's end.
   const Bytes bytes = writeFromCamera(picture());
   for (size_t end = 0; end <= bytes.size() - picture().jpeg.size(); ++end)
     expectRefused(Bytes(bytes.begin(), bytes.begin() + long(end)));

@@ -177,7 +177,8 @@ TEST(CommonView, HoldsWhatAllCamerasSee) {
   const auto cameras = ring(4);
   const auto box = commonView(cameras, 0);
   ASSERT_TRUE(box);
-  // A pixel's ray at the picture's side leaves the middle by 320 / 700; the ring turns that into a round column.
+  // A ray at the picture's side has the slope 320 / 700 to the optical axis; the ring of cameras turns this into a
+  // round column.
   const double reach_m = 4 * std::sin(std::atan(320.0 / 700));
   EXPECT_NEAR(box->max.x, reach_m, 0.25);
   EXPECT_NEAR(box->min.x, -reach_m, 0.25);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int64_t kStart_us = 1'800'000'000'000'000;
 
-// An answer by a camera whose clock is `offset_us` ahead; there and back take their times.
+// Adds an answer of a camera whose clock is `offset_us` ahead, with these latencies of question and answer.
 void answer(ClockOffset& clock, int64_t at_us, int64_t offset_us, int64_t there_us, int64_t back_us) {
   clock.add({at_us, at_us + there_us + offset_us}, at_us + there_us + back_us);
 }
@@ -29,10 +29,10 @@ TEST(ClockOffset, IsExactWhereBothWaysTakeTheSame) {
 TEST(ClockOffset, TheShortestRoundTripsDecide) {
   ClockOffset clock;
   for (int i = 0; i < 32; ++i) {
-    const bool quick = i % 8 == 3;  // others wait on the way back, by up to 190 ms
+    const bool quick = i % 8 == 3;  // answers of others are delayed by up to 190 ms
     answer(clock, kStart_us + i * 1'000'000, 3'000'000, 1000, quick ? 1200 : 50'000 + 20'000 * (i % 8));
   }
-  EXPECT_NEAR(double(clock.offset_us()), 3'000'000, 101);  // half of what the quick ones' ways differ by
+  EXPECT_NEAR(double(clock.offset_us()), 3'000'000, 101);  // half the difference between the quick ones' latencies
 }
 
 TEST(ClockOffset, IsWrongByNoMoreThanHalfTheShortestRoundTrip) {
@@ -45,10 +45,10 @@ TEST(ClockOffset, FollowsAClockThatDrifts) {
   ClockOffset clock;
   int64_t offset_us = 0;
   for (int i = 0; i < 600; ++i) {
-    offset_us = i * 100;  // 100 ppm, a question a second
+    offset_us = i * 100;  // 100 ppm, one question per second
     answer(clock, kStart_us + i * 1'000'000, offset_us, 1000 + i % 5, 1000);
   }
-  EXPECT_LT(std::abs(clock.offset_us() - offset_us), 1700);  // sixteen answers' drift
+  EXPECT_LT(std::abs(clock.offset_us() - offset_us), 1700);  // drift over sixteen answers
 }
 
 TEST(ClockOffset, BeginsAnewAfterAJump) {
@@ -67,9 +67,9 @@ TEST(ClockOffset, DoesNotTakeADelayForAJump) {
 
 TEST(ClockOffset, LeavesOutImpossibleAnswers) {
   ClockOffset clock;
-  clock.add({kStart_us + 1, kStart_us}, kStart_us);          // to a question of the future
-  clock.add({kStart_us - 6'000'000, kStart_us}, kStart_us);  // of long ago
-  clock.add({kStart_us, INT64_MAX}, kStart_us);              // no time
+  clock.add({kStart_us + 1, kStart_us}, kStart_us);          // to a question in the future
+  clock.add({kStart_us - 6'000'000, kStart_us}, kStart_us);  // too long ago
+  clock.add({kStart_us, INT64_MAX}, kStart_us);              // invalid time
   clock.add({INT64_MIN, kStart_us}, kStart_us);
   EXPECT_FALSE(clock.known());
 }

@@ -25,7 +25,7 @@ class InstantsTest : public ::testing::Test {
     for (size_t c = 0; c < kCameras; ++c) instants.setConnected(c, true, kBegin_us);
   }
   static int64_t timeOf(int frame, int64_t phase_us = 0) { return kBegin_us + frame * kPeriod_us + phase_us; }
-  // Arrives 20 ms after it was taken.
+  // Sends a picture 20 ms after its capture.
   bool send(size_t camera, int frame, int64_t phase_us = 0) {
     return instants.add(camera, pictureAt(timeOf(frame, phase_us)), timeOf(frame, phase_us + 20'000));
   }
@@ -52,7 +52,7 @@ TEST_F(InstantsTest, IsMadeAsSoonAsAllAreThere) {
   EXPECT_EQ(instants.skipped(), 0u);
 }
 
-// Near the border of two slots every bit of jitter would put a picture into the other one.
+// Near a slot's border jitter could move a picture into the neighbouring slot.
 TEST_F(InstantsTest, ACameraHalfAFrameApartKeepsItsSlots) {
   std::mt19937 random(3);
   std::uniform_int_distribution<int64_t> jitter_us(-3000, 3000);
@@ -110,7 +110,7 @@ TEST_F(InstantsTest, ACameraThatGoesIsNotWaitedFor) {
   EXPECT_TRUE(taken->instant.complete);
 }
 
-// Its pictures would never be in time: after some of them the others go on without it, without waiting.
+// Its pictures would always be late: after some of them, instants are made without waiting for it.
 TEST_F(InstantsTest, ACamera200msLateDoesNotHoldUpTheOthers) {
   std::vector<int64_t> made_us;  // after the capture
   int f = 0;
@@ -125,7 +125,7 @@ TEST_F(InstantsTest, ACamera200msLateDoesNotHoldUpTheOthers) {
   ASSERT_GT(made_us.size(), 50u);
   EXPECT_EQ(made_us.back(), 20'000);
   EXPECT_GT(instants.late(kCameras - 1), 40u);
-  // It catches up: its pictures are used again.
+  // Its delay ends: its pictures are used again.
   for (int frame = 60; frame < 64; ++frame) {
     for (size_t c = 0; c < kCameras; ++c) send(kCameras - 1 - c, frame);
     const auto taken = instants.take(timeOf(frame, 30'000));

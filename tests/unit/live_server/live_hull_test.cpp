@@ -37,7 +37,7 @@ HullMaker makerOf(const std::vector<PinholeCamera>& cameras) {
   return maker.take();
 }
 
-// A ring round the whole picture.
+// Ring along the border of the whole picture.
 Ring16 wholePicture() {
   const auto w = uint16_t(16 * kWidth), h = uint16_t(16 * kHeight);
   return {{0, 0}, {0, h}, {w, h}, {w, 0}};  // the background inside
@@ -96,7 +96,7 @@ TEST(LiveHull, NobodyIsAnEmptyHull) {
   EXPECT_TRUE(hull.value().mesh.faces.empty());
 }
 
-// A ring that crosses itself far from any tolerance: no hull closes with it.
+// Ring that crosses itself by far more than any tolerance: no hull closes with it.
 TEST(LiveHull, GoesOnWithoutAnOutlineThatCrossesItself) {
   const Shape ball = reconstruct::ballShape(glm::dvec3(0), 0.5);
   Outlines seen = outlines(ball, 1);
@@ -120,7 +120,7 @@ TEST(LiveHull, LeavesOutSpecksAndWhatNobodySees) {
   const auto hull = makerOf(seen.cameras).make(seen.pointers());
   ASSERT_TRUE(hull.ok());
   EXPECT_EQ(reconstruct::checkMesh(hull.value().mesh).components, 1);
-  // Bounds far larger than the pictures: their corners are carved by nobody.
+  // Bounds far larger than the pictures: no camera carves their corners.
   auto large = HullMaker::create(seen.cameras, {{glm::vec3(-1.9f), glm::vec3(1.9f)}});
   ASSERT_TRUE(large.ok());
   const auto in_large = large.value().make(seen.pointers());
@@ -139,7 +139,7 @@ TEST(LiveHull, RefusesACameraWithinTheBounds) {
 
 TEST(RingCoverage, IsTheExactArea) {
   RingCoverage coverage;
-  // A triangle within a rectangle, both at fractions of pixels.
+  // A triangle within a rectangle, both with fractional pixel coordinates.
   auto at = [](double x, double y) { return Point16{uint16_t(16 * x), uint16_t(16 * y)}; };
   const std::vector<Ring16> rings = {{at(1.5, 2.25), at(1.5, 20.75), at(30.25, 20.75), at(30.25, 2.25)},
                                      {at(5, 5.5), at(22.75, 8), at(10.5, 16.25)}};

@@ -19,7 +19,7 @@ struct Yuv {
   double y, u, v;
 };
 
-// BT.709, limited range.
+// Converts to BT.709, limited range.
 Yuv yuvOf(const uint8_t* rgb) {
   const double r = rgb[0] / 255.0, g = rgb[1] / 255.0, b = rgb[2] / 255.0;
   const double y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
@@ -114,7 +114,7 @@ TEST(JpegDecoder, RefusesWhatIsNoJpegOrOfAnotherSize) {
   EXPECT_TRUE(decoder->decode(jpeg, 64, 48).ok()) << "and goes on";
 }
 
-// A picture that moves, with a barcode.
+// Moving picture with a barcode.
 struct Moving {
   PackedSize size = packedSize(reconstruct::sixCameras(), 0.5).take();
   std::vector<uint8_t> y = std::vector<uint8_t>(size_t(size.width) * size.height);
@@ -164,7 +164,7 @@ TEST(LiveEncoder, GivesEveryPictureAtOnceInOrderWithKeysOnDemand) {
   EXPECT_TRUE(std::is_sorted(times_us.begin(), times_us.end()));
 }
 
-// A viewer that joins at a key needs nothing from before.
+// A viewer that joins at a key needs no earlier pictures.
 TEST(LiveEncoder, AKeyDecodesWithoutWhatWasBefore) {
   Moving moving;
   auto encoder = LiveEncoder::create({moving.size.width, moving.size.height, 25, 23}).take();

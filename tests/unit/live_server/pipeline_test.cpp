@@ -34,11 +34,11 @@ struct Made {
   bool key;
 };
 
-// A pipeline and what came out of it.
+// A pipeline with its outputs.
 class Stage {
  public:
   explicit Stage(PipelineOptions options, Rig stage_rig = ballRig()) : rig(std::move(stage_rig)) {
-    options.wait_s = 5;  // a slow machine shall not make incomplete instants
+    options.wait_s = 5;  // avoids incomplete instants on a slow machine
     options.lost_s = 100;
     PipelineEvents events;
     events.on_frame = [this](std::shared_ptr<const std::vector<uint8_t>> frame, bool key) {
@@ -71,7 +71,7 @@ class Stage {
 
   static int64_t offset_us(size_t camera) { return int64_t(camera) * 3'000'000 - 7'000'000; }
 
-  // All cameras' pictures of the next instant.
+  // Sends all cameras' pictures of the next instant.
   void send() {
     const int64_t time_us = began_us + std::llround(1e6 / rig.fps * double(++sent));
     std::this_thread::sleep_until(std::chrono::system_clock::time_point(std::chrono::microseconds(time_us)));
@@ -104,7 +104,7 @@ class Stage {
   std::vector<std::string> warnings;
   int64_t began_us = 0;
   int sent = 0;
-  std::unique_ptr<Pipeline> pipeline;  // the last: its threads end first
+  std::unique_ptr<Pipeline> pipeline;  // last member: its threads end first
 };
 
 nlohmann::json extensionOf(const std::string& manifest) {
@@ -238,7 +238,7 @@ TEST(LivePipeline, PicturesBeforeTheClockIsKnownAreNotUsed) {
   Stage stage({});
   ASSERT_TRUE(stage.pipeline);
   stage.pipeline->setConnected(0, false);
-  stage.pipeline->setConnected(0, true);  // its clock is unknown again
+  stage.pipeline->setConnected(0, true);  // resets its clock offset
   stage.send();
   EXPECT_EQ(stage.pipeline->lastPicture(0).rings, stage.pictures[0].rings);
   const int64_t now = timeNow_us();

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int64_t kFrame_us = 40'000;
 
-// Frames whose work has a part that the tolerance does not change, and hulls: with a tolerance of t px, t^-0.7 as much.
+// Simulated load: work independent of the tolerance, and hulls, proportional to t^-0.7 at a tolerance of t px.
 struct Load {
   double fixed = 0.3, hull_at_1px = 0.6, machine = 1;
   double other() const { return machine * fixed; }
@@ -22,7 +22,7 @@ struct Machine {
   Load load;
   int64_t now_us = 0;
   int changes = 0;
-  // The cameras' outlines are of a tolerance some frames old.
+  // Tolerances that the outlines of the last frames were made with.
   std::vector<double> used = std::vector<double>(4, 1.0);
 
   void seconds(double count) {
@@ -51,7 +51,7 @@ TEST(ToleranceControl, GivesWayInTwoSecondsAndReturnsSlowly) {
   Machine run{ToleranceControl({0.5, 16, 0.75})};
   run.seconds(30);
   const double before_px = run.control.tolerance_px();
-  run.load.machine = 1.8;  // somebody takes a core
+  run.load.machine = 1.8;  // another process takes a core
   run.seconds(2.1);
   EXPECT_LE(run.busy(), 0.75 * 1.2);
   run.seconds(10);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The key against a natural background, on pictures whose mattes are known: a textured wall, an object with a texture
-// of its own, a hard shadow, sensor noise.
+// The key against a natural background, on pictures with known mattes: a textured wall, an object with its own texture,
+// a hard shadow, sensor noise.
 #include "mattes/background_key.h"
 
 #include <cmath>
@@ -33,14 +33,14 @@ double normal(uint32_t x, uint32_t y, uint32_t z) {
 
 uint8_t level(double v) { return static_cast<uint8_t>(std::lround(std::min(255.0, std::max(0.0, v)))); }
 
-// sRGB: what is left of an encoded level where linear light is multiplied by `ratio`.
+// Encoded sRGB level after multiplying linear light by `ratio`.
 double scaled(double encoded, double ratio) {
   const double v = encoded / 255, linear = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
   const double out = linear * ratio;
   return 255 * (out <= 0.0031308 ? 12.92 * out : 1.055 * std::pow(out, 1 / 2.4) - 0.055);
 }
 
-// Boards of different browns and greys with grain.
+// Boards in different browns and greys, with grain.
 void wall(int x, int y, double (&rgb)[3]) {
   const uint32_t board = uint32_t(x / 17), row = uint32_t((y + 31 * (board % 5)) / 53);
   const double grain = 14 * std::sin(0.9 * x + 7 * random01(board, row, 3)) + 9 * std::sin(0.21 * y + x);
@@ -61,7 +61,7 @@ void cloth(int x, int y, double (&rgb)[3]) {
 struct Scene {
   std::function<double(double x, double y)> object = [](double, double) { return 0.0; };  // coverage, 0…1
   std::function<bool(int x, int y)> shadow = [](int, int) { return false; };
-  double light = 0.35;  // what the shadow leaves of linear light
+  double light = 0.35;  // factor of linear light in the shadow
   double noise = kNoise;
   double brightness = 1;  // of the wall, linear
   double texture = 1;     // contrast of the wall
@@ -105,7 +105,7 @@ struct Scene {
   }
 };
 
-// A disc with a soft pixel at its outline.
+// Coverage of a disc, with a ramp of one pixel at its outline.
 std::function<double(double, double)> disc(double cx, double cy, double radius) {
   return [=](double x, double y) { return std::min(1.0, std::max(0.0, radius + 0.5 - std::hypot(x - cx, y - cy))); };
 }
@@ -132,7 +132,7 @@ TEST(CaptureBackgroundKey, TellsTheObjectFromItsHardShadow) {
   }
 }
 
-// The same brightness as in the shadow, but the boards' grain is gone: something stands there.
+// An area as dark as the shadow, but without the boards' grain: an object.
 TEST(CaptureBackgroundKey, AShadowKeepsTheTextureAndAnObjectDoesNot) {
   Scene scene;
   scene.shadow = inShadow;
@@ -150,7 +150,7 @@ TEST(CaptureBackgroundKey, AShadowKeepsTheTextureAndAnObjectDoesNot) {
   EXPECT_GT(kept(backgroundKey(object, model), inShadow), 0.6 * 38 * 129);
 }
 
-// A cloth of the boards' own hue, as dark as they are in the shadow beside it, but with another texture, or none.
+// A cloth of the boards' hue, as dark as the shadow beside it, but with another texture, or none.
 TEST(CaptureBackgroundKey, ADarkClothOfTheWallsHueIsNoShadow) {
   Scene scene;
   scene.shadow = [](int x, int y) { return y > 120 && x > 20; };
@@ -169,7 +169,7 @@ TEST(CaptureBackgroundKey, ADarkClothOfTheWallsHueIsNoShadow) {
     int mistaken = 0;
     for (int y = 26; y < 95; ++y)
       for (int x = 66; x < 135; ++x) mistaken += cost.at<float>(y, x) > 0;
-    // Pixel by pixel much of it is no darker than the boards may be in a shadow; neighbours and the cut decide.
+    // Many of its pixels alone could be shadowed boards; the neighbours and the cut decide.
     EXPECT_LT(mistaken, (contrast > 0 ? 0.05 : 0.45) * 69 * 69) << contrast;
     const Image alpha = backgroundKey(picture, model);
     EXPECT_GT(kept(alpha, cloth), 0.95 * 79 * 79) << contrast;
@@ -177,7 +177,7 @@ TEST(CaptureBackgroundKey, ADarkClothOfTheWallsHueIsNoShadow) {
   }
 }
 
-// Whatever a wall's colour, one shadow has one ratio: linear light's by the exponent of sRGB's curve.
+// A shadow has the same ratio on all colours: that of linear light, to the power of the sRGB curve.
 TEST(CaptureBackgroundKey, AShadowHasOneRatio) {
   for (const double brightness : {1.0, 0.15}) {
     Scene scene;
@@ -217,7 +217,7 @@ TEST(CaptureBackgroundKey, HolesStayAndSpecksGo) {
   EXPECT_EQ(kept(alpha, near(80, 60, 4)), kept(Image(kWidth, kHeight, 1, 255), near(80, 60, 4)));
 }
 
-// Without noise the ramp is the mixture: the outline is known to a fraction of a pixel.
+// Without noise the ramp equals the mixture: the outline is known to a fraction of a pixel.
 TEST(CaptureBackgroundKey, OutlineIsTheShareOfTheObject) {
   Scene scene;
   scene.noise = 0.3;
@@ -238,7 +238,7 @@ TEST(CaptureBackgroundKey, OutlineIsTheShareOfTheObject) {
   EXPECT_NEAR(area, truth, 0.005 * truth);
 }
 
-// A curtain that moves between the plates is background wherever it hangs.
+// A curtain that moves between the plates is background in all its places.
 TEST(CaptureBackgroundKey, SeveralPlatesSayWhatFlickers) {
   Scene scene;
   const auto moving = [&](uint32_t take) {
@@ -261,7 +261,7 @@ TEST(CaptureBackgroundKey, PlatesOfABackdropAreTold) {
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {
       const double light = 1.1 - 0.5 * y / kHeight;
-      const bool stand = x < 40;  // not all of the picture
+      const bool stand = x < 40;  // a part of the picture only
       for (uint32_t c = 0; c < 3; ++c) {
         const double n = kNoise * normal(uint32_t(x), uint32_t(y), c);
         green.at(x, y)[c] = level(stand ? 90 + n : light * std::array{46, 168, 82}[c] + n);
@@ -272,7 +272,7 @@ TEST(CaptureBackgroundKey, PlatesOfABackdropAreTold) {
   EXPECT_TRUE(isChromaPlate(blue));
   EXPECT_FALSE(isChromaPlate(grey));
   EXPECT_FALSE(isChromaPlate(Scene().picture(0)));
-  // A green floor before bluish walls is a room, though all of it is about as saturated.
+  // A green floor and bluish walls are a room, although saturated about equally everywhere.
   Image room(kWidth, kHeight, 3);
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x)

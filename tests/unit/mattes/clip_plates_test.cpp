@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Backgrounds from clips that always show the performer.
+// Plates from clips in which the performer is always visible.
 #include "mattes/clip_plates.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ TEST(ClipPlates, ShowWhatIsBehindTheMasks) {
   std::vector<Image> pictures;
   std::vector<cv::Mat> masks;
   for (uint32_t k = 0; k < 10; ++k) {
-    // Two metres to and fro, and one ball that never leaves.
+    // One ball that moves two metres back and forth, and one that never leaves.
     const std::vector<Ball> balls{{{0.2 * k - 0.9, 0.3, 0}, 0.2}, {{0, -0.3, 0}, 0.15}};
     pictures.push_back(filmed(rig, 0, balls, k));
     masks.push_back(maskOf(rig[0], balls));
@@ -31,7 +31,7 @@ TEST(ClipPlates, ShowWhatIsBehindTheMasks) {
       }
       if (plate.known[i]) worst = std::max(worst, std::abs(plate.mean[3 * i] - roomLevel(0, x, y, 0)));
     }
-  EXPECT_LT(worst, 6);  // noise of a median of three at least
+  EXPECT_LT(worst, 6);  // noise of a median of at least three
   size_t known = 0;
   for (const uint8_t k : plate.known) known += k;
   EXPECT_GT(double(known), 0.9 * kSide * kSide);
@@ -46,7 +46,7 @@ TEST(ClipPlates, SeparateAPerformerWhoNeverLeaves) {
     const double t = double(k);
     const std::vector<Ball> balls{{{0.45 * std::sin(t), 0, 0.45 * std::cos(1.3 * t)}, 0.33, {200, 90, 70}, 35},
                                   {{0.45 * std::sin(t), 0.42, 0.45 * std::cos(1.3 * t)}, 0.17, {70, 60, 190}, 35}};
-    // Somebody else moves where only camera 1 looks.
+    // Another person moves, visible to camera 1 only.
     const Ball stranger{{-1.25, 0.1 * std::sin(3 * t), 0.3}, 0.2, {90, 200, 90}, 35};
     for (size_t i = 0; i < rig.size(); ++i) {
       auto seen = balls;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hints: what is read, what is refused, and how strokes travel.
+// Hints: accepted and rejected files, and tracking of strokes.
 #include "mattes/hints.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 
 using capture::SmallCapture;
 
-// 16 × 12, transparent but for a white pixel at (3, 2) and a black one at (8, 6).
+// 16 × 12 pixels, transparent except a white pixel at (3, 2) and a black one at (8, 6).
 Image strokePicture() {
   Image out(SmallCapture::kWidth, SmallCapture::kHeight, 4);
   std::fill_n(out.at(3, 2), 4, uint8_t(255));
@@ -50,7 +50,7 @@ TEST(Hints, AreReadFromBothPlaces) {
   files.remove("hints");
   files.write("hints/walk/cam00/000000.png", strokePicture());
   EXPECT_EQ(read(files).value()[0].count(0), 1u);
-  // Hints of a camera that is left out, and of a sequence that is not asked for, do no harm.
+  // Hints of omitted cameras and unrequested sequences are ignored.
   EXPECT_EQ(read(files, "cam01").value().size(), 1u);
   EXPECT_TRUE(read(files, "cam00").ok());
   files.remove("hints");
@@ -93,7 +93,7 @@ TEST(Hints, ThinStrokesTravelAndEnd) {
   EXPECT_LE(track.cost().at<float>(21, 33), -kObeyed);
   EXPECT_FALSE(track.idle());
   track.advance(flat, nullptr);
-  // Followed or lost, it is not obeyed for ever.
+  // Tracked or lost, its effect ends.
   const cv::Mat cost = track.cost();
   EXPECT_GT(cost.empty() ? 0 : cost.at<float>(21, 33), -kObeyed);
 }
@@ -121,7 +121,7 @@ TEST(Hints, TravelWithWhatTheyWerePaintedOn) {
   EXPECT_FALSE(track.idle());
   EXPECT_LE(track.cost().at<float>(60, 40), -kObeyed);
   for (int k = 1; k <= 5; ++k) track.advance(square(20 + 3 * k, true), nullptr);
-  // The square is 15 pixels further; so are its strokes. Those on the room stay where they are.
+  // The square has moved by 15 pixels, and its strokes with it. Strokes on the room stay in place.
   const cv::Mat cost = track.cost();
   EXPECT_LT(cost.at<float>(60, 40 + 15), 0);
   EXPECT_GT(cost.at<float>(60, 40 + 15), -kObeyed);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mattes of all cameras together, against balls in a noisy room.
+// Joint mattes of all cameras, on balls in a noisy room.
 #include "mattes/joint_mattes.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ struct Scene {
   }
 };
 
-// The performer before six cameras; made once.
+// The performer in front of six cameras; created once.
 const Scene& performerScene() {
   static const Scene scene({kPerformer});
   return scene;
@@ -58,7 +58,7 @@ TEST(JointMattes, AgreesWithTheTruth) {
 
 TEST(JointMattes, DropsWhatNoOtherCameraSees) {
   Scene scene = performerScene();
-  // Somebody in the background whom only camera 0 sees.
+  // A person in the background, visible to camera 0 only.
   const Ball stranger{{1.3, 0.1, 0.1}, 0.3, {60, 70, 210}, 25};
   scene.pictures[0] = filmed(scene.rig, 0, {kPerformer, stranger}, 7);
   const cv::Mat truth = maskOf(scene.rig[0], {kPerformer}), other = maskOf(scene.rig[0], {stranger}) & ~truth;
@@ -69,7 +69,7 @@ TEST(JointMattes, DropsWhatNoOtherCameraSees) {
   EXPECT_GT(cv::countNonZero(by_itself & other), 0.9 * cv::countNonZero(other));
   EXPECT_LT(cv::countNonZero(together & other), 0.02 * cv::countNonZero(other));
   EXPECT_GT(unionShare(together, truth), 0.97);
-  // … and says so.
+  // The result reports this.
   EXPECT_LT(mattes[0].supported, 0.9);
   EXPECT_GT(cv::countNonZero((mattes[0].dropped == 255) & other), 0.8 * cv::countNonZero(other));
 }
@@ -94,8 +94,8 @@ TEST(JointMattes, FillsWhatAllOthersDemand) {
 
 TEST(JointMattes, TakesPatchesOnTheFloorForShadows) {
   Scene scene = performerScene();
-  // A patch on the floor, a third as bright as the plate, with a pattern that no plate has, so that a camera by itself
-  // takes it for an object. All cameras see it.
+  // A floor patch at a third of the plate's brightness, with a pattern of its own, so that each camera alone takes it
+  // for an object. Visible to all cameras.
   std::vector<cv::Mat> patch;
   for (size_t i = 0; i < scene.rig.size(); ++i) {
     const PinholeCamera& c = scene.rig[i].pinhole;
@@ -143,11 +143,11 @@ TEST(JointMattes, LeavesMattesOfTheCaptureAlone) {
   views[1].given = Image(kSide, kSide, 1);
   const cv::Mat truth = maskOf(scene.rig[1], {kPerformer});
   std::copy(truth.begin<uint8_t>(), truth.end<uint8_t>(), views[1].given.pixels.begin());
-  for (int x = 0; x < 20; ++x) *views[1].given.at(x, 3) = 200;  // nobody supports it, but it is given
+  for (int x = 0; x < 20; ++x) *views[1].given.at(x, 3) = 200;  // without support, but final
   views[1].given_is_final = true;
   const auto mattes = JointMattes(scene.rig, kFloor_m).make(views);
   EXPECT_EQ(mattes[1].matte.pixels, views[1].given.pixels);
-  // A colour key's matte may lose what others contradict.
+  // A colour key's matte may lose pixels that other cameras contradict.
   views[1].given_is_final = false;
   const auto keyed = JointMattes(scene.rig, kFloor_m).make(views);
   EXPECT_EQ(*keyed[1].matte.at(5, 3), 0);
@@ -172,7 +172,7 @@ TEST(JointMattes, ObeysHints) {
 }
 
 TEST(JointMattes, CutsLargePicturesAsSmallOnes) {
-  // 25 times as many pixels: cut at a reduced size, and again along the outline.
+  // 25 times as many pixels: cut at a reduced size, then refined along the outline.
   auto rig = ringOf(3);
   for (auto& c : rig) {
     PinholeCamera& p = c.pinhole;
@@ -197,7 +197,7 @@ TEST(KeyCut, JudgesByColoursWhereNoPlateShowsTheBackground) {
   const Image picture = filmed(rig, 0, {kPerformer}, 3);
   BackgroundModel plate = makeBackgroundModel(std::vector<Image>{filmed(rig, 0, {}, 4)});
   const cv::Mat truth = maskOf(rig[0], {kPerformer});
-  // Nothing is known round the performer, and what the plate has there is the performer itself.
+  // The plate is unknown round the performer, and shows the performer itself there.
   plate.known.assign(size_t(kSide * kSide), 1);
   cv::Mat box = cv::Mat::zeros(kSide, kSide, CV_8U);
   box(cv::Rect(40, 30, 80, 90)) = 255;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The minimum cut of a matte against all splits of a small picture.
+// Compares the minimum cut of a matte with all labellings of a small picture.
 #include <gtest/gtest.h>
 
 #include <random>

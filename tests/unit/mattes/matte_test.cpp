@@ -62,7 +62,7 @@ TEST(CaptureMatte, RampIsSoftAndSpecksGo) {
   EXPECT_LT(*alpha.at(38, 25), 255);
 }
 
-// The sample's own mattes are the yardstick.
+// Compares with the sample's own mattes.
 TEST(CaptureMatte, AgreesWithTheSamplesMattes) {
   for (const char* name : {"00", "03", "06"}) {
     auto video = platform::openVideoFile(kSample + "/walk/cam" + name + ".mp4", 3);

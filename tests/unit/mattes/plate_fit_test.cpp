@@ -26,7 +26,7 @@ double noise(uint32_t x, uint32_t y, uint32_t z) {  // variance 1
   return (hash(x, y, z) % 10000 / 10000.0 - 0.5) * std::sqrt(12.0);
 }
 
-// A smooth, textured wall at any place of the picture, levels.
+// Level of a smooth, textured wall at any position in the picture.
 double wall(double x, double y, int c) {
   return 120 + 50 * std::sin(x / 11 + c) * std::cos(y / 7) + 30 * std::sin((x + 2 * y) / 23) + 10 * c;
 }
@@ -34,7 +34,7 @@ double wall(double x, double y, int c) {
 struct Change {
   double gain[3] = {1, 1, 1}, offset = 0;
   double dx = 0, dy = 0, turn = 0;  // picture → plate: pixels, radians
-  double object = 0;                // share of the picture's width that something else covers
+  double object = 0;                // share of the picture's width covered by an object
 };
 
 Image filmed(const Change& change, uint32_t take) {
@@ -113,7 +113,7 @@ TEST(CapturePlateFit, MovedAndExposedAnew) {
   EXPECT_LT(fit.residual_levels, 3.0f);
 }
 
-// Another room: nothing is fitted that would make it look alike.
+// Another room: no fit may make it look alike.
 TEST(CapturePlateFit, AnotherRoomDoesNotFit) {
   Image other = filmed({}, 30);
   for (uint8_t& v : other.pixels) v = uint8_t(255 - v);
@@ -121,7 +121,7 @@ TEST(CapturePlateFit, AnotherRoomDoesNotFit) {
   EXPECT_GT(fit.residual_levels, 15.0f);
 }
 
-// One level, no structure: no shift, no division by nothing.
+// A constant wall without structure: no shift, no division by zero.
 TEST(CapturePlateFit, APlainWallHasAGainAndNoShift) {
   const std::vector<Image> plain{Image(kWidth, kHeight, 3, 100)};
   const PlateFit fit = fitPlate(makeBackgroundModel(plain), Image(kWidth, kHeight, 3, 110));

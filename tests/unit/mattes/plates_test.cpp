@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A capture without mattes: which key its plates get, how capture.json overrides that, and what is wrong with plates
-// and mattes.
+// Captures without mattes: the key chosen for their plates, its override in capture.json, and errors in plates and
+// mattes.
 #include "capture/matte_flaw.h"
 #include "capture_fixture.h"
 #include "mattes/background_key.h"
@@ -35,7 +35,7 @@ Image greenPlate() {
   return out;
 }
 
-// With a blue box in front.
+// Adds a blue box in the foreground.
 Image withObject(Image plate) {
   for (int y = 20; y < 60; ++y)
     for (int x = 30; x < 60; ++x) plate.at(x, y)[0] = 40, plate.at(x, y)[1] = 60, plate.at(x, y)[2] = 180;
@@ -66,7 +66,7 @@ class PlateCapture : public SmallCapture {
   void setMattes(const std::string& stem, const Image& matte) const {
     for (int frame = 0; frame < kFrames; ++frame) write(stem + "/" + numbered(frame, ".png"), matte);
   }
-  // The first frame's mattes; empty ones if the capture does not open.
+  // Mattes of the first frame; empty if the capture does not open.
   std::vector<Image> mattes() const {
     auto capture = open();
     EXPECT_TRUE(capture) << capture.error().message;
@@ -136,7 +136,7 @@ TEST(CapturePlates, MissingOrOfAnotherSize) {
   expectError(files.open(), ErrorId::FileUnreadable, files / "background/cam00.png");
 }
 
-// Another room, or the light was off.
+// Plates of another room, or with the light off.
 TEST(CapturePlates, PlateThatDoesNotFit) {
   PlateCapture files;
   Image other = woodPlate();
@@ -154,7 +154,7 @@ TEST(CapturePlates, NobodyInThePictureIsNoError) {
 
 Image invertedMatte() {
   Image out(kWidth, kHeight, 1, 255);
-  for (int y = 20; y < kHeight; ++y)  // the object's feet are cut off
+  for (int y = 20; y < kHeight; ++y)  // removes the object's feet
     for (int x = 30; x < 60; ++x) *out.at(x, y) = 0;
   return out;
 }
@@ -179,7 +179,7 @@ TEST(CapturePlates, InvertedMatteVideosAreNamed) {
   expectError(openCapture(files.path(), video), ErrorId::FileUnreadable, files / "walk/mask00.mkv");
 }
 
-// The object fills the picture but for its upper corners.
+// Matte of an object that fills the picture except its upper corners.
 Image closeUp() {
   Image out(kWidth, kHeight, 1, 255);
   for (int y = 0; y < 40; ++y)
@@ -188,7 +188,7 @@ Image closeUp() {
   return out;
 }
 
-// Two values, as a label picture has.
+// Label picture of two values.
 Image labels(uint8_t object) {
   Image out(kWidth, kHeight, 1);
   for (int y = 20; y < 60; ++y)
@@ -208,9 +208,9 @@ TEST(MatteFlaw, IsOfMattesThatCannotBeMeant) {
   EXPECT_EQ(flawOf(specks), MatteFlaw::Covered);
   EXPECT_EQ(flawOf(Image(kWidth, kHeight, 1, 0)), MatteFlaw::None);
   EXPECT_EQ(flawOf(labels(1)), MatteFlaw::Labels);
-  EXPECT_EQ(flawOf(labels(38)), MatteFlaw::Labels);  // the first colour of a palette for labels
+  EXPECT_EQ(flawOf(labels(38)), MatteFlaw::Labels);  // first colour of a usual label palette
   EXPECT_EQ(flawOf(labels(128)), MatteFlaw::None);
-  Image noise(kWidth, kHeight, 1, 0);  // left by compression where nothing is seen
+  Image noise(kWidth, kHeight, 1, 0);  // compression noise of an empty matte
   *noise.at(4, 4) = *noise.at(9, 3) = 1;
   EXPECT_EQ(flawOf(noise), MatteFlaw::None);
   Image ramp(kWidth, kHeight, 1, 0);
@@ -239,7 +239,7 @@ TEST(CapturePlates, OneFrameThatIsFilledIsNoError) {
   expectError(files.open(), ErrorId::FileUnreadable, files / "walk/mask01");
 }
 
-// The first frame that shows something is judged.
+// Checks the first non-empty frame.
 TEST(CapturePlates, EmptyMattesAreNotJudged) {
   PlateCapture files;
   files.setMattes("walk/mask01", Image(kWidth, kHeight, 1, 0));

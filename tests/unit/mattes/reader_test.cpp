@@ -58,7 +58,7 @@ TEST(CaptureReader, UnitsBecomeMetres) {
   EXPECT_NEAR(readMeshFrame(capture.value(), capture.value().sequences[0], 0).value()[1].x, 0.01, 1e-7);
 }
 
-// Pictures of white colour whose shape is in the alpha channel, of the performer's colours, and with nobody in them.
+// White pictures with a shape in the alpha channel, pictures in the performer's colours, and empty ones.
 TEST(CaptureReader, AMatteIsTheAlphaOfAPictureThatIsNotOpaque) {
   SmallCapture files;
   for (const int colour : {255, 40}) {
@@ -132,7 +132,7 @@ TEST(CaptureReader, OpensTheSample) {
   EXPECT_EQ(walk0.value()[0], glm::vec3(-0.1292f, 0.8370f, -0.1328f));
 }
 
-// The surface lies a millimetre or two outside the performer: a vertex at the outline may miss by a few pixels.
+// True near the matte: the surface lies one or two millimetres outside the performer, hence some pixels at the outline.
 bool onMatte(const Image& picture, double x, double y) {
   for (int dy = -4; dy <= 4; dy += 4) {
     for (int dx = -4; dx <= 4; dx += 4) {
@@ -142,7 +142,7 @@ bool onMatte(const Image& picture, double x, double y) {
   return false;
 }
 
-// The projected mesh must lie on the matte: calibration, mesh and video belong together.
+// The projected mesh must lie on the matte, which checks calibration, mesh and video together.
 TEST(CaptureReader, SampleMeshProjectsOntoItsMattes) {
   auto capture = openCapture(kSample, platform::openVideoFile, {"run"});
   ASSERT_TRUE(capture.ok());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Support of masks by other cameras, and silhouettes that do not fit, against balls whose masks are exact.
+// Support of masks by other cameras, and contradicting silhouettes, on balls with exact masks.
 #include "mattes/support.h"
 
 #include <gtest/gtest.h>
@@ -29,14 +29,14 @@ TEST(MattesSupport, SaysWhatOtherCamerasSee) {
   const auto rig = ringOf(6);
   const SupportFinder finder(rig, kFloor_m);
   std::vector<cv::Mat> masks = masksOf(rig, {kPerformer});
-  // A ball that no other camera has in its mask, beside the performer as camera 0 sees it.
+  // A ball that is in camera 0's mask only, beside the performer.
   const Ball stranger{{1.2, 0, 0.2}, 0.2, {}, 0};
   masks[0] |= maskOf(rig[0], {stranger});
   const auto support = finder.find(masks, 1);
   for (size_t i = 0; i < rig.size(); ++i) EXPECT_EQ(missedAt(finder, support, i, rig[i], {0, 0, 0}), 0) << i;
   EXPECT_GE(missedAt(finder, support, 0, rig[0], stranger.centre), 1);
-  // The highest supported place in the middle of the performer: its top is 0.45 m above its centre, 0.95 above ground;
-  // hulls of six cameras are a little larger.
+  // Highest supported position in the middle of the performer, whose top is 0.45 m above its centre, 0.95 above ground;
+  // hulls of six cameras are slightly larger.
   const glm::dvec3 p = rig[2].pinhole.project({0, 0, 0});
   const float height = finder.fullSize(support[2].height_m, 2).at<float>(int(p.y), int(p.x));
   EXPECT_GT(height, 0.5);
@@ -46,7 +46,7 @@ TEST(MattesSupport, SaysWhatOtherCamerasSee) {
 TEST(MattesSupport, FindsWhatLiesOnTheFloor) {
   const auto rig = ringOf(6);
   const SupportFinder finder(rig, kFloor_m);
-  // A flat patch: the masks of a ball that is squeezed onto the floor.
+  // A flat patch: masks of a ball flattened onto the floor.
   std::vector<cv::Mat> masks;
   for (const auto& c : rig) {
     cv::Mat mask(kSide, kSide, CV_8U, cv::Scalar(0));
@@ -73,7 +73,7 @@ TEST(MattesSupport, ReachesWhereTheOwnMaskHasAHole) {
   const SupportFinder finder(rig, kFloor_m);
   const auto support = finder.find(masks, 1);
   EXPECT_EQ(missedAt(finder, support, 3, rig[3], {0, 0, 0}), 0);
-  // A camera with an empty mask takes no part.
+  // A camera with an empty mask is ignored.
   masks[3] = cv::Mat::zeros(kSide, kSide, CV_8U);
   const auto without = finder.find(masks, 1);
   EXPECT_EQ(missedAt(finder, without, 0, rig[0], {0, 0, 0}), 0);
@@ -83,7 +83,7 @@ TEST(MattesSupport, SeesThroughLenses) {
   auto rig = ringOf(5);
   for (size_t i = 0; i < rig.size(); ++i) rig[i].distortion.k1 = i % 2 ? -0.6 : 0.5;
   const Ball performer{{0.75, 0.1, 0}, 0.3, {}, 0};  // where lenses matter
-  // Masks as filmed: a filmed pixel shows what the pinhole has at pinholePixel.
+  // Masks with distortion: a filmed pixel shows the pinhole's content at pinholePixel.
   std::vector<cv::Mat> masks;
   for (const auto& c : rig) {
     cv::Mat mask(kSide, kSide, CV_8U, cv::Scalar(0));
@@ -109,7 +109,7 @@ TEST(MattesSupport, GuessesWhereAllCamerasLook) {
   const cv::Mat seen = finder.fullSize(finder.seenByAll()[0], 0);
   const glm::dvec3 middle = rig[0].pinhole.project({0, 0, 0});
   EXPECT_EQ(seen.at<uint8_t>(int(middle.y), int(middle.x)), 255);
-  // A camera that looks away from all others leaves nothing that all see.
+  // A camera that faces away from all others: no space is visible to all.
   rig[3].pinhole = testing::lookAt({0, 1.2, 3}, {0, 1.2, 9}, kSide, kSide, 190);
   EXPECT_EQ(cv::countNonZero(SupportFinder(rig, kFloor_m).seenByAll()[0]), 0);
 }
@@ -130,7 +130,7 @@ TEST(MattesAgreement, NamesTheCameraThatDoesNotFit) {
 TEST(MattesAgreement, NamesTheCameraWhoseMaskIsTheWholePicture) {
   const auto rig = ringOf(6);
   std::vector<cv::Mat> masks = masksOf(rig, {kPerformer});
-  masks[2] = cv::Mat(kSide, kSide, CV_8U, cv::Scalar(255));  // takes nothing from the others
+  masks[2] = cv::Mat(kSide, kSide, CV_8U, cv::Scalar(255));  // contradicts no other mask
   const auto why = disagreement(rig, masks);
   ASSERT_TRUE(why.has_value());
   EXPECT_NE(why->find("\"cam02\""), std::string::npos) << *why;
@@ -143,7 +143,7 @@ TEST(MattesAgreement, ToleratesStrangersAndEmptyCameras) {
   masks[0] |= maskOf(rig[0], {{{1.1, 0.2, 0.2}, 0.3, {}, 0}});
   masks[1] = cv::Mat::zeros(kSide, kSide, CV_8U);
   EXPECT_FALSE(disagreement(rig, masks).has_value());
-  // Two cameras cannot tell which of them is wrong.
+  // With two cameras it is undecidable which one is wrong.
   for (size_t i = 2; i < masks.size(); ++i) masks[i] = cv::Mat::zeros(kSide, kSide, CV_8U);
   masks[1] = maskOf(rig[1], {{{1, 0, 1}, 0.2, {}, 0}});
   EXPECT_FALSE(disagreement(rig, masks).has_value());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blur, misplacement and flicker of pictures whose answers are known.
+// Blur, displacement and flicker of pictures with known results.
 #include "lab/measure/appearance_score.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kSide = 96;
 
-// Opaque, grey by `level(x, y)`.
+// Opaque picture of grey `level(x, y)`.
 template <class Level>
 Image picture(const Level& level, int channels = 3) {
   Image out(kSide, kSide, channels, 255);
@@ -20,7 +20,7 @@ Image picture(const Level& level, int channels = 3) {
   return out;
 }
 
-// No shift of it is like another.
+// Noise that differs from all its shifts.
 int noise(int x, int y) {
   uint32_t h = uint32_t(x + 50) * 374761393u + uint32_t(y + 50) * 668265263u;
   h = (h ^ (h >> 13)) * 1274126177u;
@@ -39,7 +39,7 @@ Mask insideOf(int margin) {
 TEST(Rmse, IsTheShareOfTheWholeRange) {
   const Image a = picture([](int, int) { return 100; });
   EXPECT_NEAR(rmse(a, picture([](int, int) { return 151; }), everywhere()), 0.2, 1e-12);
-  // Half of the pixels by 51 levels: the root of the mean square.
+  // Half of the pixels differ by 51 levels.
   EXPECT_NEAR(rmse(a, picture([](int x, int) { return x % 2 ? 151 : 100; }), everywhere()), 0.2 / std::sqrt(2.0), 1e-9);
   EXPECT_NEAR(rmse(a, picture([](int x, int) { return x % 2 ? 151 : 100; }), everywhere()),
               std::pow(10, -psnr(a, picture([](int x, int) { return x % 2 ? 151 : 100; }), everywhere()) / 20), 1e-9);
@@ -52,7 +52,7 @@ TEST(GradientRatio, IsTheSquareOfTheContrast) {
   };
   EXPECT_NEAR(gradientRatio(grating(80), grating(40), everywhere()), 0.25, 0.005);
   EXPECT_NEAR(gradientRatio(grating(40), grating(80), everywhere()), 4, 0.08);
-  // The mean of two pictures a quarter of the wavelength apart: cos²(45°) is left.
+  // Mean of two pictures a quarter of the wavelength apart: cos²(45°) remains.
   const Image ghost = picture([](int x, int) {
     return std::lround(128 + 40 * (std::sin(2 * M_PI * x / 16) + std::sin(2 * M_PI * (x + 4) / 16)));
   });
@@ -72,13 +72,13 @@ TEST(ShiftTolerantPsnr, ForgivesWhatLiesWithinReach) {
 
 TEST(ShiftTolerantPsnr, EveryBlockHasItsOwnShift) {
   const Image truth = picture(noise);
-  // The left half lies one way, the right half the other; the border is between two blocks.
+  // The left half is shifted one way, the right half the other; the border lies between two blocks.
   const Image torn = picture([](int x, int y) { return noise(x + (x < 48 ? 3 : -3), y); });
   Mask away = insideOf(8);
   for (int y = 0; y < kSide; ++y)
     for (int x = 44; x < 52; ++x) away[size_t(y) * kSide + x] = 0;
   EXPECT_EQ(shiftTolerantPsnr(truth, torn, away), 100);
-  EXPECT_LT(shiftTolerantPsnr(truth, torn, away, {.block_px = kSide}), 25);  // no one shift fits both
+  EXPECT_LT(shiftTolerantPsnr(truth, torn, away, {.block_px = kSide}), 25);  // no single shift fits both halves
 }
 
 TEST(ShiftTolerantPsnr, IsPsnrWithoutReachAndNeverBelowIt) {
@@ -113,7 +113,7 @@ TEST(Flicker, AnErrorThatComesCountsWithItsSize) {
   const TrueAndDrawn brighter{good.truth, opaque([](int x, int y) { return noise(x, y) + 12; })};
   EXPECT_EQ(flickerLevels(good, brighter, still()), 12);
   EXPECT_EQ(flickerLevels(brighter, good, still()), 12);
-  // The truth gets brighter too: nothing flickers.
+  // The truth brightens equally: no flicker.
   const TrueAndDrawn both{brighter.picture, brighter.picture};
   EXPECT_EQ(flickerLevels(good, both, still()), 0);
 }
@@ -134,7 +134,7 @@ TEST(VisibleMotion, FollowsTheSurfaceAndLeavesOutWhatIsHiddenThen) {
   PinholeCamera camera;
   camera.width = 80, camera.height = 60;
   camera.fx = camera.fy = 50, camera.cx = 40, camera.cy = 30;
-  // A wall at 2 m that stands still, and a smaller plate at 1 m that moves 0.2 m to the right: 10 pixels.
+  // A static wall at 2 m, and a smaller plate at 1 m that moves 0.2 m to the right: 10 pixels.
   const auto quad = [](double x0, double x1, double y, double z) {
     return Positions{{x0, -y, z}, {x1, -y, z}, {x1, y, z}, {x0, y, z}};
   };

@@ -8,7 +8,7 @@
 namespace fourdvt::measure {
 namespace {
 
-// Ten frames; `ahead`: of where the motion is by then.
+// Elapsed shares of ten frames; `ahead`: offset of the motion.
 std::vector<double> passing(double ahead, bool loop) {
   std::vector<double> out;
   for (int f = 0; f < 10; ++f) out.push_back(f / (loop ? 10.0 : 9.0) + ahead);

@@ -8,7 +8,7 @@
 namespace fourdvt::measure {
 namespace {
 
-// A square of this side, its upper left corner at (at, at), in a picture of 40 × 40 pixels.
+// Square of this side with its upper left corner at (at, at), in a picture of 40 × 40 pixels.
 Image square(int side, int at, int channels = 1) {
   Image out(40, 40, channels);
   for (int y = at; y < at + side; ++y)
@@ -29,9 +29,9 @@ TEST(MatteAgreement, LeavesOutTheBandAndMeasuresTheEdge) {
   MatteAgreement near;
   near.add(square(24, 8, 4), square(20, 10));
   EXPECT_NEAR(near.iou(), 400.0 / 576, 1e-12);
-  // In the corners the pixel at (2, 2) beyond the corner pixel is √8 from it: outside the band.
+  // At each corner the pixel offset by (2, 2) is √8 from the corner pixel: outside the band.
   EXPECT_NEAR(near.iouOutsideBand(), 256.0 / 260, 1e-12);
-  // The outer edge has 92 pixels, the inner 76, each of which is 2 from the outer one.
+  // The outer edge has 92 pixels; the inner one 76, each 2 pixels from the outer edge.
   const double sides = 80 * 2, beside = 8 * std::sqrt(5.0), corners = 4 * std::sqrt(8.0);
   EXPECT_NEAR(near.edgeDistance(), (sides + beside + corners + 76 * 2) / (92 + 76), 1e-6);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures of blended and moving appearance with closed forms.
+// Measures of blended and moving appearance, against closed forms.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -43,7 +43,7 @@ TEST(Sharpness, OfAGratingHasClosedForm) {
 }
 
 TEST(Sharpness, FallsWithTheCosineOfADoubleImagesPhase) {
-  // Half of each of two gratings an angle apart is a grating of cos(angle / 2) the contrast.
+  // The mean of two gratings at a phase difference has the contrast cos(difference / 2).
   const Image a = grating(16, 0), b = grating(16, 1.2);
   const double ratio = sharpness(mean(a, b), everywhere()).gradient / sharpness(a, everywhere()).gradient;
   EXPECT_NEAR(ratio, std::pow(std::cos(0.6), 2), 0.02);

@@ -41,7 +41,7 @@ TEST(Projective, WeightsAreThePapersEquations) {
 }
 
 TEST(Projective, OccludedCamerasDoNotContribute) {
-  // A small square 0.5 m before the first one hides its centre from camera 0 but not from the oblique view and camera.
+  // A small square 0.5 m in front hides the centre from camera 0, but not from the oblique view and camera.
   std::vector<glm::uvec3> faces = kSquareFaces;
   Positions positions = kSquare;
   for (const glm::vec3& p : kSquare) positions.push_back(0.2f * p + glm::vec3(0, 0, 0.5f));
@@ -53,7 +53,7 @@ TEST(Projective, OccludedCamerasDoNotContribute) {
   EXPECT_EQ(out.at(32, 32)[0], 255);
 }
 
-// 3 cm before a person is an occluder; on a figurine a tolerance of 1 cm would look through it.
+// A surface 3 cm in front of a person is an occluder; a figurine needs a tolerance far below 1 cm.
 TEST(Projective, TheToleranceOfDepthFollowsTheSurfacesSize) {
   const auto picture = [](double scale) {
     std::vector<glm::uvec3> faces = kSquareFaces;

@@ -8,7 +8,7 @@
 namespace fourdvt::measure {
 namespace {
 
-// A square of 1 m in the plane y = height, of 2 · n · n faces, its first corner at x = from.
+// Square of 1 m in the plane y = height, 2 · n · n faces, first corner at x = from.
 TriangleMesh square(float height, float from = 0, int n = 4) {
   TriangleMesh mesh;
   for (int i = 0; i <= n; ++i)
@@ -38,7 +38,7 @@ TEST(SurfaceDistance, ReachesEdgesAndCornersFromBeyond) {
 }
 
 TEST(SurfaceDistance, HalfOfAShiftedSquareLiesApart) {
-  // Points of the shifted square beyond the other one's edge: from 0 to 0.5 m, evenly.
+  // Points of the shifted square beyond the other's edge: distances from 0 to 0.5 m, uniform.
   const DistanceFigures figures = surfaceDistance(square(0, 0.5f), square(0), 0.01);
   EXPECT_NEAR(figures.mean_m, 0.125, 0.005);
   EXPECT_NEAR(figures.median_m, 0, 0.02);
@@ -53,7 +53,7 @@ TEST(SurfaceDistance, PointsAreSpreadEvenlyWhateverTheFacesSize) {
 
 TEST(SurfaceDistance, FacesOfAnySizeAreHeldInBoundedMemory) {
   TriangleMesh huge = square(0);
-  for (glm::vec3& p : huge.positions) p *= 1e5f;  // 100 km: somebody's units are wrong
+  for (glm::vec3& p : huge.positions) p *= 1e5f;  // 100 km: wrong units
   EXPECT_NEAR(DistanceToSurface(huge).at({5e4, 0.3, 5e4}), 0.3, 1e-3);
 }
 

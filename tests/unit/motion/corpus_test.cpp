@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A corpus of an old layout would be refused at the first byte, and the fuzzing would test nothing.
+// Checks that the corpus is accepted: one of an outdated layout would be rejected at once, and fuzzing would test
+// nothing.
 #include <gtest/gtest.h>
 
 #include <fstream>

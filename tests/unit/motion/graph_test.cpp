@@ -8,7 +8,7 @@
 namespace fourdvt::motion {
 namespace {
 
-enum { kLocomotion, kPickup, kWave };  // states; nothing leads to or from wave
+enum { kLocomotion, kPickup, kWave };  // states; wave has no transitions
 
 struct Fixture {
   package::Character character;
@@ -19,7 +19,7 @@ struct Fixture {
     character.sequences = {sequence(10, true, 2), sequence(6, false, 1), sequence(4, true, 1)};
     states = {{10, {{1, 0}, {0.5f, 0.5f}, {0, 1}}}, {6, {{1}}}, {4, {{1}}}};
     tables.resize(9);
-    // Cost 100, but 1 at frames 2 and 8 of the middle row, 50 at frame 5.
+    // Cost 100, except 1 at frames 2 and 8 of the middle row, 50 at frame 5.
     std::vector<Entry>& to_pickup = tables[kLocomotion * 3 + kPickup];
     for (uint32_t r = 0; r < 3; ++r) {
       for (uint32_t f = 0; f < 10; ++f) {
@@ -79,7 +79,7 @@ TEST(MotionGraph, PlansTheBestExitWithinTheLatency) {
   EXPECT_EQ(best->entry.frame, 4u);
   EXPECT_EQ(best->source, int(kLocomotion));
   EXPECT_EQ(best->target, int(kPickup));
-  // Of another weight there is nothing better than frame 5.
+  // At other weights no frame is better than frame 5.
   EXPECT_EQ(graph.plan({kLocomotion, 5, std::vector<float>{1, 0}, 10}, kPickup, {0, 0.4, 20})->exit_frame, 5u);
 }
 
@@ -100,7 +100,7 @@ TEST(MotionGraph, BeginsNoSoonerThanItCan) {
   const MotionGraph graph = Fixture().graph();
   EXPECT_EQ(graph.plan({kLocomotion, 1, kMiddle, 10}, kPickup, {0.1, 0.4, 20})->exit_frame, 2u);
   EXPECT_EQ(graph.plan({kLocomotion, 1, kMiddle, 10}, kPickup, {0.11, 0.4, 20})->exit_frame, 5u) << "2 is over by then";
-  // Where the bound leaves no choice: the soonest.
+  // If none is within the bound: the earliest.
   EXPECT_EQ(graph.plan({kLocomotion, 1, kMiddle, 10}, kPickup, {0.55, 0.4, 20})->wait_frames, 6u);
   EXPECT_EQ(graph.plan({kLocomotion, 1, kMiddle, 10}, kPickup, {0.25, -1, 20})->wait_frames, 3u);
   EXPECT_EQ(graph.plan({kPickup, 3, std::vector<float>{1}, 25}, kLocomotion, {9, 9, 20})->exit_frame, 5u) << "its last";
@@ -159,7 +159,7 @@ TEST(MotionGraph, EveryTruncationIsRejected) {
     std::vector<uint8_t> cut(whole.begin(), whole.begin() + long(size));
     expectInvalid(cut, f.character);
     if (size < 12) continue;
-    put(cut, 8, uint32_t(size));  // says that it is complete
+    put(cut, 8, uint32_t(size));  // declares the cut size
     expectInvalid(cut, f.character);
   }
   std::vector<uint8_t> longer = whole;

@@ -21,7 +21,7 @@ Member speedMember(const char* name, double speed_mps, double duration_s) {
   return member;
 }
 
-// Walk and run: travel and duration mix linearly, so speed does not.
+// Walk and run: travel and duration blend linearly, hence speed does not.
 Sequence locomotion() {
   Sequence sequence;
   sequence.members = {speedMember("walk", 1.2, 1.2), speedMember("run", 2.7, 0.7)};
@@ -80,7 +80,7 @@ TEST(ParameterSpace, PlainSequenceHasOneWeight) {
   EXPECT_EQ(parameterRange(plain, 0).max, 0);
 }
 
-// Jumps by height and length: a square of four members, cut along its diagonal. The second parameter's unit is a
+// Jumps by height and length: a square of four members, split along its diagonal. The second parameter's unit is a
 // hundred times smaller.
 Sequence jumps() {
   Sequence sequence;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Coarse chunks: how far their values may be off, and what they keep.
+// Coarse chunks: error bounds, and values that are preserved exactly.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ ChunkFrames wavyFrames() {
   return in;
 }
 
-// The largest error along an axis, in coarse steps.
+// Largest error along any axis, in coarse steps.
 template <int N>
 double errorOf(const std::vector<glm::vec<N, int>>& exact, const std::vector<glm::vec<N, int>>& coarse, double scale) {
   double largest = 0;

@@ -188,8 +188,8 @@ TEST(StreamHeader, RefusesMembersReferencesAndAlignmentThatCannotBe) {
   refuse([](StreamIndex& i) { i.reference_count = kMaxReferences + 1; });
   refuse([](StreamIndex& i) { i.alignment_count = 1; });  // of 3 members: 0 or 2
   refuse([](StreamIndex& i) { i.alignment_count = 3; });
-  refuse([](StreamIndex& i) { i.member_count = 1, i.alignment_count = 0; });  // 4 references of one motion
-  refuse([](StreamIndex& i) { i.member_count = 1, i.reference_count = 0; });  // aligned with nothing
+  refuse([](StreamIndex& i) { i.member_count = 1, i.alignment_count = 0; });  // references, but one motion
+  refuse([](StreamIndex& i) { i.member_count = 1, i.reference_count = 0; });  // alignment of one member
   refuse([](StreamIndex& i) { i.alignment_step_m = 0; });
   refuse([](StreamIndex& i) { i.alignment_step_m = INFINITY; });
   StreamIndex plain = smallIndex();
@@ -301,7 +301,7 @@ TEST(Chunk, RoundTripsExactly) {
   }
 }
 
-// Every part is coded by itself: what another one holds does not change its bytes.
+// Parts are coded independently: another part's content does not change their bytes.
 TEST(Chunk, OpensWithTheLengthsOfItsParts) {
   const ChunkFrames in = randomFrames(3, 20, 30, 3, 1, {2, 2, true});
   const ChunkMesh mesh = strandMesh(20, 30);
@@ -327,7 +327,7 @@ TEST(Chunk, OpensWithTheLengthsOfItsParts) {
   for (size_t p = 0; p < 7; ++p) EXPECT_EQ(a[p] == b[p], p != 3 && p != 4) << p;
 }
 
-// Zeros cost nearly nothing, and a field that moves as a whole costs what one vertex does.
+// Zeros cost almost nothing, and a constant field as much as one vertex.
 TEST(Chunk, SmoothFieldsAreSmall) {
   const ChunkMesh mesh = makeChunkMesh(cylinder(40, 100));
   ChunkFrames in{10, mesh.vertexCount(), mesh.faceCount(), 1, 2, 2, 1, {}, {}, {}, {}, {}};
@@ -348,7 +348,7 @@ TEST(Chunk, RefusesTruncationTrailingBytesAndOtherCounts) {
     ASSERT_FALSE(out.ok()) << part.size();
     EXPECT_EQ(out.error().id, ErrorId::StreamInvalid);
   };
-  // Every truncation, of a chunk with fewer bytes.
+  // Tests every truncation, on a smaller chunk.
   const ChunkFrames small = randomFrames(3, 8, 10, 2, 1, {2, 1, true});
   const ChunkMesh small_mesh = strandMesh(8, 10);
   const std::vector<uint8_t> small_bytes = encodeChunk(small, small_mesh).take();
@@ -358,7 +358,7 @@ TEST(Chunk, RefusesTruncationTrailingBytesAndOtherCounts) {
   std::vector<uint8_t> longer = bytes;
   longer.push_back(7);
   refuse(longer, index, 0, mesh);
-  for (size_t part = 0; part < 10; ++part) {  // the byte now belongs to a part, or the last part's to the root motion
+  for (size_t part = 0; part < 10; ++part) {  // moves a byte to the next part, the last one's to the root motion
     std::vector<uint8_t> moved = longer;
     ++moved[part * 4];
     refuse(moved, index, 0, mesh);
@@ -455,8 +455,8 @@ TEST(Chunk, RefusesToEncodeWhatDoesNotFit) {
   EXPECT_FALSE(encodeChunk(good, strandMesh(20, 29)).ok());
 }
 
-// The streams of version 3 as they must always be read: a change of layout or prediction needs a new version. (A corpus
-// of another layout would be refused at the first byte, too, and the fuzzing would test nothing.)
+// Decodes streams of version 3, forever: a change of layout or prediction needs a new version. (A corpus of another
+// layout would be rejected at once, and fuzzing would test nothing.)
 TEST(FuzzCorpus, StreamsDecodeToWhatTheyAlwaysDid) {
   const auto read = [](const char* name) {
     std::ifstream file(std::string(FOURDVT_SOURCE_DIR "/tests/fuzz/corpus/stream_fuzz/") + name, std::ios::binary);

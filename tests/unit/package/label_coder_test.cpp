@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The coders of labels and positions, each alone: what they give back, how small, and what they refuse.
+// The coders of labels and positions, each alone: round trips, sizes, and rejected bytes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,7 +25,7 @@ ChunkFrames emptyFrames(const ChunkMesh& mesh, uint32_t frames, uint32_t layers)
   return {frames, mesh.vertexCount(), mesh.faceCount(), layers, 1, 0, 0, {}, {}, {}, {}, {}};
 }
 
-// False if the bytes are not a whole part of the counts of `out`.
+// False unless the bytes are one whole part with the counts of `out`.
 bool decodeLabels(std::span<const uint8_t> bytes, const ChunkMesh& mesh, ChunkFrames& out) {
   BinaryDecoder decoder(bytes);
   LabelModel model(decoder, mesh, out.layer_count);
@@ -57,7 +57,7 @@ void expectRoundTrip(const ChunkFrames& in, const ChunkMesh& mesh) {
   EXPECT_EQ(out.labels, in.labels);
 }
 
-// Labels as cameras round a cylinder see it while it turns: the L nearest of 8, nearest first.
+// Labels of cameras round a turning cylinder: the L nearest of 8, nearest first.
 ChunkFrames movingSeams(const ChunkMesh& mesh, uint32_t around, uint32_t frames, uint32_t layers) {
   ChunkFrames out = emptyFrames(mesh, frames, layers);
   for (uint32_t f = 0; f < frames; ++f) {
@@ -168,7 +168,7 @@ TEST(PositionCoder, ARigidMotionCostsOnlyItsRounding) {
   ChunkFrames out = emptyFrames(mesh, 12, 1);
   ASSERT_TRUE(decodePositions(bytes, mesh, out));
   EXPECT_EQ(out.positions, in.positions);
-  // Half a step of rounding on either side leaves about 1.5 bits a coordinate.
+  // Rounding by half a step either way leaves about 1.5 bits per coordinate.
   EXPECT_LT(bytes.size() * 8.0 / (12.0 * 3 * mesh.vertexCount()), 1.9);
 }
 
@@ -194,7 +194,7 @@ TEST(ChunkMesh, LinksFacesAcrossEdgesAndVerticesToEarlierOnes) {
   BaseMesh square;  // 2 - 3
   square.positions = {{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {2, 1, 0}};
   square.topology.vertex_count = 4;
-  square.topology.face_vertices = {{0, 1, 2}, {1, 3, 2}, {1, 0, 3}, {2, 1, 0}};  // the last two: more on used edges
+  square.topology.face_vertices = {{0, 1, 2}, {1, 3, 2}, {1, 0, 3}, {2, 1, 0}};  // the last two: used edges
   const ChunkMesh mesh = makeChunkMesh(square);
   using Three = std::array<uint32_t, 3>;
   EXPECT_EQ(mesh.face_neighbours[0], (Three{2, 1, 3}));  // edges 01, 12, 20

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames and manifests of live streams: they come back as they were written, and whatever is outside the limits is
-// refused by the name of its field.
+// Frames and manifests of live streams: round trips; values outside the limits are rejected with the field's name.
 #include <gtest/gtest.h>
 
 #include "live_stream_fixture.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A small character for tests of the manifest, and the manifest as the reader takes it.
+// A small character for tests of the manifest, and its manifest as passed to the reader.
 #pragma once
 
 #include <nlohmann/json.hpp>

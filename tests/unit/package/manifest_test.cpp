@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// character.gltf: what the writer writes, the reader reads; every damaged field is refused.
+// character.gltf: the reader restores what was written, and rejects every damaged field.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@ using nlohmann::json;
 
 namespace {
 
-// Walk and run by speed, with one correction; tiled as walk's two layers, then run's.
+// Walk and run by speed, with one correction; tiles: walk's two layers, then run's.
 Sequence locomotion(const Sequence& walk) {
   Sequence s = walk;
   s.name = "locomotion";
@@ -153,7 +153,7 @@ TEST(Manifest, ClassesAndTheGraphRoundTrip) {
   EXPECT_EQ(read.value().sequences[1].renditions[0].layers[2].x, 768);
 }
 
-// Manifests of before there were classes.
+// Earlier manifests have no room.
 TEST(Manifest, TheRoomRoundTripsAndIsOptional) {
   auto read = readManifest(flatten(writtenManifest()));
   ASSERT_TRUE(read.ok()) << read.error().message;
@@ -258,7 +258,7 @@ TEST(Manifest, RefusesClassesThatCannotBe) {
   EXPECT_FALSE(readManifest(flat).ok());
 }
 
-// Within the slack of their rounding, the renderer gets weights that it accepts.
+// Weights within rounding tolerance are clamped, so that the renderer accepts them.
 TEST(Manifest, ClampsWeights) {
   json slack = writtenManifest();
   json& weights = slack[json::json_pointer(kAt + "/sequences/1/parameterSpace/samples/1/weights")];
@@ -277,7 +277,7 @@ TEST(Manifest, CameraNodesLookWhereTheCamerasDo) {
     const json& matrix = gltf["nodes"][2 + k]["matrix"];
     const glm::dvec3 forward = want.cameras[k].forwardInWorld(), centre = want.cameras[k].centreInWorld();
     for (int i = 0; i < 3; ++i) {
-      EXPECT_NEAR(matrix[8 + i].get<double>(), -forward[i], 1e-9);  // +Z of a glTF camera looks back
+      EXPECT_NEAR(matrix[8 + i].get<double>(), -forward[i], 1e-9);  // a glTF camera's +Z points backwards
       EXPECT_NEAR(matrix[12 + i].get<double>(), centre[i], 1e-9);
     }
     EXPECT_GT(matrix[5].get<double>(), 0.5);  // +Y is up
@@ -392,7 +392,7 @@ TEST(Manifest, EveryMissingFieldIsRefused) {
   }
 }
 
-// A corpus that is refused at once would let the fuzzing test nothing.
+// Checks that the corpus is accepted, since a rejected one would test nothing.
 TEST(FuzzCorpus, ManifestsAreAccepted) {
   for (const char* name : {"whole.txt", "classes.txt", "cameras.txt"}) {
     std::ifstream file(std::string(FOURDVT_SOURCE_DIR "/tests/fuzz/corpus/manifest_fuzz/") + name);
@@ -510,7 +510,7 @@ TEST(CameraManifest, RefusesWhatCannotBe) {
   refuse("/sequences/0/renditions/0/tiles", json::array());
 }
 
-// A reader of version 1 sees neither.
+// Version 1 requires neither field.
 TEST(CameraManifest, LayeredManifestsDoNotAskForItsFields) {
   json layered = writtenManifest();
   json& fields = layered[json::json_pointer(kAt)];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The base mesh in the start file's coding: every bit comes back, of Draco's meshes in few bytes; limits and damage.
+// The base mesh in the start file's coding: exact round trips, small sizes for Draco's meshes, limits and damage.
 #include "package/mesh_code.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ void expectSame(const BaseMesh& got, const BaseMesh& want) {
   EXPECT_TRUE(sameBits(got.topology.uvs, want.topology.uvs));
 }
 
-// Its bytes, once they have given the mesh back.
+// Encoded bytes, after checking the round trip.
 std::vector<uint8_t> roundTrip(const BaseMesh& mesh) {
   auto bytes = encodeMeshCode(mesh);
   EXPECT_TRUE(bytes.ok()) << bytes.error().message;
@@ -51,7 +51,7 @@ BaseMesh meshOf(const std::vector<glm::uvec3>& faces, uint32_t vertices) {
   return meshOf(faces, faces, vertices, vertices);
 }
 
-// A grid that is closed around: a tube, or a torus, with a seam of the UVs along it, or two.
+// Grid closed round: a tube or a torus, with one or two UV seams along it.
 struct Grid {
   uint32_t around, along;
   bool closed_along;
@@ -137,7 +137,7 @@ TEST(MeshCode, GivesBackSeveralComponentsOfDraco) {
   EXPECT_LT(both.code.size(), both.draco.size());
 }
 
-// Draco's order is derived: a vertex costs its coordinates and little else.
+// Draco's order is derived, not stored: a vertex costs little more than its coordinates.
 TEST(MeshCode, FindsDracosGridAndOrderAgain) {
   for (int bits : {8, 11, 14, 16}) {
     const BaseMesh mesh = gridMesh({{40, 60, true}});
@@ -151,7 +151,7 @@ TEST(MeshCode, GivesBackSmallMeshes) {
   roundTrip(meshOf({{2, 0, 1}}, 3));
   roundTrip(meshOf({{0, 1, 2}, {3, 4, 5}}, 6));                        // two components
   roundTrip(meshOf({{0, 1, 2}, {1, 0, 3}, {0, 1, 4}, {1, 0, 5}}, 6));  // four faces at an edge
-  roundTrip(meshOf({{0, 1, 2}, {0, 3, 4}}, 5));                        // they meet in a vertex
+  roundTrip(meshOf({{0, 1, 2}, {0, 3, 4}}, 5));                        // two faces joined at a vertex
   roundTrip(meshOf({{0, 1, 2}, {0, 2, 1}, {0, 1, 2}}, 3));             // one face three times
   roundTrip(meshOf({{0, 1, 2}, {1, 3, 2}}, {{0, 1, 2}, {5, 4, 3}}, 4, 6));
   roundTrip(meshOf({{0, 1, 2}, {1, 3, 2}}, {{0, 0, 0}, {0, 0, 0}}, 4, 1));  // one UV of all vertices
@@ -193,7 +193,7 @@ TEST(MeshCode, GivesBackRandomMeshes) {
   }
 }
 
-// Its faces in another order, and turned.
+// Shuffled faces with rotated corners.
 TEST(MeshCode, GivesBackAnyOrderOfFaces) {
   BaseMesh mesh = gridMesh({{9, 8, true}, {6, 5, false}});
   std::mt19937 random(12);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chunks of camera streams: round trips, one test for each limit of the reader, damage, and what they cost.
+// Chunks of camera streams: round trips, one test for each limit of the reader, damage, and sizes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -52,7 +52,7 @@ Packed pack(const std::vector<QuantisedSurface>& frames) {
 
 using Corners = std::array<glm::vec3, 3>;
 
-// The triangles, in an order that depends on nothing but where they lie.
+// Triangles in an order that depends on their positions only.
 std::vector<Corners> triangles(std::span<const glm::uvec3> faces, std::span<const glm::vec3> positions) {
   const auto less = [](const glm::vec3& a, const glm::vec3& b) {
     return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
@@ -100,7 +100,7 @@ void expectRefused(const Packed& packed, const char* what) {
   EXPECT_FALSE(chunk.value()->decodeTo(0).ok()) << what << ": from then on always";
 }
 
-// Edgebreaker bytes of these positions, with a second attribute if wanted.
+// Edgebreaker bytes of these positions, optionally with a second attribute.
 std::vector<uint8_t> dracoBytes(const QuantisedSurface& surface, draco::DataType type, bool second) {
   draco::Mesh mesh;
   mesh.set_num_points(static_cast<uint32_t>(surface.positions.size()));
@@ -194,7 +194,7 @@ TEST(SurfaceChunk, AlternatesBetweenTopologies) {
   }
 }
 
-// A run whose vertices jump about costs more as motion than as meshes.
+// A run with erratic vertices costs more as motion than as single meshes.
 TEST(SurfaceChunk, ChoosesTheSmallerCoding) {
   std::mt19937 random(3);
   std::vector<QuantisedSurface> frames(3, roundSurface(30, 20, 0));
@@ -228,7 +228,7 @@ TEST(SurfaceChunk, LeavesOutWhatIsNoSurfaceAndKeepsEdgesOfManyFaces) {
     EXPECT_EQ(triangles(chunk.value()->surface(f).faces, chunk.value()->surface(f).positions), triangles(fan));
 }
 
-// Two corners of a face at one place: quantisation does that.
+// Quantisation may merge two corners of a face.
 TEST(SurfaceChunk, KeepsFacesThatHaveCollapsed) {
   for (uint32_t f = 0; f < 40; ++f) {
     QuantisedSurface surface = roundSurface(12, 10, 0);
@@ -405,7 +405,7 @@ TEST(SurfaceMesh, PlainMeshesCarryColoursOfTheirVertices) {
   EXPECT_FALSE(encodePlainMesh(floats, colours).ok());
 }
 
-// Integers cost what Draco's own quantisation of floats does: it predicts both by the same parallelograms.
+// Integers cost as much as Draco's own quantised floats: it predicts both by the same parallelograms.
 TEST(SurfaceMesh, IntegersCostWhatQuantisedFloatsDo) {
   const QuantisedSurface surface = roundSurface(120, 60, 0);
   auto integers = encodeSurfaceMesh(surface);
@@ -422,8 +422,8 @@ TEST(SurfaceMesh, IntegersCostWhatQuantisedFloatsDo) {
   EXPECT_LT(integers.value().bytes.size(), 1.1 * quantised.value().bytes.size());
 }
 
-// Chunks of stream version 5 as they must always be read: a change of layout or prediction needs a new version.
-// FOURDVT_CORPUS_OUT: writes them, for a version that has none yet.
+// Decodes chunks of stream version 5, forever: a change of layout or prediction needs a new version.
+// FOURDVT_CORPUS_OUT: writes them, for a new version.
 TEST(FuzzCorpus, SurfacesDecodeToWhatTheyAlwaysDid) {
   struct Frozen {
     const char* name;
@@ -489,7 +489,7 @@ TEST(CameraStream, HeaderHasItsOwnVersion) {
   EXPECT_EQ(bytes[4], 4);
   bytes[4] = 5;
   EXPECT_EQ(readStreamHeader(bytes).error().id, ErrorId::StreamInvalid) << "a camera stream with layers";
-  // Four frames, each of which might have its own topology.
+  // Four frames, which may have a topology each.
   bad = packed.index, bad.vertex_count = 1u << 22;
   bad.face_count = uint32_t(kMaxDecodedChunkBytes / (4 * 12)) - bad.vertex_count;
   EXPECT_FALSE(refused(bad));

@@ -19,7 +19,7 @@ struct AudioTest : testing::Test {
   fs::path file = fs::path(testing::TempDir()) / ("audio_test_" + std::to_string(getpid()) + ".wav");
   void TearDown() override { fs::remove(file); }
 
-  // 16 bit; frame(i, channel) in -1..1.
+  // Writes 16-bit samples; frame(i, channel) in -1..1.
   void writeWav(uint32_t rate, uint16_t channels, uint32_t samples, const auto& frame) const {
     std::string data;
     for (uint32_t i = 0; i < samples; ++i)
@@ -59,7 +59,7 @@ TEST_F(AudioTest, ReadsInPartsWhatTheFileHolds) {
 }
 
 TEST_F(AudioTest, ResamplesAndMixesDown) {
-  // 440 Hz in six channels, of which the centre alone sounds.
+  // 440 Hz in the centre channel of six.
   writeWav(44100, 6, 44'100, [](uint32_t i, uint16_t c) {
     return c == 2 ? 0.5 * std::sin(2 * std::numbers::pi * 440 * i / 44100) : 0.0;
   });
@@ -87,7 +87,7 @@ TEST_F(AudioTest, SaysWhatIsWrong) {
   EXPECT_NE(missing.error().message.find(".wav.none"), std::string::npos);
   std::ofstream(file) << "this is no sound";
   EXPECT_EQ(AudioReader::open(file.string(), 48000).error().id, ErrorId::FileUnreadable);
-  // A playlist that names another file is no sound file either.
+  // A playlist that refers to another file is rejected.
   std::ofstream(file) << "ffconcat version 1.0\nfile /etc/passwd\n";
   EXPECT_EQ(AudioReader::open(file.string(), 48000).error().id, ErrorId::FileUnreadable);
   std::ofstream(file, std::ios::trunc).close();

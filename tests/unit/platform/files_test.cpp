@@ -56,7 +56,7 @@ TEST_F(PlatformFiles, AtomicWriteReplacesAndLeavesNothingElse) {
   EXPECT_EQ(writeFileAtomic(path("a.bin/below.bin"), counting(1)).error().id, ErrorId::WriteFailed);
 }
 
-// A file size limit stands in for a full disk: the old file stays whole.
+// A file size limit simulates a full disk: the old file stays complete.
 TEST_F(PlatformFiles, FailedWriteKeepsTheOldFile) {
   ASSERT_TRUE(writeFileAtomic(path("a.bin"), counting(10)).ok());
   rlimit before{};

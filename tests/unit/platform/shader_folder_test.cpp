@@ -19,7 +19,7 @@ class PlatformShaderFolder : public testing::Test {
   const std::string folder_ = testing::TempDir() + "/fourdvt_shaders_" + std::to_string(::getpid());
 };
 
-// Line number that a GLSL compiler reports for a line: counted from the last #line above it.
+// Line number as reported by a GLSL compiler: counted from the last #line above.
 size_t countedLine(std::string_view text, const std::string& wanted) {
   std::istringstream lines{std::string(text)};
   size_t number = 0;

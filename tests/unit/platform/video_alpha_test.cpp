@@ -14,10 +14,10 @@ namespace {
 
 constexpr int kSide = 64, kFrames = 3;
 
-// Alpha as it is in the pictures: a ramp, or the same everywhere.
+// Alpha of the pictures: a ramp, or constant.
 uint8_t rampAt(int x, int y) { return uint8_t(y < 8 ? 0 : 4 * x); }
 
-// Colour is one grey all over.
+// Video file with an alpha channel and one grey as colour.
 class AlphaFile {
  public:
   AlphaFile(const std::string& encoder, AVPixelFormat format, const std::string& ending, int constant = -1) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contents of a container as they are listed without decoding: pictures that are shown; headers may count others.
+// Contents of a container listed without decoding: displayed pictures only; headers may count others.
 #include <unistd.h>
 
 #include <fstream>
@@ -47,7 +47,7 @@ TEST_F(VideoList, TimesOfPicturesWithAGap) {
   }
 }
 
-// An editor that cuts without encoding keeps the pictures before the cut for the decoder.
+// Cutting without encoding keeps earlier pictures in the file, which the decoder needs.
 TEST_F(VideoList, PicturesBeforeACutAreNotCounted) {
   const std::string path = file("cut.mp4");
   writeClip(path, {.pictures = 16, .time_s = [](int i) { return (i - 6) / 25.0; }});
@@ -129,7 +129,7 @@ TEST_F(VideoList, TimecodesAndCreationTimes) {
   EXPECT_FALSE(list(file("plain.mp4")).timecode_s.has_value());
 }
 
-// A depth track is no colour, though it is larger.
+// A depth track is not read as colour, although it is larger.
 TEST_F(VideoList, TheDefaultTrackIsReadAndTheOtherOneListed) {
   writePlainClip(file("colour.mp4"), {.pictures = 8, .grey = [](int) { return 50; }});
   writePlainClip(file("depth.mkv"), {.pictures = 8, .channels = 1, .grey = [](int) { return 200; }});

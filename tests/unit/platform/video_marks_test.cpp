@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Marks of videos: display matrices, pixels that are not square, fields, and colours other than BT.709.
+// Metadata of videos: display matrices, non-square pixels, fields, and colour spaces other than BT.709.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -26,7 +26,7 @@ struct Description {
   std::array<int, 4> display{1, 0, 0, 1};  // a, b, c, d of the display matrix
 };
 
-// A file of 32x16 pixels, removed with the object: lossless FFV1 in Matroska, or with a display matrix in QuickTime.
+// File of 32x16 pixels, removed with the object: lossless FFV1 in Matroska, or in QuickTime if it has a display matrix.
 class MarkedVideo {
  public:
   using Paint = std::function<void(AVFrame&, int number)>;
@@ -90,7 +90,7 @@ class MarkedVideo {
   std::string path_;
 };
 
-// One colour, by R, G, B of 8 bits; pictures have 10.
+// Picture of one colour, R, G, B given in 8 bits; coded in 10 bits.
 MarkedVideo::Paint rgb(int r, int g, int b) {
   return [=](AVFrame& frame, int) {
     const int levels[3] = {g, b, r};  // planes of GBRP
@@ -174,8 +174,8 @@ TEST(VideoMarks, P3BecomesBt709) {
   expectNear(colourOf(video), expected, 2);
 }
 
-// HLG (BT.2100): a signal of one half is a twelfth of the scene's light; a display of 1000 cd/m² shows that to the
-// power of 1.2, and 203 cd/m² are white (BT.2408), as which three quarters are shown.
+// HLG (BT.2100): a signal of one half is a twelfth of the scene's light; a display of 1000 cd/m² shows this to the
+// power of 1.2. White, at 203 cd/m² (BT.2408), is a signal of three quarters.
 TEST(VideoMarks, HlgAndPqBecomeBt709) {
   const Description hlg{AV_PIX_FMT_YUV420P10, AVCOL_PRI_BT2020, AVCOL_TRC_ARIB_STD_B67, AVCOL_SPC_BT2020_NCL,
                         AVCOL_RANGE_MPEG};
@@ -196,7 +196,7 @@ TEST(VideoMarks, WhiteOfHlgAndPqIsNearlyWhite) {
   expectNear(colourOf(MarkedVideo(wide, 1, grey10(64 + int(876 * 0.5806)))), {250, 250, 250}, 6);  // 203 cd/m²
 }
 
-// YUV4MPEG2 marks interlaced pictures; light grows by the same step from field to field.
+// Interlaced video with YUV4MPEG2's marks; light grows by a constant step from field to field.
 class Fields {
  public:
   explicit Fields(int frames)
@@ -224,7 +224,7 @@ TEST(VideoMarks, PicturesOfTwoFieldsShowTheFirstOnesInstant) {
   auto whole = openVideoFile(video.path(), 1).take();
   int n = 0;
   for (auto picture = whole->next(); picture.ok() && picture.value(); picture = whole->next(), ++n) {
-    if (n == 0 || n >= 48) continue;  // the first has nothing before it; at field 100 light falls
+    if (n == 0 || n >= 48) continue;  // the first has no predecessor; at field 100 light falls
     const double expected = (Fields::lumaAt(2 * n) - 16) * 255.0 / 219;
     for (int y = 2; y < 14; ++y) EXPECT_NEAR(*picture.value()->at(7, y), expected, 1.5) << n << ", row " << y;
   }

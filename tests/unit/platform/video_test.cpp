@@ -15,7 +15,7 @@ namespace {
 
 const std::string kSample = std::string(FOURDVT_SOURCE_DIR) + "/site/sample/actor_a";
 
-// An uncompressed 4:2:0 video of one colour; `tags` as YUV4MPEG2 has them.
+// Uncompressed 4:2:0 video of one colour; `tags` in YUV4MPEG2's syntax.
 class RawVideo {
  public:
   RawVideo(const std::string& tags, uint8_t y, uint8_t u, uint8_t v, int frames = 1, int height = 16) {
@@ -46,7 +46,7 @@ Image first(const std::string& path, int channels) {
 
 double clamp255(double v) { return std::fmin(255, std::fmax(0, v)); }
 
-// The weights of red and blue in luma, by the recommendation's name.
+// Weights of red and blue in luma, by recommendation.
 struct Matrix {
   double red, blue;
 };
@@ -110,7 +110,7 @@ TEST(PlatformVideo, BadFilesAreErrors) {
   EXPECT_EQ(openVideoFile(kSample + "/walk/cam00.mp4", 2).error().id, ErrorId::InvalidArgument);
 }
 
-// A file in the folder of temporary ones, removed with the object.
+// Text file in the temporary folder, removed with the object.
 class TextFile {
  public:
   TextFile(const std::string& name, const std::string& text)
@@ -124,7 +124,7 @@ class TextFile {
   std::string path_;
 };
 
-// A playlist would show a file that its writer cannot read, or call at an address.
+// A playlist could read files that its author cannot, or call an address.
 TEST(PlatformVideo, PlaylistsAreRefused) {
   const RawVideo other("", 120, 90, 170);
   const std::string name = std::filesystem::path(other.path()).filename().string();
@@ -170,7 +170,7 @@ struct Samples {
   std::vector<Sample> samples;
 };
 
-// The encoded samples of a file, as the character's sample index will give them.
+// Encoded samples of a file, like those that a character's sample index describes.
 Samples demux(const std::string& path) {
   Samples out;
   AVFormatContext* raw = nullptr;
@@ -277,7 +277,7 @@ TEST(PlatformSampleDecoder, UnknownCodecAndBadDescription) {
   EXPECT_TRUE(SampleDecoder::create("av01.0.04M.08", {}, nullptr).ok());
 }
 
-// Pictures are numbered alike whether those before them are decoded or left out.
+// Picture numbers are the same whether earlier pictures are decoded or skipped.
 TEST(VideoFile, SkipsToThePictureThatFollows) {
   const std::string path = kSample + "/pickup/cam00.mp4";
   std::vector<Image> all;
@@ -300,8 +300,7 @@ TEST(VideoFile, SkipsToThePictureThatFollows) {
   EXPECT_FALSE(video.value()->next().value().has_value()) << "at the end";
 }
 
-// Copies a video, with the time stamps of all pictures from one on later by three intervals: those of a camera that
-// dropped three frames.
+// Copies a video and delays all pictures from one on by three intervals, like a camera that dropped three frames.
 void copyWithGap(const std::string& path, const std::string& copy, int picture) {
   AVFormatContext *in = nullptr, *out = nullptr;
   ASSERT_EQ(avformat_open_input(&in, path.c_str(), nullptr, nullptr), 0);
@@ -345,7 +344,7 @@ std::string videoOfThreeGops(const std::string& path) {
   return path;
 }
 
-// Compares pictures after skips with those at the same place of the whole video.
+// Compares pictures after skips with those of the whole video at the same positions.
 void expectSeeksAreExact(const std::string& path) {
   constexpr int kFrames = 560;
   std::vector<Image> all;
@@ -372,7 +371,7 @@ std::string ofThisTest(const std::string& name) {
   return (std::filesystem::path(testing::TempDir()) / ("fourdvt_" + std::to_string(::getpid()) + name)).string();
 }
 
-// MP4 has an index; of Matroska the packets are read.
+// MP4 has an index; Matroska requires reading the packets.
 TEST(VideoFile, SeeksToTheSamePictures) {
   for (const char* extension : {".mp4", ".mkv"}) {
     const std::string path = videoOfThreeGops(ofThisTest(std::string("_seek") + extension));
@@ -381,7 +380,7 @@ TEST(VideoFile, SeeksToTheSamePictures) {
   }
 }
 
-// Pictures are numbered by their order, whatever lies between their times.
+// Picture numbers follow their order, whatever their time gaps.
 TEST(VideoFile, SeeksOverLostPictures) {
   for (const char* extension : {".mp4", ".mkv"}) {
     const std::string whole = videoOfThreeGops(ofThisTest(std::string("_whole") + extension));
@@ -403,7 +402,7 @@ uint64_t bytesRead() {
   return bytes;
 }
 
-// A list of time stamps is made once; then a skip reads what it decodes.
+// With a stored list of time stamps a skip reads only what it decodes.
 TEST(VideoFile, KeptStampsSpareReadingAVideoToItsEnd) {
   namespace fs = std::filesystem;
   const std::string path = ofThisTest("_kept.mkv"), folder = ofThisTest("_index");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Geometry decoded elsewhere: which GOPs become jobs and in which order, that frames that come back are what decoding
-// here gives, that damage and silence lead back to decoding here, and that playing pairs every picture with its mesh.
+// Geometry decoded by a worker: the jobs and their order, equality of returned frames with local decoding, fallback to
+// local decoding on damage or silence, and matching of every picture with its mesh during playback.
 #include "player_edge.h"
 #include "simulated_worker.h"
 
@@ -16,7 +16,7 @@ FakeCharacter twoSequences() {
       {{"walk", 28, 10, 25, true, 192, 16, {}, 2, 1}, {"go", 40, 20, 30, true, 224, 16, {{1, 1, {}}, {2, 1, {}}}}});
 }
 
-// Loading whose fetches are all answered, with a slice that decodes all it may.
+// Loading with all fetches answered, and a slice without a limit.
 struct Held {
   explicit Held(uint32_t rendition = kHighestRendition)
       : character(twoSequences()), loading(outbox, 1 << 20, rendition) {
@@ -39,7 +39,7 @@ struct Held {
     fill(need);
     loading.decodeAhead({&need, 1}, false);
   }
-  // A decoder of the most urgent job.
+  // Decoder of the most urgent job.
   std::unique_ptr<package::ChunkDecoder> openJob() {
     const DecodeJob job = *loading.decodeJob(0);
     return package::ChunkDecoder::open(job.chunk, *job.index, job.gop, loading.chunkMesh()).take();
@@ -54,7 +54,7 @@ struct Held {
     worker.work(loading, loading.chunkMesh(), now_s);
     worker.answer(loading, now_s + kLong_s);
   }
-  // Empty: it is not there.
+  // Decoded frame; empty: not available.
   std::vector<int> frame(int sequence, uint32_t number) {
     FrameGeometry found;
     EXPECT_TRUE(loading.geometry(sequence, number, true, found).ok());
@@ -140,7 +140,7 @@ TEST(DecodeElsewhere, AGopThatWasBegunHereStaysWhileItIsDueAndIsHandedOverElse) 
 
 TEST(DecodeElsewhere, PartsOfARowAreDroppedAtAHandOver) {
   Held held;
-  held.loading.sliceDecoding({.steps = 1 + 20 + 1 + 3});  // ten rows of two steps, then a row and a half
+  held.loading.sliceDecoding({.steps = 1 + 20 + 1 + 3});  // ten rows of two steps, then one row and a half
   const Need need{0, 0, true, {}};
   held.want(need);
   EXPECT_EQ(held.loading.decodeStats().rows, 11u);
@@ -229,7 +229,7 @@ TEST(DecodeElsewhere, AnotherChunkIsAnotherJob) {
   EXPECT_NE(coarse->index->position_step_m, kStep_m);
   held.work();
   held.loading.ladder().setQuality(1, 0);
-  const Need again{0, 4, true, {}};  // a pass that begins anew takes the fine chunk
+  const Need again{0, 4, true, {}};  // a pass that starts anew uses the fine chunk
   held.want(again);
   const auto fine = held.loading.decodeJob(0);
   ASSERT_TRUE(fine);
@@ -246,7 +246,7 @@ TEST(DecodeElsewhere, ThousandsOfFramesWithoutAMismatch) {
     EdgeOptions options;
     options.seed = seed;
     options.fetch_latency_s = 0.02 * seed;
-    options.player.encoded_budget_bytes = 6000;  // GOPs go, and are decoded anew
+    options.player.encoded_budget_bytes = 6000;  // GOPs are evicted and decoded again
     SimulatedEdge edge(character, options);
     SimulatedWorker worker(seed);
     worker.frame_s = 0.001 * seed;

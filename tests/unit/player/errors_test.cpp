@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Damaged or missing parts: one error event with its ID, no further requests for what is broken, and the player goes on
-// with what is whole.
+// Damaged or missing parts: one error event with its ID, no further requests for the broken part, and playback of the
+// intact parts.
 #include <functional>
 
 #include "player_edge.h"
@@ -16,7 +16,7 @@ FakeCharacter twoSequences() {
 
 std::string field(const std::string& name) { return std::string("/extensions/") + package::kExtensionName + name; }
 
-// Plays "walk" until an error; then "pickup" must still play. `damage` spoils walk's files.
+// Plays "walk" until an error; then "pickup" must still play. `damage` modifies walk's files.
 void expectBrokenWalk(const std::function<void(FakeCharacter&)>& damage, ErrorId id, EdgeOptions options = {}) {
   FakeCharacter character = twoSequences();
   damage(character);
@@ -77,7 +77,7 @@ TEST(PlayerErrors, SampleTableBeyondTheVideo) {
 }
 
 TEST(PlayerErrors, PicturesOfAnotherSize) {
-  // The manifest lies: the decoder delivers 192 × 16.
+  // Wrong size in the manifest: the decoder delivers 192 × 16.
   expectBrokenWalk([](FakeCharacter& c) { c.manifest.set(field("/sequences/0/renditions/0/width"), 256.0); },
                    ErrorId::VideoInvalid);
 }
@@ -85,7 +85,7 @@ TEST(PlayerErrors, PicturesOfAnotherSize) {
 TEST(PlayerErrors, ADecoderThatKeepsFailingBreaksOneSequence) {
   struct Case {
     DecoderFault fault;
-    int failures;  // in a row, until it is given up
+    int failures;  // consecutive, until it is given up
     ErrorId id;
   };
   for (const Case& c : {Case{DecoderFault::Unsupported, 1, ErrorId::DecoderUnsupported},
@@ -119,7 +119,7 @@ TEST(PlayerErrors, ADecoderThatIsLostNowAndThenIsFedAgainFromItsKeySample) {
     for (int i = 0; i < 12; ++i) {
       const uint64_t shown = edge.player->stats().frames_shown;
       edge.loseDecoder(0, fault);
-      // A picture of a later GOP proves that the samples were good.
+      // A picture of a later GOP shows that the samples were valid.
       ASSERT_TRUE(edge.runUntil([&] { return edge.player->stats().frames_shown > shown + 25; })) << i;
       edge.expectPaired();
     }
@@ -163,7 +163,7 @@ TEST(PlayerErrors, OutOfSightNoDecoderIsHeldAndPlayingGoesOn) {
   ASSERT_TRUE(edge.runUntil([&] { return edge.player->frame() == 13; }, 1));
   EXPECT_EQ(edge.openDecoders(), 1);
   edge.expectPaired();
-  // A motion that is chosen out of sight is there when the page is seen again.
+  // A motion selected while out of sight is available when the page becomes visible.
   edge.player->setInSight(false);
   ASSERT_TRUE(edge.player->selectSequence("pickup").ok());
   edge.runUntil([] { return false; }, 1);
@@ -285,7 +285,7 @@ TEST(PlayerErrors, BaseMeshDamagedOrOfAnotherCharacter) {
     ASSERT_TRUE(edge.player->loadManifest(character.manifest).ok());
     ASSERT_TRUE(edge.runUntil([&] { return !edge.errors.empty(); }));
     const ErrorId id = edge.errors[0].id;
-    // With wrong counts in the manifest either the mesh or the stream is compared with it first.
+    // With wrong counts in the manifest, either the mesh or the stream is compared with it first.
     EXPECT_TRUE(id == (kind == 2   ? ErrorId::FetchFailed
                        : kind == 3 ? ErrorId::FilesDiffer
                                    : ErrorId::MeshDataInvalid) ||
@@ -295,7 +295,7 @@ TEST(PlayerErrors, BaseMeshDamagedOrOfAnotherCharacter) {
     edge.player->seekFrame(5);
     edge.runUntil([] { return false; }, 2);
     EXPECT_FALSE(edge.player->hasFrame());
-    EXPECT_LE(edge.errors.size(), id == ErrorId::StreamInvalid ? 2u : 1u);  // one sequence's, then everybody's
+    EXPECT_LE(edge.errors.size(), id == ErrorId::StreamInvalid ? 2u : 1u);  // the sequence's, then the character's
     EXPECT_FALSE(edge.player->draw({}, {}, 0).ok());
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Feeding and picture slots alone: serial numbers to presentations over loops and seeks, and which picture may be
-// shown.
+// Feeding and picture slots in isolation: mapping of serial numbers to presentations over loops and seeks, and
+// selection of the picture to show.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -12,7 +12,7 @@ using namespace fourdvt;
 
 namespace {
 
-// Three GOPs of 4, 4 and 2 frames in the order I P B …; a sample's only byte names its frame.
+// Three GOPs of 4, 4 and 2 frames in the order I P B …; a sample's only byte is its frame.
 struct Stream {
   Stream() {
     sequence.frame_count = index.frame_count = 10;
@@ -233,7 +233,7 @@ TEST(PlayerPictureSlots, TexturesAreFreedWhenClosed) {
 
 namespace {
 
-// Two members, one over the other, each of a layer of 8 x 8 and one of 4 x 4 texels beside it.
+// Two members, one above the other, each with a layer of 8 x 8 and one of 4 x 4 texels beside it.
 package::Rendition twoMembers() {
   package::Rendition made;
   made.width = 12;

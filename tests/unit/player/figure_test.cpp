@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The figure alone: which mesh is uploaded when, and how two tracks are mixed.
+// The figure in isolation: uploads of meshes, and mixing of two tracks.
 #include "player/parts/figure.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ struct TwoTracks {
     return std::span(stream()).subspan(index.chunks[0].offset, index.chunks[0].bytes);
   }
   const std::vector<uint8_t>& stream() { return fake.files.at("walk.bin"); }
-  float shownX() const { return composer.model().frame_bounds.min.x; }  // vertex 0's x of every frame names it
+  float shownX() const { return composer.model().frame_bounds.min.x; }  // vertex 0's x identifies the frame
 
   FakeCharacter fake = FakeBuilder().build({{"walk", 8, 8, 25, true, 192, 16}});
   package::EncodedBaseMesh mesh = fakeMesh();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The playback clock and the cache of GOPs alone: which ones to hold, what to evict.
+// The playback clock and the cache of GOPs in isolation: GOPs to hold, GOPs to evict.
 #include "player/parts/gop_cache.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures that only the GPU has: their numbers are read back from it, a few ticks late. From decoders as WebCodecs',
-// and from ones that keep time themselves, leave pictures out and name neighbours, as <video> elements do.
+// Pictures that exist on the GPU only: their numbers are read back a few ticks late. From decoders like WebCodecs', and
+// from paced ones that skip pictures and report neighbours, like <video> elements.
 #include "player_edge.h"
 
 using namespace fourdvt;
@@ -21,7 +21,7 @@ struct Played {
   uint64_t late = 0, checked = 0, mismatches = 0;
 };
 
-// Plays at random rates with seeks, other sequences and other renditions, until so many frames have been shown.
+// Plays at random rates with seeks, other sequences and other renditions until this many frames have been shown.
 // Compares the frame of every picture on screen with that of its geometry.
 Played playAtRandom(SimulatedEdge& edge, int frames) {
   Played played;
@@ -120,7 +120,7 @@ TEST(GpuPictures, PicturesOfAnotherSizeAreRefused) {
   options.player.picture_kind = kRgba;
   SimulatedEdge edge(character, options);
   ASSERT_TRUE(edge.load());
-  edge.player->commitSlot(0, 7, 7);  // not one that is filled
+  edge.player->commitSlot(0, 7, 7);  // not a slot being filled
   EXPECT_TRUE(edge.errors.empty());
   edge.wrong_sizes = true;
   edge.player->seekFrame(20);
@@ -161,8 +161,8 @@ TEST(PacedDecoders, SeekToEveryFrameExactly) {
   EXPECT_EQ(edge.player->stats().barcode_mismatches, 0u);
 }
 
-// Pictures on screen are those of their geometry even where every seventh is named as a neighbour, every tenth left
-// out, and a third of the sought ones offered too early.
+// Pictures match their geometry even if every seventh is reported as a neighbour, every tenth is missing, and a third
+// of the sought ones are offered too early.
 TEST(PacedDecoders, TenThousandFramesArePaired) {
   const FakeCharacter character = threeSequences();
   int shown = 0;

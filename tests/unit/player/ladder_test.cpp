@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The choice of a rendition, and switches between renditions on a network whose throughput changes.
+// Selection of a rendition, and switches between renditions on a network of varying throughput.
 #include "player/parts/ladder.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ using namespace fourdvt::testing;
 
 namespace {
 
-// 1, 2 and 5 Mbit/s with the geometry, of 256, 512 and 1024 texels.
+// Renditions of 1, 2 and 5 Mbit/s including geometry, with 256, 512 and 1024 texels.
 package::Sequence rungs() {
   package::Sequence s;
   s.frame_count = 250;
@@ -192,7 +192,7 @@ TEST(Renditions, SwitchAtGopsWithoutAWrongPairOrAStall) {
   EXPECT_LT(edge.max_bytes_held, 120'000u);
 }
 
-// Ten times the highest bitrate, of which the latency leaves a little: answers are small.
+// Ten times the highest bitrate, mostly unused because of latency: answers are small.
 TEST(Renditions, ALatencyDoesNotHoldThemDown) {
   const FakeCharacter character = FakeBuilder().build({{"walk", 900, 12, 25, true, 192, 16, {}, 3, 0, true}});
   EdgeOptions options;
@@ -357,7 +357,7 @@ TEST(Renditions, OneThatCannotBeDecodedIsLeftOut) {
   EXPECT_EQ(edge.errors[0].id, ErrorId::DecoderUnsupported);
 }
 
-// A file is not on the server, or is of another bake.
+// A file is missing on the server, or belongs to another bake.
 TEST(Renditions, OneWhoseFileFailsIsLeftOutAndTheOthersPlayOn) {
   const FakeCharacter character =
       FakeBuilder().build({{"walk", 30, 10, 25, true, 192, 16, {}, 3}, {"run", 30, 10, 25, true, 192, 16, {}, 3}});
@@ -404,8 +404,8 @@ TEST(Renditions, ASequenceOfWhichNoneCanBeFetchedIsBroken) {
   ASSERT_TRUE(none.runUntilShown()) << "asked for again";
 }
 
-// A decoder that takes 10, 20 or 60 ms a picture, at 25 pictures a second, of a long motion and of a loop that is held
-// whole and raised.
+// A decoder that takes 10, 20 or 60 ms per picture, at 25 pictures a second, for a long motion, and for a loop that is
+// held whole and upgraded.
 TEST(Renditions, ASlowDecoderGetsALowerOneAndAFastOneNever) {
   for (const uint32_t frames : {900u, 28u}) {
     const FakeCharacter character = FakeBuilder().build({{"walk", frames, 14, 25, true, 192, 16, {}, 3}});

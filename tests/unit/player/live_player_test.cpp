@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The live player, with an edge whose decoder gives a picture for every sample at once, or when the test lets it.
+// The live player, with an edge that returns a picture for every sample immediately, or when the test requests it.
 #include "player/live_player.h"
 
 #include <gtest/gtest.h>
@@ -53,7 +53,7 @@ struct LiveEdge {
       }
     }
   }
-  // The picture of a sample goes into a slot; `barcode`: of another frame than its own.
+  // Puts the sample's picture into a slot; `barcode`: of another frame than its own.
   int answer(const Sample& sample, std::optional<uint32_t> barcode = {}, int width = 192) {
     const int slot = player->acquireSlot(0, sample.timestamp_us);
     if (slot < 0) return slot;
@@ -81,7 +81,7 @@ struct LiveEdge {
     decode();
     tick();
   }
-  // The shown frame is this one, and so is its surface.
+  // Expects this frame on screen, with its surface.
   void expectShown(uint32_t number) {
     ASSERT_TRUE(player->hasFrame());
     EXPECT_EQ(player->frame(), number);
@@ -186,7 +186,7 @@ TEST(LivePlayer, APictureOfAnotherFrameIsCountedAndNotShown) {
   edge.expectShown(4100);
 }
 
-// Eight in a row are a decoder that has lost its place: it is made anew. Three such rows end in one error.
+// Eight consecutive wrong pictures: the decoder is out of step and is recreated. Three such series end in one error.
 TEST(LivePlayer, ADecoderThatGivesOnlyWrongPicturesIsGivenUp) {
   LiveEdge edge;
   edge.play(1, true);
@@ -221,7 +221,7 @@ TEST(LivePlayer, PicturesOfAnotherSizeAreNotUploaded) {
 TEST(LivePlayer, ALostDecoderIsMadeAnewAtTheNextKey) {
   LiveEdge edge;
   edge.play(1, true), edge.play(2);
-  for (int row = 0; row < 5; ++row) {  // a picture between ends the row
+  for (int row = 0; row < 5; ++row) {  // a good picture ends the series
     const uint32_t first = 3 + 4 * row;
     edge.send(first);
     edge.serve();
@@ -324,7 +324,7 @@ TEST(LivePlayer, ADecoderThatGivesNothingIsNotFedForEver) {
   edge.expectShown(200);
 }
 
-// Off-screen there are no ticks: decoding goes on, so that the present is shown at once afterwards.
+// Without ticks, off-screen, decoding continues, so that the newest frame can be shown at once afterwards.
 TEST(LivePlayer, WithoutTicksTheNewestPicturesStay) {
   LiveEdge edge;
   edge.play(0, true);

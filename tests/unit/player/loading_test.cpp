@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loading alone: what is asked for and in which order, refusals, damage, progress, and the budget.
+// Loading in isolation: requests and their order, rejections, damage, progress, and the memory budget.
 #include "player/parts/loading.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ FakeCharacter twoSequences() {
   return FakeBuilder().build({{"walk", 28, 10, 25, true, 192, 16}, {"pickup", 23, 9, 30, false, 128, 32}});
 }
 
-// Loading with files that answer when the test says so.
+// Loading, with files that the test delivers on demand.
 struct Shelf {
   explicit Shelf(FakeCharacter made = twoSequences(), uint64_t budget_bytes = 1 << 20,
                  uint32_t rendition = kHighestRendition)
@@ -33,7 +33,7 @@ struct Shelf {
     const std::vector<uint8_t>& file = character.files.at(range.uri);
     return loading.receive(range.id, std::span(file).subspan(range.offset, range.bytes));
   }
-  // Answers everything until nothing more is asked for.
+  // Answers requests until there are none.
   void fill(const Need& need, const std::function<void(const FetchRange&)>& on_range = {}) {
     for (loading.requestMissing({&need, 1}, -1);; loading.requestMissing({&need, 1}, -1)) {
       const std::vector<FetchRange> ranges = asked();
@@ -395,7 +395,7 @@ TEST(PlayerLoading, AStandingPictureComesAsHighAsItsOwnGopCanInTwoSeconds) {
     });
     return found;
   };
-  // Rates at which the GOP comes in two seconds, with its geometry; far below what playing on in it takes.
+  // Rates that bring the GOP with its geometry in two seconds; far below the rate of continuous playback.
   Shelf shelf(character);
   shelf.fill({0, 0, true, {}});
   const auto& index = shelf.loading.index(0);
@@ -412,7 +412,7 @@ TEST(PlayerLoading, AStandingPictureComesAsHighAsItsOwnGopCanInTwoSeconds) {
 TEST(PlayerLoading, ANamedRenditionReplacesWhatIsThereAndWhatIsOnItsWay) {
   Shelf shelf(FakeBuilder().build({{"walk", 28, 10, 25, true, 192, 16, {}, 3}}), 1 << 20, kAutomaticRendition);
   const Need need{0, 0, true, {}};
-  shelf.fill(need);  // the lowest, and the highest beside it
+  shelf.fill(need);  // the lowest, and also the highest
   shelf.loading.ladder().setQuality(1, 0);
   shelf.loading.dropOtherRenditions();
   shelf.loading.takeBetter(0, 0);

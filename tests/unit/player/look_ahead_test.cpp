@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Beginnings of other motions, fetched while nothing else is: how much sooner they are seen, and that no need waits.
+// Prefetching of other motions' beginnings while the network is idle: the time saved, and no delay of requests.
 #include "player_edge.h"
 
 using namespace fourdvt;
@@ -23,8 +23,8 @@ FakeCharacter fourMotions(bool graph = true) {
 EdgeOptions slowNetwork() {
   EdgeOptions options;
   options.player.rendition = kAutomaticRendition;
-  options.bits_per_s = 150'000;                   // three times what a motion takes
-  options.player.encoded_budget_bytes = 200'000;  // less than all of the first motion
+  options.bits_per_s = 150'000;                   // three times the rate of a motion
+  options.player.encoded_budget_bytes = 200'000;  // less than the first motion
   options.fetch_latency_s = 0;
   return options;
 }
@@ -40,7 +40,7 @@ struct Scene {
     edge.runUntil([] { return false; }, seconds);
   }
   Player& player() { return *edge.player; }
-  // Until something of the state is seen.
+  // Time until a picture of the state is shown.
   double waitFor(const std::string& state) {
     const double asked_s = edge.now_s;
     EXPECT_TRUE(player().goTo(state).ok());
@@ -103,7 +103,7 @@ TEST(LookAhead, NothingOfAnotherMotionWithoutACommand) {
     EXPECT_EQ(scene.edge.uris.count(uri), 0u) << uri;
 }
 
-// A page offers the look ahead when the rest of the player is there: a visitor may have been quicker.
+// A page enables the prefetching with the second part of the player, possibly after the visitor's first command.
 TEST(LookAhead, CountsACommandSinceTheFirstPictureAndNotTheFirstMotion) {
   const FakeCharacter character = fourMotions();
   for (const bool command : {false, true}) {
@@ -127,7 +127,7 @@ TEST(LookAhead, CountsACommandSinceTheFirstPictureAndNotTheFirstMotion) {
   }
 }
 
-// A seek while a beginning is under way, at any moment of it.
+// A seek at any moment during the prefetching.
 TEST(LookAhead, NoNeedWaitsForIt) {
   const FakeCharacter character = fourMotions();
   int under_way = 0;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kWalk_s = 1.4, kRun_s = 0.7;
 
-// 28 phases at the mean duration's rate; a pass of the walk leads 1.75 m ahead, of the run 1.89 m.
+// 28 phases at the mean duration's rate; a pass of the walk travels 1.75 m, of the run 1.89 m.
 FakeCharacter locomotion() {
   const FakeMember walk{1.25, kWalk_s, {0, 1.75, 0}}, run{2.7, kRun_s, {0, 1.89, 0}};
   return FakeBuilder().build({{"locomotion", 28, 10, 28 / 1.05, true, 192, 16, {walk, run}},
@@ -23,7 +23,7 @@ struct Playing {
     EXPECT_TRUE(edge.player->loadManifest(character.manifest).ok());
     EXPECT_TRUE(edge.runUntilShown());
   }
-  // Frames that pass in `seconds` after a second in which caches fill.
+  // Frames shown in `seconds`, after a second in which caches fill.
   int framesIn(double seconds) {
     edge.runUntil([] { return false; }, 1);
     int frames = 0;
@@ -71,7 +71,7 @@ TEST(PlayerClass, AParameterSetBeforeTheManifestIsKept) {
   EXPECT_NEAR(edge.draw().member, 1, 1e-3);
 }
 
-// A paused character follows the slider: no new picture, but another mesh.
+// A paused character follows the slider: same picture, another mesh.
 TEST(PlayerClass, GlidesWhilePausedAtTheParametersRate) {
   const double rate = 0.5;  // whole ranges a second
   EdgeOptions options;
@@ -94,7 +94,7 @@ TEST(PlayerClass, GlidesWhilePausedAtTheParametersRate) {
   EXPECT_EQ(p.edge.player->frame(), 0u);
 }
 
-// Whatever is skipped and however often the loop wraps, the way is speed × time.
+// Travel equals speed × time, however many frames are skipped and loops wrap.
 TEST(PlayerTravel, CoversTheGroundOfItsPasses) {
   for (double step_s : {0.004, 0.03, 0.11}) {
     for (double run_share : {0.0, 0.5, 1.0}) {
@@ -139,7 +139,7 @@ TEST(PlayerTravel, MovesOnlyWithNewFramesAndOnlyWhenAskedTo) {
 }
 
 TEST(PlayerTravel, APassThatTurnsWalksACircle) {
-  const FakeMember turning{0, 1, {0, 0, 1.5707963}};  // on the spot, a quarter a pass
+  const FakeMember turning{0, 1, {0, 0, 1.5707963}};  // on the spot, a quarter turn per pass
   FakeCharacter character = FakeBuilder().build({{"turn", 28, 10, 28, true, 192, 16, {turning}}});
   Playing p(character);
   p.edge.player->setTravel(true);
@@ -152,7 +152,7 @@ TEST(PlayerTravel, SteersAtTheTurnRateAndWalksThere) {
   Playing p(locomotion());
   p.edge.player->setTravel(true);
   p.edge.player->setPlacement({{5, -2}, 3.0f});
-  p.edge.player->steer(-3.0);  // the short way over ±π
+  p.edge.player->steer(-3.0);  // the shorter way, across ±π
   p.edge.step(0.01);
   EXPECT_FLOAT_EQ(p.edge.player->placement().heading_rad, 3.0f) << "paused";
   p.edge.player->play();

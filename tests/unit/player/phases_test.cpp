@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The state machine of transitions alone: its phases, what it waits for, when it gives up, where it returns to.
+// The state machine of transitions in isolation: phases, conditions of waiting, timeouts, and returns.
 #include <gtest/gtest.h>
 
 #include "player/parts/motion.h"
@@ -32,7 +32,7 @@ struct World {
     graph = motion::MotionGraph::read(motion::writeMotionGraph(states, tables), character).take();
     see(0, 0);
   }
-  // The source and the presentation that it shows now.
+  // Source state, and the presentation that it currently shows.
   void see(int source, int64_t k) {
     view.source = source;
     view.sequence = &character.sequences[size_t(source)];
@@ -50,7 +50,7 @@ struct World {
   auto plan(int target) {
     return transitions.plan(view, character.sequences[size_t(target)], character.sequences[size_t(target)].loop);
   }
-  // As far as Preparing; the fade begins at `begin_k` with the target's frame 12.
+  // Advances to Preparing; the fade begins at `begin_k` with the target's frame 12.
   void prepare() {
     transitions.ask(1, 0);
     transitions.setGoal(1);

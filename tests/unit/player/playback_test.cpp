@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Playback alone: the events of a media element that follow from playing, seeking and starving.
+// Playback in isolation: events of a media element on playing, seeking and starving.
 #include "player/parts/playback.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points of the shown surface, as hotspots of a page take them.
+// Points on the shown surface, as used for a page's hotspots.
 #include "player_edge.h"
 
 using namespace fourdvt;
@@ -21,7 +21,7 @@ TEST(PlayerPoints, AVertexIsWhereItIsShownAndIsFoundAgainThere) {
     if (!(glm::length(point->normal) > 0)) continue;
     const glm::dvec3 away = glm::normalize(point->normal);
     const double azimuth = glm::degrees(std::atan2(away.x, away.z)), elevation = glm::degrees(std::asin(away.y));
-    // Beside the vertex: its pixel itself may fall between two faces.
+    // Beside the vertex, whose own pixel may fall between two faces.
     for (const double azimuth_step : {-8.0, 0.0, 8.0}) {
       const OrbitView view{azimuth + azimuth_step, glm::clamp(elevation, -80.0, 80.0), 3, point->position, 35};
       const PinholeCamera camera = cameraFromOrbit(view, 400, 300);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Seeks that show the GOP's key until the wanted frame is there: when they do, what the events and counters say, and
-// that no seek shows anything further from what is wanted than what was shown.
+// Seeks that show the GOP's key until the wanted frame is decoded: when they do so, their events and counters, and that
+// no shown frame is farther from the wanted one than the frame before.
 #include "player_edge.h"
 
 using namespace fourdvt;
@@ -23,7 +23,7 @@ struct Seeking {
     EXPECT_TRUE(edge.load());
     edge.runUntil([&] { return edge.pendingFetches().empty(); });
   }
-  // The frames that are seen until the wanted one is.
+  // Frames shown until the wanted one.
   std::vector<uint32_t> framesTo(uint32_t frame) {
     std::vector<uint32_t> seen;
     edge.player->seekFrame(frame);
@@ -117,7 +117,7 @@ TEST(PreviewSeeks, AnotherSequenceChangesWithItsWantedFrame) {
   EXPECT_EQ(edge.player->stats().frames_shown, 2u) << "no key of it";
 }
 
-// Somebody drags a timeline: seeks come before the one before is done.
+// Dragging a timeline: seeks follow before the previous one has finished.
 TEST(PreviewSeeks, DraggingNeverShowsWhatIsFurtherAway) {
   for (uint32_t seed = 1; seed <= 5; ++seed) {
     EdgeOptions options = previewing();

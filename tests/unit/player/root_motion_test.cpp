@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Root motion and parameters alone: placing, steering, steps, fades; gliding values.
+// Root motion and parameters in isolation: placement, steering, steps, fades; gliding values.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ void expectNear(const motion::Placement& placement, glm::vec2 ground_m, float he
   EXPECT_NEAR(motion::wrapAngle(placement.heading_rad - heading_rad), 0, 1e-5);
 }
 
-// One member, frames along z: frame f lies 0.1 f ahead; a pass of four frames leads 0.4 ahead.
+// One member, frames along z: frame f lies at 0.1 f; a pass of four frames travels 0.4.
 struct Walk {
   Walk() {
     sequence.frame_count = frames.frame_count = 4;

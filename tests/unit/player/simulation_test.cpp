@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The player against a simulated edge: whatever the latencies, seeks, loops and rates, pixels and geometry on screen
-// belong to one frame, and memory stays within its bounds.
+// The player against a simulated edge: for all latencies, seeks, loops and rates, picture and geometry on screen are of
+// one frame, and memory is bounded.
 #include "player_edge.h"
 
 using namespace fourdvt;
@@ -17,7 +17,7 @@ uint64_t largestGopBytes(const FakeCharacter& character) {
   for (const FakeSequence& s : character.sequences) {
     largest = std::max<uint64_t>(largest, character.files.at(s.name + ".mp4").size() / (s.frames / s.gop));
   }
-  return largest + 2000;  // and its chunk
+  return largest + 2000;  // and for its chunk
 }
 
 }  // namespace
@@ -98,7 +98,7 @@ TEST(PlayerSimulation, AtRateZeroItPlaysAndTheFrameStays) {
   EXPECT_FALSE(edge.player->paused());
   EXPECT_EQ(edge.events[EventKind::TimeUpdate], updates);
   EXPECT_EQ(edge.events[EventKind::Paused], 0);
-  EXPECT_TRUE(edge.player->goTo("pickup").ok());  // by a cut, as while it is paused
+  EXPECT_TRUE(edge.player->goTo("pickup").ok());  // by a cut, since it is paused
   ASSERT_TRUE(edge.runUntil([&] { return edge.player->sequence()->name == "pickup" && !edge.player->seeking(); }));
   EXPECT_EQ(edge.player->frame(), 0u);
   edge.player->setRate(1);
@@ -136,7 +136,7 @@ TEST(PlayerSimulation, TheClocksTimeGoesOnBetweenFramesAndRoundTheLoop) {
 TEST(PlayerSimulation, BufferedIsWhatPlaysWithoutAFetch) {
   const FakeCharacter character = FakeBuilder().build({{"walk", 100, 10, 25, false, 192, 16}});
   EdgeOptions options;
-  options.player.encoded_budget_bytes = 1;  // only what is needed is kept
+  options.player.encoded_budget_bytes = 1;  // keeps the necessary data only
   SimulatedEdge edge(character, options);
   EXPECT_FALSE(edge.player->buffered(0));
   ASSERT_TRUE(edge.load());

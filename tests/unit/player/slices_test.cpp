@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Geometry decoded in slices: how much a tick decodes and what first, that playing and seeking show what they show
-// without slices, and that damage is still reported.
+// Geometry decoded in slices: amount and order of decoding per tick, equality of playing and seeking with and without
+// slices, and reports of damage.
 #include "camera_character.h"
 #include "player_edge.h"
 
@@ -10,13 +10,13 @@ using namespace fourdvt::testing;
 namespace {
 
 constexpr uint32_t kStepsOfARow = 2;  // positions and labels of one member
-constexpr bool kSought = false;       // in place of `due`
+constexpr bool kSought = false;       // replaces `due`
 
 FakeCharacter twoSequences() {
   return FakeBuilder().build({{"walk", 28, 10, 25, true, 192, 16}, {"pickup", 23, 9, 30, false, 128, 32}});
 }
 
-// Loading whose fetches are all answered.
+// Loading with all fetches answered.
 struct Held {
   explicit Held(FakeCharacter made = twoSequences(), uint32_t rendition = kHighestRendition)
       : character(std::move(made)), loading(outbox, 1 << 20, rendition) {
@@ -158,7 +158,7 @@ TEST(DecodeSlices, APassBeginsWithTheFineChunkThoughTheCoarseIsDecodedAhead) {
   held.loading.sliceDecoding({.steps = 100});
   held.fill({0, 5, true, {}});
   held.ahead({0, 5, true, {}});
-  held.loading.ladder().setQuality(1, 0);  // what is decoded stays
+  held.loading.ladder().setQuality(1, 0);  // decoded rows are kept
   held.fill({0, 5, true, {}});
   EXPECT_EQ(chunkBytes(held), kStep_m);
   EXPECT_TRUE(held.has(11));
@@ -201,7 +201,7 @@ TEST(DecodeSlices, EveryFrameIsShownWhereTheSliceKeepsUp) {
   EXPECT_EQ(edge.events[EventKind::Waiting], 0);
 }
 
-// Four pictures a tick are due: each tick shows the one whose row comes next.
+// Four pictures per tick are due: each tick shows the one whose row is decoded next.
 TEST(DecodeSlices, PlayingGoesOnWhereTheSliceDoesNotKeepUp) {
   EdgeOptions options;
   options.player.picture_slots = 8;

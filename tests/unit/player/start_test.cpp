@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The start file: the first picture without a fetch, then the stream; start files that do not belong, in the player and
-// as bytes.
+// The start file: the first picture without a fetch, then the stream; mismatched start files, in the player and as
+// bytes.
 #include <gtest/gtest.h>
 
 #include "player_edge.h"
@@ -14,7 +14,7 @@ FakeCharacter twoSequences() {
   return FakeBuilder().build({{"walk", 30, 8, 25, true, 192, 8, {}, 2}, {"run", 20, 8, 25, true, 224, 8, {}, 2}});
 }
 
-// Frame 0 by the start file while nothing can be fetched.
+// True if the start file shows frame 0 while fetches get no answer.
 bool showsOffline(SimulatedEdge& edge, const FakeCharacter& character, std::span<const uint8_t> start) {
   edge.offline = true;
   return edge.player->loadManifest(character.manifest, start).ok() &&

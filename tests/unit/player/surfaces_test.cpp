@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Characters from cameras in the player's parts: what a shown frame hands to the recipe, and what the manifest brings.
+// Characters from cameras in the player's parts: inputs of the recipe for a shown frame, and data from the manifest.
 #include <gtest/gtest.h>
 
 #include "camera_character.h"
@@ -25,7 +25,7 @@ struct OneGop {
     index.chunks = {{0, 4, 0, uint32_t(bytes.size())}};
     package::Sequence& s = character.sequences[0];
     s.renditions = {{.width = 160, .height = 100}};
-    s.renditions[0].tiles = {16, 4, 128, 96};  // the layout of 64 × 48 texels, twice as large
+    s.renditions[0].tiles = {16, 4, 128, 96};  // layout of 64 × 48 texels at twice its size
     chunk = package::SurfaceChunk::open(bytes, index, 0, character, s).take();
     EXPECT_TRUE(chunk->decodeTo(3).ok());
     composer.setModel(render::CharacterModel::createForSurfaces(device, character).take());
@@ -92,7 +92,7 @@ TEST(PlayerSurfaces, TilesAreScaledIntoThePicture) {
   EXPECT_NE(s.composer.cameraFigure(s.shown, picture, glm::mat4(1)).cameras->serial, serial);
 }
 
-// There is no file with a base mesh, and GOP 1 has no picture of the second camera.
+// Without a base mesh file; GOP 1 has no picture of the second camera.
 TEST(PlayerSurfaces, ACharacterFromCamerasPlaysWithoutABaseMesh) {
   SimulatedEdge edge(fakeCameraCharacter(), {});
   ASSERT_TRUE(edge.load());

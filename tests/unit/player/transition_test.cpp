@@ -15,7 +15,7 @@ constexpr double kWalk_s = 1.4, kRun_s = 0.7;
 constexpr float kWalkStep_m = 1.75f / 28, kIdleStep_m = 0.02f;
 
 motion::Entry chooseEntry(uint32_t source, uint32_t, uint32_t target) {
-  const uint32_t row = target == 0 ? 1 : 0;  // locomotion is entered as its second member
+  const uint32_t row = target == 0 ? 1 : 0;  // locomotion is entered at its second member
   return {kEntry, row, kFade, 5, source < target ? kShift : glm::vec3(0)};
 }
 
@@ -47,7 +47,7 @@ struct Scene {
   bool fades() {
     return edge.runUntil([&] { return player().inTransition(); }, 8);
   }
-  // Every picture is paired with its mesh and frames keep coming.
+  // Expects matching pairs of picture and mesh, and continuing frames.
   void expectPlays() {
     const uint64_t before = player().stats().frames_shown;
     for (int i = 0; i < 100; ++i) {
@@ -103,12 +103,12 @@ TEST(PlayerTransition, FadesWithinItsLatencyAndLosesNoPicture) {
   s.expectPlays();
 }
 
-// From every frame of every state to every other one, at 60 ticks a second: the target is seen within the bound.
+// From every frame of every state to every other state, at 60 ticks a second: the target is shown within the bound.
 TEST(PlayerTransition, KeepsTheLatencyBoundFromEveryFrame) {
   FakeCharacter character = threeStates(false);
   FakeBuilder::addGraph(character, [](uint32_t source, uint32_t frame, uint32_t target) {
     motion::Entry entry = chooseEntry(source, frame, target);
-    entry.cost = 10000 - 100 * float(frame);  // to wait is always better
+    entry.cost = 10000 - 100 * float(frame);  // waiting is always cheaper
     return entry;
   });
   const char* names[] = {"locomotion", "pickup", "idle"};
@@ -136,13 +136,13 @@ TEST(PlayerTransition, KeepsTheLatencyBoundFromEveryFrame) {
   }
 }
 
-// The mesh drawn goes from the source's to the target's, which is moved by the shift.
+// The drawn mesh blends from the source's to the target's, which is moved by the shift.
 TEST(PlayerTransition, FadesTheMesh) {
   Scene s(threeStates());
   ASSERT_TRUE(s.player().goTo("idle").ok());
   ASSERT_TRUE(s.fades());
   double last = 0;
-  const double far_m = kStep_m * kFrameStride * kSequenceFrames * 2;  // the idle's tag
+  const double far_m = kStep_m * kFrameStride * kSequenceFrames * 2;  // identifies idle
   while (s.player().inTransition()) {
     const float fade = s.player().figure().value().fade;
     const double share = s.edge.draw().x_m / far_m;
@@ -174,7 +174,7 @@ TEST(PlayerTransition, TravelsWithoutAJump) {
     world = s.world();
     placement = s.player().placement();
   }
-  // From the last mixture on, the target goes on where it was.
+  // After the last mixture the target continues from its place.
   EXPECT_LE(distance(s.world(), target), kIdleStep_m * 2);
   EXPECT_NEAR(s.player().placement().heading_rad, kShift.z, 1e-4);
 }
@@ -209,7 +209,7 @@ TEST(PlayerTransition, EntersAClassAtTheGraphsWeightsAndGlidesOn) {
   s.run(2);
   EXPECT_NEAR(s.player().parameter("speed_mps"), 1.6, 1e-9);
   EXPECT_NEAR(s.edge.draw().member, 0.35 / 1.45, 1e-3);
-  // The second track's parameter began at the entry's.
+  // The second track's parameter started at the entry's.
   ASSERT_TRUE(s.player().selectSequence("idle").ok());
   ASSERT_TRUE(s.arrives("idle"));
   ASSERT_TRUE(s.player().goTo("locomotion").ok());
@@ -232,14 +232,14 @@ TEST(PlayerTransition, AStateThatDoesNotLoopReturns) {
   EXPECT_EQ(s.edge.events[EventKind::Ended], 0);
   EXPECT_EQ(s.edge.events[EventKind::TransitionEnded], 2);
   s.expectPlays();
-  // Selected, it ends.
+  // Ends when it is selected.
   ASSERT_TRUE(s.player().selectSequence("pickup").ok());
   s.run(4);
   EXPECT_EQ(s.state(), "pickup");
   EXPECT_EQ(s.edge.events[EventKind::Ended], 1);
 }
 
-// The state that it returns to has to be fetched again, which takes longer than the rest of the motion.
+// Returning requires a fetch that takes longer than the rest of the motion.
 TEST(PlayerTransition, WaitsOnItsLastFrameForTheReturn) {
   int waited = 0;
   for (uint32_t seed = 1; seed <= 10; ++seed) {
@@ -286,7 +286,7 @@ TEST(PlayerTransition, WithoutAGraphSelects) {
   EXPECT_EQ(s.edge.events[EventKind::SequenceChanged], 0) << "it is there already";
 }
 
-// A page begins without what transitions take.
+// A page starts without the data for transitions.
 TEST(PlayerTransition, CutsUntilTheyAreAllowed) {
   EdgeOptions options;
   options.player.transitions = false;
@@ -422,7 +422,7 @@ TEST(PlayerTransition, AskedAgainWhileFadingItFollows) {
   ASSERT_TRUE(s.arrives("pickup"));
   ASSERT_TRUE(s.arrives("idle")) << "that is where it came from";
   EXPECT_EQ(s.edge.events[EventKind::TransitionStarted], 3);
-  // Before the fade another wish simply replaces it.
+  // Before the fade a new command replaces the earlier one.
   ASSERT_TRUE(s.player().goTo("pickup").ok());
   ASSERT_TRUE(s.player().goTo("locomotion").ok());
   ASSERT_TRUE(s.arrives("locomotion"));
@@ -456,7 +456,7 @@ TEST(PlayerTransition, SlowFetchesOnlyDelayIt) {
   }
 }
 
-// Transitions, seeks, selections, pauses in any order: it never stalls, and memory stays within its bounds.
+// Transitions, seeks, selections, pauses in any order: no stall, and memory is bounded.
 TEST(PlayerTransition, HundredsOfThemInAnyOrder) {
   const char* names[] = {"locomotion", "pickup", "idle"};
   int transitions = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rigs of any size, with many cameras, shifted lenses, pictures of any shape: what comes out is the performer.
+// Rigs of any size, with many cameras, shifted lenses, pictures of any shape: the reconstruction is the performer.
 #include <gtest/gtest.h>
 
 #include "reconstruct/mesh_checks.h"
@@ -51,7 +51,7 @@ double lowestOverlap(const FrameSurface& surface) {
   return *std::min_element(surface.figures.overlap.begin(), surface.figures.overlap.end());
 }
 
-// Round the origin, at several heights.
+// Cameras round the origin, at several heights.
 Cameras manyCameras(int count) {
   Cameras out;
   for (int k = 0; k < count; ++k) {
@@ -62,7 +62,7 @@ Cameras manyCameras(int count) {
   return out;
 }
 
-// Part of a camera's picture, round the pixel in which it sees the point.
+// Crops a camera's picture round the pixel that shows the point.
 PinholeCamera croppedRound(PinholeCamera camera, const glm::dvec3& point, int width, int height) {
   const glm::dvec3 p = camera.project(point);
   camera.cx += width / 2.0 - std::round(p.x), camera.cy += height / 2.0 - std::round(p.y);
@@ -116,7 +116,7 @@ TEST(AnyRig, AScaleIsKeptWithinASequence) {
   ASSERT_TRUE(first.ok() && second.ok());
   EXPECT_EQ(second.value().figures.voxel_m, first.value().figures.voxel_m);
   EXPECT_EQ(second.value().figures.person_metre_m, first.value().figures.person_metre_m);
-  // A run that goes on takes the figures' scale, another sequence its own.
+  // A resumed run uses the scale of the stored figures; another sequence measures its own.
   auto resumed = SurfaceMaker::create({.stereo = false}, captured(cameras), nullptr);
   ASSERT_TRUE(resumed.value().begin(&first.value().figures).ok());
   const auto again = resumed.value().make(nearer);
@@ -142,7 +142,7 @@ TEST(AnyRig, FacesHaveABudget) {
   EXPECT_GT(few.mesh.faces.size(), 1800u);
   EXPECT_TRUE(checkMesh(few.mesh).closed());
   EXPECT_NEAR(lowestOverlap(few), lowestOverlap(all), 0.01);
-  // Without a voxel's size the budget makes voxels larger, so that not many faces are made in vain.
+  // Without a voxel size, the budget of faces enlarges the voxels, so that few faces are simplified away.
   options.voxel_m = 0;
   EXPECT_LT(surfaceOf(captured(cameras), pictures, options).figures.triangles_made, 5 * 2000u);
 }
@@ -168,7 +168,7 @@ TEST(AnyRig, PrincipalPointsOutsideThePicture) {
   for (int k = 0; k < 8; ++k) {
     const double azimuth = 0.785 * k + 0.2;
     const glm::dvec3 from(2 * std::sin(azimuth), 0.4, 2 * std::cos(azimuth));
-    // Looks past the performer, to one side or the other.
+    // Looks past the performer on alternating sides.
     const glm::dvec3 aside = (k % 2 ? 1.6 : -1.4) * glm::dvec3(std::cos(azimuth), 0.2, -std::sin(azimuth));
     cameras.push_back(croppedRound(lookingAt(aside, from, 800, 800, 300), {0, 0, 0}, 200, 200));
     ASSERT_TRUE(cameras[k].cx < 0 || cameras[k].cx > 200) << cameras[k].cx;
@@ -187,7 +187,7 @@ TEST(AnyRig, PortraitAndLandscapeOfSeveralResolutions) {
     cameras[k] =
         k % 2 ? lookingAt({0, 0, 0}, from, wide, narrow, wide * 0.9) : lookingAt({0, 0, 0}, from, narrow, wide, wide);
   }
-  glm::dmat4 roll(1.0);  // a landscape picture taken with a camera on its side
+  glm::dmat4 roll(1.0);  // a landscape camera mounted on its side
   roll[0] = {0, 1, 0, 0}, roll[1] = {-1, 0, 0, 0};
   cameras[3].cam_from_world = roll * cameras[3].cam_from_world;
   const FrameSurface surface = surfaceOf(captured(cameras), picturesOf(cameras, figure()));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which cameras stereo compares: neighbours, but not such that see the same.
+// Selection of the cameras that stereo compares: neighbours, except those with almost the same view.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ std::vector<size_t> sorted(std::vector<size_t> values) {
   return values;
 }
 
-// In one plane, so that the angles are those of the circle.
+// Cameras in one plane, so that angles are those of the circle.
 std::vector<PinholeCamera> flatRing(int count) {
   std::vector<PinholeCamera> out;
   for (int k = 0; k < count; ++k) {
@@ -40,7 +40,7 @@ TEST(ComparedCameras, NarrowPairsAreBetterThanNoneAndWideOnesAreNone) {
 
 TEST(ComparedCameras, ByTheRaysThroughTheirPicturesMiddles) {
   std::vector<PinholeCamera> cameras = flatRing(8);
-  // The same pictures of the origin by a lens that is turned 45° aside and shifted back.
+  // The same pictures of the origin, by a lens turned 45° aside and shifted back.
   PinholeCamera& shifted = cameras[1];
   const glm::dvec3 from = shifted.centreInWorld();
   shifted = lookingAt({-from.z, 0, from.x}, from);

@@ -19,7 +19,7 @@ void addOctahedron(TriangleMesh& mesh, const glm::vec3& at, float size) {
 }
 
 struct ComponentsTest : ::testing::Test {
-  // Two cameras on one side: what stands behind something large is hidden from both.
+  // Two cameras on one side: an object behind a large one is hidden from both.
   std::vector<silhouette::Silhouette> silhouettes{{lookingAt({0, 0, 0}, {-0.2, 0, 3}, 240, 240), Image(240, 240, 1)},
                                                   {lookingAt({0, 0, 0}, {0.2, 0, 3}, 240, 240), Image(240, 240, 1)}};
   std::vector<const silhouette::Silhouette*> seen{&silhouettes[0], &silhouettes[1]};
@@ -41,7 +41,7 @@ TEST_F(ComponentsTest, WhatOneCameraSeesAloneStays) {
 }
 
 TEST_F(ComponentsTest, SpecksAreDroppedAndHollowsStay) {
-  addOctahedron(mesh, {0.8f, 0, 0}, 0.02f);  // below a thousandth
+  addOctahedron(mesh, {0.8f, 0, 0}, 0.02f);  // below a thousandth of the largest
   addOctahedron(mesh, {0, 0, 0}, -0.2f);
   EXPECT_EQ(dropNeedless(mesh, seen, 0), 1u);
   EXPECT_EQ(mesh.faces.size(), 16u);

@@ -21,7 +21,7 @@ struct FairingTest : ::testing::Test {
     ASSERT_TRUE(made.ok());
     hull = std::move(made.value().mesh);
   }
-  // How far the ridges stand off the sphere that the silhouettes are of: the 98th of a hundred vertices.
+  // Distance of the ridges from the sphere that the silhouettes show: 98th percentile of the vertices.
   static double off(const TriangleMesh& mesh) {
     std::vector<double> all;
     for (const glm::vec3& p : mesh.positions) all.push_back(glm::length(p) - 0.4);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Figures of frames, and the surface against hull and silhouettes.
+// Measurements of frames, and of the surface against hull and silhouettes.
 #include "reconstruct/run/frame_figures.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ TEST(FrameFigures, TextHasNullForWhatIsNoNumber) {
   EXPECT_NE(text.find(R"("overlap":[0.5,null])"), std::string::npos) << text;
 }
 
-// A square upright plate that faces the camera, `side_m` wide, at z.
+// Square upright plate facing the camera, `side_m` wide, at z.
 TriangleMesh plate(double side_m, double z) {
   const float s = float(side_m / 2), at = float(z);
   TriangleMesh out;
@@ -30,7 +30,7 @@ TriangleMesh plate(double side_m, double z) {
 }
 
 TEST(SilhouetteMatch, OutlineDistanceIsThatOfTwoSquares) {
-  // 2 m away at a focal length of 300: 150 pixels a metre. Sides of 96 and 90 pixels.
+  // 2 m away at a focal length of 300: 150 pixels per metre. Sides of 96 and 90 pixels.
   const PinholeCamera camera = lookingAt({0, 0, 0}, {0, 0, 2}, 200, 200, 300);
   const silhouette::Silhouette silhouette{camera, coverageOf(camera, boxShape({-0.32, -0.32, -1e-6}, {0.32, 0.32, 0}))};
   const SilhouetteMatch same = silhouetteMatch(silhouette, plate(0.64, 0));

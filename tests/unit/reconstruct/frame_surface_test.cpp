@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One frame from pictures to surface: what the lens did not show carves nothing, and who sees nobody is left out.
+// One frame from pictures to surface: pixels outside the lens's picture carve nothing, and empty cameras are left out.
 #include "reconstruct/run/frame_surface.h"
 
 #include <gtest/gtest.h>
@@ -43,7 +43,7 @@ FrameSurface surfaceOf(const std::vector<capture::CaptureCamera>& cameras, const
 }
 
 TEST(FrameSurface, SmallPicturesAreNotReduced) {
-  EXPECT_EQ(stereoReduction(0.0025), 2);  // of a person who fills 1280 rows
+  EXPECT_EQ(stereoReduction(0.0025), 2);  // for a person who fills 1280 rows
   EXPECT_EQ(stereoReduction(0.0049), 2);
   EXPECT_EQ(stereoReduction(0.0051), 1);
   EXPECT_EQ(stereoReduction(0.015), 1);
@@ -69,14 +69,14 @@ TEST(FrameSurface, WhatTheLensDidNotShowCarvesNothing) {
   const glm::dvec3 unseen = first.centreInWorld() + rayInWorld(first, {6, 120}) * 2.1;
   ASSERT_LT(glm::distance(unseen, ball), 0.6 * kBall_m);
   EXPECT_TRUE(meshHolds(surfaceOf(cameras, pictures).mesh, unseen));
-  // Without a word about the lens the same picture cuts the ball.
+  // Without the distortion the same picture cuts the ball.
   cameras[0].distortion = {};
   const FrameSurface carved = surfaceOf(cameras, pictures);
   EXPECT_FALSE(meshHolds(carved.mesh, unseen));
   EXPECT_TRUE(meshHolds(carved.mesh, first.centreInWorld() + rayInWorld(first, {35, 120}) * 2.1));
 }
 
-// A ball is a small part of what the cameras see; mattes that cover their pictures leave all of it.
+// A ball is a small part of the visible space; mattes that cover their pictures leave all of it.
 TEST(FrameSurface, VolumeIsThatOfTheBallOrOfAllThatIsSeen) {
   const auto cameras = camerasOfStage();
   std::vector<Image> pictures = picturesOf(cameras, {0, 0, 0});

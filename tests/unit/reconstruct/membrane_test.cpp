@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The membrane over what stereo leaves open: pits are filled, what is measured or thin stays, nothing leaves the hull.
+// The membrane over gaps of stereo: pits are filled, measured and thin parts stay, nothing leaves the hull.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 constexpr float kVoxel_m = 0.005f, kBand_m = 3 * kVoxel_m;
 constexpr int kSide = 6;  // blocks along each side; the middle of the grid is the origin of `Field`
 
-// Metres, positive inside, at a place in metres from the grid's middle.
+// Signed distance, metres, positive inside; argument: metres from the grid's middle.
 using Field = std::function<float(const glm::vec3&)>;
 
 glm::vec3 placeOf(const SparseDistance& distance, size_t block, size_t i) {
@@ -39,7 +39,7 @@ std::vector<BlockValues> trustOf(const SparseDistance& like, const Field& trust)
   return out;
 }
 
-// The value at the voxel nearest to a place.
+// Value at the voxel nearest to a position.
 float at(const SparseDistance& distance, const glm::vec3& place) {
   const glm::ivec3 voxel(glm::round(place / kVoxel_m + float(kSide * kBlock) / 2));
   const glm::ivec3 block = voxel / kBlock, in = voxel % kBlock;
@@ -50,7 +50,7 @@ Field ball(float radius_m) {
   return [=](const glm::vec3& p) { return radius_m - glm::length(p); };
 }
 
-// A ball that the maps know, but for a narrow pit of poor evidence down to its middle.
+// A ball covered by the depth maps, except for a narrow pit of poor evidence down to its centre.
 TEST(Membrane, FillsANarrowPit) {
   const float radius = 0.08f;
   const auto inPit = [](const glm::vec3& p) { return p.z > 0 && glm::length(glm::vec2(p)) < 0.008f; };
@@ -62,14 +62,14 @@ TEST(Membrane, FillsANarrowPit) {
   spanMembrane(hull, trust, {}, out);
   EXPECT_GT(at(out, {0, 0, 0.02f}), 0);
   EXPECT_GT(at(out, {0, 0, 0.04f}), 0);
-  // A dent as wide as the ball's half is no pit.
+  // A dent as wide as the ball's radius is no pit.
   SparseDistance flat = sampled([&](const glm::vec3& p) { return std::min(ball(radius)(p), 0.03f - p.z); });
   const SparseDistance before = flat;
   spanMembrane(hull, trustOf(hull, [](const glm::vec3&) { return 1.0f; }), {}, flat);
   for (const float z : {0.025f, 0.035f}) EXPECT_EQ(at(flat, {0, 0, z}) > 0, at(before, {0, 0, z}) > 0) << z;
 }
 
-// Where nothing is known, what lies deep inside a hull's ridge goes: the known sides lead on.
+// Without evidence, the ridge of a hull is removed: the surface continues from the measured sides.
 TEST(Membrane, FollowsItsSurroundingsWhereNothingIsKnown) {
   const auto hull_field = [](const glm::vec3& p) {  // a roof whose ridge runs along y
     return std::min(0.06f - std::abs(p.x) - p.z, p.z + 0.08f) / std::sqrt(2.0f);
@@ -87,7 +87,7 @@ TEST(Membrane, FollowsItsSurroundingsWhereNothingIsKnown) {
       ASSERT_LE(out.blocks[b].values[i], hull.blocks[b].values[i]);
 }
 
-// No map knows anything: the hull stays, ridges and all, and far from what maps know it does too.
+// Without evidence anywhere, or far from any, the hull stays, ridges included.
 TEST(Membrane, WithoutEvidenceTheHullStays) {
   const auto roof = [](const glm::vec3& p) {
     return std::min(0.09f - std::abs(p.x) - p.z, p.z + 0.1f) / std::sqrt(2.0f);
@@ -102,7 +102,7 @@ TEST(Membrane, WithoutEvidenceTheHullStays) {
     ASSERT_EQ(at(out, {0, 0, z}), at(hull, {0, 0, z})) << z;
 }
 
-// A finger that no map knows stays as the hull has it.
+// A finger that no depth map covers stays as in the hull.
 TEST(Membrane, LeavesThinPartsAlone) {
   const SparseDistance hull = sampled([](const glm::vec3& p) { return 0.008f - glm::length(glm::vec2(p)); });
   SparseDistance out = hull;

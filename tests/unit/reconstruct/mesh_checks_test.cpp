@@ -109,7 +109,7 @@ TEST(MeshChecks, CrossingBoxes) {
   TriangleMesh mesh = box();
   addBox(mesh, glm::vec3(0.5f, 0.4f, 0.3f), glm::vec3(1.5f, 1.4f, 1.3f));
   EXPECT_GT(checkMesh(mesh).crossing_pairs, 0u);
-  // By less than the tolerance, it is rounding.
+  // Penetration below the tolerance counts as rounding.
   TriangleMesh touching = box();
   addBox(touching, glm::vec3(0.9999997f, 0.2f, 0.2f), glm::vec3(2, 0.8f, 0.8f));
   EXPECT_EQ(checkMesh(touching, 1e-6).crossing_pairs, 0u);
@@ -117,7 +117,7 @@ TEST(MeshChecks, CrossingBoxes) {
 }
 
 TEST(MeshChecks, OverlapWithinOnePlane) {
-  // Side by side with flush faces that overlap, each looking the same way.
+  // Side by side with overlapping coplanar faces of the same orientation.
   TriangleMesh mesh = box();
   addBox(mesh, glm::vec3(0.5f, 0.5f, 0), glm::vec3(1.5f, 1.5f, 1));
   EXPECT_GT(checkMesh(mesh).crossing_pairs, 0u);
@@ -130,7 +130,7 @@ TEST(MeshChecks, NeighboursThatCrossBeyondWhatTheyShare) {
   const MeshReport report = checkMesh(mesh);
   EXPECT_TRUE(report.closed());
   EXPECT_GT(report.crossing_pairs, 0u);
-  // Two faces that share one vertex only, the second through the first.
+  // Two faces that share one vertex, the second piercing the first.
   const TriangleMesh pair{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5f, 0.1f, 1}, {0.1f, 0.5f, -1}}, {{0, 1, 2}, {0, 3, 4}}};
   EXPECT_EQ(checkMesh(pair).crossing_pairs, 1u);
   TriangleMesh turned = pair;
@@ -142,7 +142,7 @@ TEST(MeshChecks, NeighboursThatCrossBeyondWhatTheyShare) {
 }
 
 TEST(MeshChecks, TwoSidesOfASheetDoNotCross) {
-  // A tetrahedron that rounding made flat.
+  // A tetrahedron flattened by rounding.
   const TriangleMesh sheet{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2f, 0.2f, 0}},
                            {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
   EXPECT_TRUE(checkMesh(sheet).solid()) << describe(checkMesh(sheet));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts of the hull that silhouettes need come back after they were taken, and no others.
+// Removed parts of the hull are restored if silhouettes require them, and no others.
 #include "reconstruct/stereo/outlines.h"
 
 #include <gtest/gtest.h>
@@ -14,16 +14,16 @@ namespace fourdvt::reconstruct {
 namespace {
 
 constexpr double kVoxel_m = 0.008;
-constexpr int kSamples = 4;  // of a pixel, along each side
+constexpr int kSamples = 4;  // per pixel, along each side
 
-// The hull of a shape, and what stereo left of it.
+// The hull of a shape, and what stereo has left of it.
 struct Taken {
   Rig rig;
   std::vector<silhouette::Silhouette> silhouettes;
   std::vector<CarvingView> views;
   SparseDistance hull, left;
 
-  // Where `keeps` is negative, so much of the hull is taken.
+  // Removes the hull where `keeps` is negative, by its amount.
   Taken(const Shape& shape, const std::function<double(const glm::dvec3&)>& keeps)
       : rig(ringCameras(8), shape), silhouettes(rig.silhouettes()) {
     for (const silhouette::Silhouette& s : silhouettes)
@@ -39,14 +39,14 @@ struct Taken {
   OutlineFigures keep() { return keepOutlines(hull, views, {}, left); }
 };
 
-// Where a row of samples is covered.
+// Covered part of a row of samples.
 struct Span {
   int first = -1, last = -1;
   void add(int x) { first = first < 0 ? x : first, last = x; }
 };
 
-// Pixels by which the ends of a surface's rows lie beside those of the shape, where both have any, sorted; -1 in front
-// for each row in which the surface is missing.
+// Distances in pixels between the ends of a surface's rows and those of the shape, where both have any, sorted; -1
+// first for each row in which the surface is missing.
 std::vector<double> besideShape(const PinholeCamera& camera, const SparseDistance& distance, const Shape& shape,
                                 int first_row, int last_row) {
   SparseDistance closed = distance;
@@ -105,8 +105,8 @@ TEST(Outlines, GivesBackAThinRodThatWasTaken) {
   expectWithinTheHull(t, before);
 }
 
-// Depths that are a little too large all over: the outline comes back, and with the whole surface taken by a voxel
-// and more the middle of what cameras face stays as it was.
+// Depths slightly too large everywhere: the outline is restored; if the whole surface is removed by a voxel or more,
+// the middle of the sides that face cameras stays unchanged.
 TEST(Outlines, GivesBackARim) {
   Taken t(kBox, [](const glm::dvec3& p) { return 0.285 - std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}); });
   const SparseDistance before = t.left;
@@ -132,7 +132,7 @@ TEST(Outlines, GivesBackARim) {
     EXPECT_EQ(valueAt(t.left, side), valueAt(before, side));
 }
 
-// A dent that no outline shows stays; so does the hull itself.
+// A dent that no outline shows stays, and so does the unchanged hull.
 TEST(Outlines, LeavesAloneWhatNoRayMisses) {
   for (const double dent_m : {0.12, 0.0}) {
     Taken t(kBox, [=](const glm::dvec3& p) { return glm::distance(p, glm::dvec3(0.02, 0, 0.3)) - dent_m; });

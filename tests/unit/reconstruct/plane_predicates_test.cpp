@@ -16,7 +16,7 @@ int side(const Plane& a, const Plane& b, const Plane& c, const Plane& d) {
 }
 
 TEST(PlanePredicates, OneUnitOfAnOffsetDecides) {
-  // The three planes meet in the origin; doubles cannot tell 2^-29 from nothing here.
+  // The three planes meet at the origin; doubles cannot distinguish 2^-29 from zero here.
   for (int unit : {-1, 0, 1}) {
     const Plane d{{kMax, -kMax + 1, kMax - 2, double(unit)}};
     EXPECT_EQ(side(kX, kY, kZ, d), unit);
@@ -30,14 +30,14 @@ TEST(PlanePredicates, HeadingIsTheOrientationOfTheNormals) {
   EXPECT_EQ(PlanePoint(PlaneLine(kY, kX), kZ).heading(), -1);
   const Plane in_between{{kMax / 2, kMax / 2, 0, 17}};
   EXPECT_EQ(PlanePoint(PlaneLine({{kMax, 0, 0, 1}}, {{0, kMax, 0, 2}}), in_between).heading(), 0);
-  // Nearly parallel to the line: still a heading.
+  // Nearly parallel to the line, but still with a heading.
   const Plane x{{kMax, 0, 0, 1}}, y{{0, kMax, 0, 2}};
   EXPECT_EQ(PlanePoint(PlaneLine(x, y), {{kMax, kMax, 1, 0}}).heading(), 1);
   EXPECT_EQ(PlanePoint(PlaneLine(x, y), {{kMax, kMax, -1, 0}}).heading(), -1);
 }
 
 TEST(PlanePredicates, AnswersDoNotDependOnTheOrder) {
-  // Planes through one point and rounded: every determinant is tiny, and many are zero for doubles.
+  // Planes through one point, rounded: all determinants are tiny, and many are zero in doubles.
   std::mt19937 random(5);
   std::uniform_real_distribution<double> coordinate(-1, 1);
   for (int i = 0; i < 2000; ++i) {
@@ -51,7 +51,7 @@ TEST(PlanePredicates, AnswersDoNotDependOnTheOrder) {
     EXPECT_EQ(side(p[1], p[2], p[0], p[3]), expected);
     EXPECT_EQ(side(p[2], p[1], p[0], p[3]), expected);
     EXPECT_EQ(side(p[0], p[2], p[1], p[3]), expected);
-    // The same determinant seen from another of its planes: D lies before C as C lies behind D.
+    // The same determinant with planes exchanged: D lies in front of C if C lies behind D.
     const int heading = PlanePoint(PlaneLine(p[0], p[1]), p[2]).heading();
     const int other = PlanePoint(PlaneLine(p[0], p[1]), p[3]).heading();
     EXPECT_EQ(side(p[0], p[1], p[3], p[2]) * other, -expected * heading);
@@ -59,7 +59,7 @@ TEST(PlanePredicates, AnswersDoNotDependOnTheOrder) {
   }
 }
 
-// Two planes along z whose normals' cross product is -1 although each has 28 bits: products of 55 bits, too many for
+// Two planes along z whose normals, of 28 bits each, have a cross product of -1: products of 55 bits, too many for
 // doubles, cancel. They meet in x = 3, y = -5.
 std::array<Plane, 2> almostParallel(double m) {
   return {Plane{{m, m + 1, 0, 2 * m + 5}}, Plane{{m + 1, m + 2, 0, 2 * m + 7}}};

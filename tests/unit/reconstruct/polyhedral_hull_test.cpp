@@ -18,7 +18,7 @@ PolyhedralHull hullOf(const std::vector<SilhouetteCone>& cones, const BoundingBo
   return hull ? hull.take() : PolyhedralHull{};
 }
 
-// Counts points of the bounds at which the mesh and the cones' polygons disagree.
+// Counts points in the bounds that only one of mesh and cones' polygons contains.
 int disagreements(const TriangleMesh& mesh, const std::vector<SilhouetteCone>& cones, int count,
                   const BoundingBox& bounds = kBounds_m) {
   std::mt19937 random(7);
@@ -78,7 +78,7 @@ TEST(PolyhedralHull, UprightBoxSeenAlongTheAxes) {
 }
 
 TEST(PolyhedralHull, CamerasBetweenTheBoxesPlanes) {
-  // They see neither top nor bottom, and some planes hold an edge of the box.
+  // The cameras see neither top nor bottom, and some planes contain an edge of the box.
   const Shape slab = boxShape({-0.6, -0.1, -0.6}, {0.6, 0.1, 0.6});
   std::vector<PinholeCamera> cameras;
   for (const glm::dvec3& from :
@@ -96,7 +96,7 @@ TEST(PolyhedralHull, TorusKeepsItsHole) {
     cameras.push_back(lookingAt(glm::dvec3(0), {2 * std::sin(azimuth), 2.2, 2 * std::cos(azimuth)}));
   }
   const Rig rig(cameras, torusShape(0.5, 0.15));
-  const BoundingBox bounds{glm::vec3(-0.75f), glm::vec3(0.75f)};  // all of it in all pictures
+  const BoundingBox bounds{glm::vec3(-0.75f), glm::vec3(0.75f)};  // entirely inside all pictures
   expectSolidAtAllTolerances(rig, "torus", bounds);
   for (double tolerance_px : {2.0, 1.0, 0.5}) {
     const MeshReport report = checkMesh(hullOf(rig.cones(tolerance_px), bounds).mesh);
@@ -115,7 +115,7 @@ TEST(PolyhedralHull, TwoObjectsAreTwoComponents) {
 
 TEST(PolyhedralHull, PerformerCutByThePicturesBorderIsNotCarvedThere) {
   std::vector<PinholeCamera> cameras = sixCameras();
-  cameras[0].cx -= 150;  // the left half of the ball is out of the picture
+  cameras[0].cx -= 150;  // the left half of the ball lies outside the picture
   cameras[3].cy += 110;
   const Shape ball = ballShape(glm::dvec3(0), 0.5);
   const Rig rig(cameras, ball);
@@ -126,14 +126,14 @@ TEST(PolyhedralHull, PerformerCutByThePicturesBorderIsNotCarvedThere) {
 }
 
 TEST(PolyhedralHull, NothingIsCarvedBehindACamera) {
-  // The second camera stands beside the ball and looks past it; its picture is all background.
+  // The second camera looks past the ball; its picture is all background.
   const Shape ball = ballShape(glm::dvec3(0), 0.5);
   Rig rig({lookingAt(glm::dvec3(0), {0, 0, 3})}, ball);
   const double before_m3 = checkMesh(hullOf(rig.cones(1)).mesh).volume_m3;
   rig.cameras.push_back(lookingAt({3, 0, 0.2}, {1.2, 0, 0.2}));
   rig.coverages.push_back(Image(320, 240, 1, 0));
   EXPECT_NEAR(checkMesh(hullOf(rig.cones(1)).mesh).volume_m3, before_m3, 1e-6);
-  // Turned so that part of the bounds lies behind it and part before it.
+  // Rotated so that the bounds lie partly behind it and partly in front.
   for (double azimuth = 0.05; azimuth < 6.28; azimuth += 0.4) {
     const glm::dvec3 from(1.2, 0, 0.2), along(std::sin(azimuth), 0.2, std::cos(azimuth));
     rig.cameras.back() = lookingAt(from + along, from, 320, 240, 100);
@@ -145,7 +145,8 @@ TEST(PolyhedralHull, NothingIsCarvedBehindACamera) {
 }
 
 TEST(PolyhedralHull, CameraOnAnothersOutline) {
-  // The second camera appears right on an edge of the first one's outline: the edge's plane holds both centres nearly.
+  // The second camera is visible right on an edge of the first one's outline: the edge's plane almost contains both
+  // centres.
   const Shape ball = ballShape(glm::dvec3(0), 0.5);
   const Rig first({lookingAt(glm::dvec3(0), {0, 0, 3})}, ball);
   for (double tolerance_px : {8.0, 1.0}) {
@@ -181,7 +182,7 @@ TEST(PolyhedralHull, EmptyPictureLeavesNothingAndFullOneEverything) {
 }
 
 TEST(PolyhedralHull, OutlinesWithHolesInANoisyMatteStaySolid) {
-  // Blobs of background and performer at random: hundreds of rings, hulls with many tunnels and islands.
+  // Random blobs of background and performer: hundreds of rings, hulls with many tunnels and islands.
   Rig rig(sixCameras(160, 120, 150), ballShape(glm::dvec3(0), 0.6));
   std::mt19937 random(3);
   for (Image& coverage : rig.coverages)

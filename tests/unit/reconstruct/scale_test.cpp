@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The measures of a scene: from analytic balls, and the same in other units.
+// The measures of a scene, from analytic balls; invariant under a change of units.
 #include "reconstruct/scale.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ struct Views {
   std::vector<CarvingView> views;
 };
 
-// The same pictures, as cameras of a scene `scale` times as large see them.
+// The same pictures, with cameras of a scene `scale` times as large.
 Views scaled(const Rig& rig, double scale) {
   std::vector<silhouette::Silhouette> out = rig.silhouettes();
   for (silhouette::Silhouette& s : out) s.camera.cam_from_world[3] *= glm::dvec4(scale, scale, scale, 1);

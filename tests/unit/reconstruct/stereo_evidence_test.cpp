@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Evidence that gives a depth its weight: contrast, and depths that other cameras confirm.
+// Evidence that weights a depth: contrast, and confirmation by other cameras.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kSide = 64;
 
-// RGBA, opaque in the middle half; `grey` by column and row.
+// RGBA picture, opaque in its middle half; `grey`: by column and row.
 Image picture(const std::function<double(int, int)>& grey) {
   Image out(kSide, kSide, 4);
   for (int y = 0; y < kSide; ++y)
@@ -31,14 +31,14 @@ float inTheMiddle(const Image& image) { return textureOf(image)[kSide / 2 * kSid
 
 TEST(StereoTexture, FlatColourSlowShadingAndNoiseShowNothing) {
   std::mt19937 random(3);
-  std::normal_distribution<double> noise(0, 1.2);  // of 2.4 levels in pictures of twice the size
+  std::normal_distribution<double> noise(0, 1.2);  // 2.4 levels in pictures of twice the size
   for (const float t : {inTheMiddle(picture([](int, int) { return 120; })),
                         inTheMiddle(picture([](int x, int y) { return 60 + 1.5 * x + 0.5 * y; })),
                         inTheMiddle(picture([&](int, int) { return 120 + noise(random); }))})
     EXPECT_LT(t, 0.08f);
 }
 
-// A checkerboard of ±a: 3 a² in three channels, all of it detail but what a mean of 5 × 5 keeps of it, (a / 25)².
+// A checkerboard of ±a: 3 a² in three channels, all of it detail except the 5 × 5 mean's (a / 25)².
 TEST(StereoTexture, ContrastShows) {
   float last = 0;
   for (const double a : {3.0, 6.0, 20.0}) {
@@ -49,7 +49,7 @@ TEST(StereoTexture, ContrastShows) {
   EXPECT_GT(last, 0.95f);
 }
 
-// The outline is the strongest edge of all; it says nothing about depth.
+// The outline is the strongest edge of all, but gives no evidence of depth.
 TEST(StereoTexture, TheOutlineIsNoTexture) {
   const std::vector<float> texture = textureOf(picture([](int, int) { return 120; }));
   for (const float t : texture) ASSERT_LT(t, 0.01f);
@@ -72,8 +72,8 @@ TEST(StereoTexture, WeighsAndForgets) {
   }
 }
 
-// Cameras on an arc of 20 degrees before the wall z = 0, whose maps are `wrong_m` too deep (or not deep enough) in a
-// share of their pixels.
+// Cameras on an arc of 20 degrees in front of the wall z = 0, whose depth maps are `wrong_m` too large or too small in
+// a share of their pixels.
 std::vector<DepthMap> wall(double share, double wrong_m) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> chance(0, 1);
@@ -109,7 +109,7 @@ TEST(StereoAgreement, DepthsThatOthersConfirmStay) {
   EXPECT_GT(meanWeight(wall(0.1, 0.1)), 0.6);
 }
 
-// A decimetre of scatter in all maps: some depths are confirmed by chance. None of the maps is believed.
+// Scatter of a decimetre in all maps: some depths agree by chance. All are rejected.
 TEST(StereoAgreement, MapsThatAgreeByChanceAreNotBelieved) { EXPECT_EQ(meanWeight(wall(1, 0.1)), 0); }
 
 }  // namespace

@@ -87,7 +87,7 @@ TEST(VolumetricHull, NothingIsLeftWhereOnlyTwoOppositeCamerasSee) {
 }
 
 TEST(VolumetricHull, ACameraInsideTheBoxsSlabCarvesAsTheOthersDo) {
-  // It stands between the planes of the box's top and bottom, and sees its side as a strip.
+  // A camera between the planes of the box's top and bottom, which sees a side as a strip.
   const Shape shape = boxShape({-0.3, -0.2, -0.3}, {0.3, 0.2, 0.3});
   auto cameras = axisCameras();
   cameras.push_back(lookingAt({0, 0.1, 0}, {1.2, 0.1, 1.5}));
@@ -110,8 +110,8 @@ TEST(VolumetricHull, WhatACameraDoesNotSeeItDoesNotCarve) {
   float lowest = 1;
   for (const glm::vec3& p : mesh.positions) lowest = std::min(lowest, p.y);
   EXPECT_LT(lowest, -0.4f);
-  // Where its picture ends there is neither a cut nor a step: every vertex of the hull without it that it does not see
-  // is still there.
+  // Its picture's border makes neither a cut nor a step: every vertex of the hull without this camera that lies outside
+  // its view is unchanged.
   const PinholeCamera& camera = cameras.back();
   size_t unseen = 0;
   for (const glm::vec3& p : before.positions) {

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kRadians = 3.14159265358979323846 / 180;
 
-// A ball with two smaller ones beside it, so that a turn about the axis of view shows.
+// A ball with two smaller ones beside it, so that rotation about the optical axis is visible.
 BallMesh figure(double grown) {
   BallMesh mesh = ballMesh(0.3 + grown, 3);
   for (const glm::vec3& at : {glm::vec3(0.35f, 0.2f, 0), glm::vec3(-0.3f, -0.3f, 0.1f)}) {
@@ -24,7 +24,7 @@ BallMesh figure(double grown) {
   return mesh;
 }
 
-// Its matte in a camera: the balls' discs, drawn by projecting points of their surface.
+// Matte of the figure in a camera: the balls' discs, drawn by projecting points of their surfaces.
 MatteCrop matteOf(const PinholeCamera& camera) {
   const struct {
     glm::dvec3 centre;
@@ -128,7 +128,7 @@ TEST(CameraFit, FocalLengthIsFoundWhereItIsFree) {
 }
 
 TEST(CameraFit, FocalLengthIsHeldNearTheGivenOneHoweverManySteps) {
-  // 2 % off is ten times what rigs are calibrated to.
+  // 2 % is ten times the calibration error of usual rigs.
   const PinholeCamera truth = ballCamera(0, 8);
   const BallMesh mesh = figure(0);
   PinholeCamera given = truth;
@@ -150,7 +150,7 @@ TEST(CameraFit, SaysHowSureItIs) {
   auto points = pointsOf(figure(0), truth, matteOf(truth));
   const double clean = fitCamera(truth, truth, points, Freedom{}).shift_deviation_pixels;
   EXPECT_LT(clean, 0.12);
-  // Every block errs as a whole, by up to a pixel: as many points say less.
+  // Each block's points share an error of up to a pixel: the same number of points has less information.
   for (BlockedPoint& s : points) s.point.residual_pixels += float(s.block * 7 % 5) * 0.5f - 1;
   EXPECT_GT(fitCamera(truth, truth, points, Freedom{}).shift_deviation_pixels, 2 * clean);
 }

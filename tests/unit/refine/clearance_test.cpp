@@ -56,7 +56,7 @@ TEST(Clearance, ThickPartsHaveNone) {
   EXPECT_TRUE(clearancesOf(ball.faces, ball.positions, ball.normals, 0.015f).empty());
 }
 
-// A plate that sticks in a cube: what lies behind it there is the cube.
+// A plate inside a cube: the cube lies behind it there.
 TEST(Clearance, PlacesInsideAnotherPartHaveNone) {
   Plate both = plate(0.1f);  // thick, from z = 0 down
   const Plate inside = plate(kThick_m, {0, 0, -0.02f});
@@ -93,7 +93,7 @@ TEST(Clearance, TwoSidesGiveWayAlike) {
   for (const float offset : outwards) EXPECT_EQ(offset, 0.003f);
 }
 
-// A hem whose outer side the outlines move inwards by more than its thickness, the inner one with it.
+// A hem whose outer side the outlines move inwards by more than its thickness, the inner one along with it.
 TEST(Clearance, HoldsWhateverTheOutlinesClaim) {
   const Plate thin = plate(kThick_m);
   std::vector<OffsetClaim> claims;

@@ -13,7 +13,7 @@ uint8_t encoded(double linear) {
   return uint8_t(std::lround(255 * std::clamp(v, 0.0, 1.0)));
 }
 
-// A disc of one colour on another, mixed in linear light, with a matte that is `grown` pixels too large.
+// A disc of one colour on another, mixed in linear light, with a matte enlarged by `grown` pixels.
 Image disc(double grown, glm::dvec3 figure, glm::dvec3 background) {
   const MatteCrop truth = ballMatte(), matte = ballMatte(grown);
   Image out(kBallPicture, kBallPicture, 4);

@@ -18,7 +18,7 @@ TEST(Outline, ClosedMeshHasOneInnerEdgeForEveryTwoCorners) {
 }
 
 TEST(Outline, ResidualIsTheDistanceBetweenTheCircles) {
-  // 4 mm on a ball 4 m away that is seen at f = 1500: 1.5 pixels.
+  // 4 mm on a ball 4 m away, with f = 1500: 1.5 pixels.
   const double expected = kBallFocal * 0.004 / kBallDistance_m;
   const auto too_large = measure(ballMesh(kBallRadius_m + 0.004, 5), ballMatte());
   ASSERT_GT(too_large.size(), 300u);
@@ -48,7 +48,7 @@ TEST(Outline, NothingIsSaidBeyondReachOrWithoutAMatte) {
 }
 
 TEST(Outline, FigureThatThePictureCutsOffHasNoEdgeThere) {
-  // The camera looks to the side, so that half of the ball is out of the picture.
+  // The camera looks aside, so that half of the ball lies outside the picture.
   PinholeCamera camera = ballCamera(0, 8);
   camera.cx = 20;
   const MatteCrop whole = ballMatte();
@@ -74,7 +74,7 @@ TEST(Outline, MatteCropReadsBetweenPixelsAndZeroOutside) {
 }
 
 TEST(Outline, EdgesInsideTheOutlineDoNotCount) {
-  // A small ball before the large one: its outline lies inside.
+  // A small ball in front of the large one: its outline lies inside.
   BallMesh both = ballMesh(kBallRadius_m);
   const BallMesh small = ballMesh(0.1, 3);
   const size_t large_samples = measure(both, ballMatte()).size();

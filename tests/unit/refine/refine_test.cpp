@@ -16,11 +16,11 @@ namespace {
 
 constexpr int kCameras = 6, kFrames = 3;
 constexpr double kTooLarge_m = 0.004;
-constexpr double kFacets_m = 0.0012;  // how far the ball's corners lie outside, where its faces agree with the pictures
+constexpr double kFacets_m = 0.0012;  // distance of the ball's vertices from it, if its faces fit the pictures
 
 bool goOn(const std::string&, double) { return true; }
 
-// A red ball before green, and its matte, which may be too large by some pixels, or missing.
+// A red ball in front of green, with mattes that may be too large by some pixels, or missing.
 class BallCapture : public capture::TempFolder {
  public:
   explicit BallCapture(double matte_grown = 0, bool mattes = true, int cameras = kCameras,
@@ -91,7 +91,7 @@ TEST(Refine, BallTakesItsTrueSize) {
   const BallCapture files;
   const capture::Capture capture = files.open();
   const Refinement refinement = refine(capture, {});
-  // A mesh of flat faces is drawn a little larger than the ball, so that its outline is as large.
+  // The mesh's flat faces lie partly inside the ball, so that a fitting mesh is slightly larger than the ball.
   EXPECT_NEAR(radiusAfter(refinement, capture), kBallRadius_m, 0.0016);
   EXPECT_EQ(refinement.frames, uint32_t(kFrames));
   EXPECT_FALSE(refinement.changedCameras());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A figure of balls that swings before a ring of cameras: silhouettes worked out by hand, at any instant.
+// A figure of balls that swings in front of a ring of cameras: analytic silhouettes at any instant.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace fourdvt::refine {
 constexpr int kRigPicture = 200, kRigFrames = 16;
 constexpr double kRigFocal = 560;
 
-// Eight cameras on a ring that look a little down or up by turns.
+// Eight cameras on a ring that look slightly down and up in turn.
 inline std::vector<PinholeCamera> ringOfCameras(int count = 8) {
   std::vector<PinholeCamera> out;
   for (int c = 0; c < count; ++c) {
@@ -28,7 +28,7 @@ inline std::vector<PinholeCamera> ringOfCameras(int count = 8) {
   return out;
 }
 
-// Coverage by the balls' cones: each has half the angle asin(radius / distance).
+// Coverage by the balls' cones, with half angle asin(radius / distance) each.
 inline Image silhouetteOf(const PinholeCamera& camera, double instant) {
   const double a = 0.11 * instant, b = 0.07 * instant + 1;
   struct Ball {
@@ -48,7 +48,7 @@ inline Image silhouetteOf(const PinholeCamera& camera, double instant) {
     const glm::dvec3 to = ball.centre - eye;
     ball.towards = glm::normalize(to);
     ball.half_angle = std::asin(ball.radius / glm::length(to));
-    ball.near_cosine = std::cos(ball.half_angle + 1 / camera.fx);  // further out, nothing is covered
+    ball.near_cosine = std::cos(ball.half_angle + 1 / camera.fx);  // no coverage beyond this angle
   }
   Image out(camera.width, camera.height, 1);
   for (int y = 0; y < camera.height; ++y)

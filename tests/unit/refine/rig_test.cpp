@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cameras in step and in place, by the silhouettes of balls.
+// Time offsets and poses of cameras, from silhouettes of balls.
 #include <gtest/gtest.h>
 
 #include "base/robust.h"
@@ -15,7 +15,7 @@ std::vector<CameraRefit> fitted(const SilhouetteClip& clip, const std::vector<Pi
   return fitRig({{&clip, kInStep}}, given, {}, [] { return true; });
 }
 
-// Every second picture of cameras in step; made once for all tests.
+// Every second picture of synchronous cameras; created once for all tests.
 const std::vector<std::vector<Image>>& picturesInStep() {
   static const auto all = [] {
     const auto cameras = ringOfCameras();
@@ -44,8 +44,8 @@ TEST(Rig, HullOfTheOthersHoldsTheSilhouetteAndTouchesIt) {
     for (const BlockedPoint& p : hullPoints(clip, {cameras, kInStep, {}}, c, {2, 6}, 60, 0, 12))
       residuals.push_back(p.point.residual_pixels);
   ASSERT_GT(residuals.size(), 400u);
-  EXPECT_LT(quantile(residuals, 0.98), 0.3);   // nothing sticks out
-  EXPECT_GT(quantile(residuals, 0.75), -0.5);  // and much of it touches
+  EXPECT_LT(quantile(residuals, 0.98), 0.3);   // no silhouette sticks out
+  EXPECT_GT(quantile(residuals, 0.75), -0.5);  // most of the outline touches the hull
   for (const StickOut& s : stickOut({{&clip, kInStep}}, cameras, {})) EXPECT_LT(s.mean_pixels, 0.05);
 }
 
@@ -60,7 +60,7 @@ TEST(Rig, TimesAreFoundToATenthOfAFrame) {
     EXPECT_LT(times[c].deviation_frames, 0.05) << c;
     shift.push_back(times[c].offset_frames - truth[c]);
   }
-  const double common = quantile(shift, 0.5);  // nothing says which camera is on time
+  const double common = quantile(shift, 0.5);  // the common offset is undetermined
   for (size_t c = 0; c < truth.size(); ++c) EXPECT_NEAR(shift[c], common, 0.1) << c;
   EXPECT_NEAR(quantile(offsets, 0.5), 0, 1e-9);
 }
@@ -95,7 +95,7 @@ TEST(Rig, TurnedCamerasAreTurnedBackAndTheOthersStay) {
 
 TEST(Rig, OfRigsThatFitAlikeTheOneThatTurnsFewestIsKept) {
   const auto given = ringOfCameras();
-  // All look past the performer by 5 mm, and one is turned besides.
+  // All cameras miss the performer by 5 mm, and one is rotated as well.
   const glm::dvec3 at(0.003, 0.002, -0.0035);
   auto found = given;
   for (PinholeCamera& camera : found) {

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kFrames = 12, kCameras = 6;
 
-// Every camera claims at every other vertex; `offset` says what at a frame.
+// Every camera observes every other vertex; `offset`: its value at a frame.
 template <class Offset>
 std::vector<SlowFrame> claims(const BallMesh& mesh, uint32_t step, double noise, const Offset& offset) {
   std::mt19937 random(4);
@@ -33,7 +33,7 @@ TEST(SlowFit, SurfaceThatBreathesIsFollowed) {
   ASSERT_TRUE(fit.has_value());
   ASSERT_EQ(fit->frames.size(), size_t(kFrames));
   EXPECT_EQ(fit->loop_frames, uint32_t(2 * kFrames));
-  // Held back towards none, so that it follows most of the way only.
+  // Regularised towards zero, so that it follows only most of the way.
   double left = 0, all = 0;
   for (uint32_t f = 0; f < kFrames; ++f)
     for (const float offset : fit->offset_m[f]) {

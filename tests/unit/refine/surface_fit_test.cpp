@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kCameras = 8;
 
-// Two rounds from nothing against mattes that `spoil` may change.
+// Two rounds from zero against mattes that `spoil` may change.
 template <class Spoil>
 std::vector<float> fit(double radius, const Spoil& spoil) {
   const BallMesh given = ballMesh(radius);

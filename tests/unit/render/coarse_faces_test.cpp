@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which faces a coarser mesh has, by hand, and how many of a person.
+// Faces of a coarser mesh, computed by hand, and their number for a person.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -12,7 +12,7 @@ namespace {
 
 using List = std::vector<uint32_t>;
 
-// Two strips of two faces, 0.1 apart in x; vertices 1 and 2 of each lie in one cell of 1.
+// Two strips of two faces each, 0.1 apart in x; vertices 1 and 2 of each lie in one cell of side 1.
 std::vector<glm::vec3> strips() {
   std::vector<glm::vec3> out;
   for (const float x : {0.1f, 0.2f})
@@ -23,16 +23,16 @@ std::vector<glm::vec3> strips() {
 const std::vector<glm::uvec3> kStrips = {{0, 1, 3}, {1, 2, 3}, {4, 5, 7}, {5, 6, 7}};
 
 TEST(CoarseFaces, mergesVerticesOfACellToTheLowestOne) {
-  // Faces 1 and 3 vanish; 1 becomes 2 and 5 becomes 6, whose last corners are 4 and 10.
+  // Faces 1 and 3 vanish; vertex 1 becomes 2 and 5 becomes 6, the faces' last corners are 4 and 10.
   EXPECT_EQ(coarseCorners(kStrips, strips(), 1, -9), (List{0, 4, 5, 6, 10, 11}));
 }
 
 TEST(CoarseFaces, keepsSurfacesApartThatOnlyTouch) {
-  // All of each strip in one cell, both strips in the same one: nothing is left of either, no face joins them.
+  // Both strips lie in the same cell: no face remains, none joins them.
   EXPECT_EQ(coarseCorners(kStrips, strips(), 4, -9), List{});
   std::vector<glm::vec3> positions = strips();
   positions[3].y = positions[7].y = 5;
-  EXPECT_EQ(coarseCorners(kStrips, positions, 4, -9), List{});  // 0, 1, 2 are one, and 4, 5, 6
+  EXPECT_EQ(coarseCorners(kStrips, positions, 4, -9), List{});  // 0, 1, 2 share a cell, and 4, 5, 6
 }
 
 TEST(CoarseFaces, keepsWhatIsLow) {

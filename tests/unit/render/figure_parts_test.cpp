@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Members and looks without weight, which nobody would see, cost nothing.
+// Members and looks of invisible weight are not drawn.
 #include <gtest/gtest.h>
 
 #include "render/passes.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The figures' region by hand: where it lies, and when its size changes.
+// The figures' region, computed by hand: its place, and the moments when its size changes.
 #include <gtest/gtest.h>
 
 #include "../look_at.h"
@@ -10,7 +10,7 @@ namespace {
 
 class FigureRegionTest : public ::testing::Test {
  protected:
-  // From `distance_m` in front of a box of 1 m × 2 m × 1 m that stands at (x, 0, 0).
+  // View from `distance_m` in front of a box of 1 m × 2 m × 1 m that stands at (x, 0, 0).
   bool update(double distance_m, float x = 0, bool all = false) {
     Figure figure{&model_};
     figure.world_from_character[3] = {x, 0, 0, 1};
@@ -21,7 +21,7 @@ class FigureRegionTest : public ::testing::Test {
     EXPECT_EQ(region_.region().width, width);
     EXPECT_EQ(region_.region().height, height);
   }
-  // The bounds' front side, 0.5 m nearer than their middle.
+  // Expects the bounds' front side, 0.5 m nearer than their centre, inside the region.
   void expectHolds(double distance_m, double x) const {
     const double px_per_m = 800 / (distance_m - 0.5), middle = 500 + px_per_m * x;
     const gpu::Region& r = region_.region();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Label packing and seam masks by hand; the recipe's calls on the null device.
+// Label packing and seam masks, computed by hand; the recipe's calls on the null device.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,7 +22,7 @@ TEST(PackLabels, packsFiveBitsPerRankAndMarksUnknownCamerasEmpty) {
   EXPECT_EQ(packed[0] & 0x7fff, 0u | 30u << 5 | 5u << 10);
   EXPECT_EQ(packed[1] & 0x7fff, 2u | 31u << 5 | 31u << 10);
   std::fill(packed.begin(), packed.end(), ~0u);
-  packLabels(faces, labels, 4, packed, masks);  // four cameras only: 30 and 5 do not exist
+  packLabels(faces, labels, 4, packed, masks);  // of four cameras only: 30 and 5 do not exist
   EXPECT_EQ(packed[0] & 0x7fff, 0u | 31u << 5 | 31u << 10);
 }
 
@@ -82,7 +82,7 @@ TEST(Recipe, drawsFiveTimesThenTwiceForTheSameGeometryAndLeaksNothing) {
     EXPECT_EQ(drawn.device->counters().draws, 8u);
     EXPECT_EQ(drawn.device->takeErrors(), "");
     device = std::move(drawn.device);
-    // Owners go before the device.
+    // Must be destroyed before the device.
     drawn.figure = {};
     drawn.picture = {};
     drawn.recipe.reset();
@@ -133,7 +133,7 @@ TEST(Recipe, drawsTheLastLayerOfAFigureThatHasNotTheWantedOne) {
   EXPECT_TRUE(drawn.draw(options));
 }
 
-// A class of two members on the null device, drawn as any figures.
+// A class of two members on the null device, drawn like any figure.
 struct DrawnClass {
   Scene scene = boxScene(0.2f, 1.8f);
   std::unique_ptr<gpu::Device> device = gpu::createNullDevice();

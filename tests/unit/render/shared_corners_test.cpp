@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which corners share a vertex shader's work, by hand and on a mesh with seams.
+// Corners that can share a vertex shader's work, computed by hand and on a mesh with seams.
 #include "render/shared_corners.h"
 
 #include <gtest/gtest.h>
@@ -31,11 +31,11 @@ TEST(SharedCorners, cornersOfAVertexShareUnlessTextureCoordinatesDiffer) {
 }
 
 TEST(SharedCorners, onlyFacesWithTheSameLabelsOfAllMembersShare) {
-  EXPECT_EQ(shared(kFan, {7, 8, 7}), (List{0, 1, 2, 3, 4, 5, 0, 7, 8}));  // past a face with other labels
+  EXPECT_EQ(shared(kFan, {7, 8, 7}), (List{0, 1, 2, 3, 4, 5, 0, 7, 8}));  // across a face with other labels
   EXPECT_EQ(shared(kFan, {7, 7, 7, /*member 1*/ 1, 2, 2}), (List{0, 1, 2, 3, 4, 5, 3, 5, 8}));
 }
 
-// The vertices decide, too: meshes made by hand may use texture coordinates for several.
+// Vertices must match, too: hand-made meshes may use one texture coordinate for several vertices.
 TEST(SharedCorners, verticesWithTheSameTextureCoordinatesDoNotShare) {
   const std::vector<glm::uvec3> uvs(3, glm::uvec3(0, 1, 2));
   EXPECT_EQ(shared(uvs, {7, 7, 7}), (List{0, 1, 2, 0, 4, 5, 0, 7, 8}));

@@ -115,9 +115,9 @@ TEST(PlotSvg, CurvesDifferInColourAndDash) {
 
 TEST(BarsSvg, LengthsAreRelativeToTheLargest) {
   const std::string svg = barsSvg({"sizes", {{"video", "4 kB", 4000}, {"mesh <b>", "1 kB", 1000}, {"none", "0 B", 0}}});
-  EXPECT_TRUE(contains(svg, "width=\"400.0\""));  // 640 less the label's and the value's room
+  EXPECT_TRUE(contains(svg, "width=\"400.0\""));  // 640 minus the label's and the value's width
   EXPECT_TRUE(contains(svg, "width=\"100.0\""));
-  EXPECT_TRUE(contains(svg, "width=\"1.0\""));  // still seen
+  EXPECT_TRUE(contains(svg, "width=\"1.0\""));  // minimum width
   EXPECT_TRUE(contains(svg, ">mesh &lt;b&gt;</text>"));
   EXPECT_TRUE(contains(barsSvg({"empty", {}}), "</svg>"));
 }

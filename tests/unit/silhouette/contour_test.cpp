@@ -47,7 +47,7 @@ double distance(const glm::dvec2& p, const Ring& ring) {
   return nearest;
 }
 
-// Pairs of edges that cross or touch, neighbours aside.
+// Number of pairs of edges that cross or touch, except neighbours.
 int crossings(const Outline& outline) {
   struct Edge {
     glm::dvec2 a, b;
@@ -79,7 +79,7 @@ size_t points(const Outline& outline) {
   return count;
 }
 
-// The ring that is not the picture's border.
+// Ring other than the picture's border.
 const Ring& inner(const Outline& outline) {
   return *std::min_element(outline.rings.begin(), outline.rings.end(), [](const Ring& a, const Ring& b) {
     return std::abs(signedArea_px2(a)) < std::abs(signedArea_px2(b));
@@ -143,7 +143,7 @@ TEST(Contour, SaddleFollowsTheCellsMean) {
   Image image(4, 4, 1, 0);
   *image.at(1, 1) = *image.at(2, 2) = 255;
   EXPECT_EQ(outlineOf(image, {0, 0}).rings.size(), 3u);  // two islands and the border
-  *image.at(2, 1) = *image.at(1, 2) = 120;               // background still, but the mean says performer
+  *image.at(2, 1) = *image.at(1, 2) = 120;               // still background, but the mean is performer
   EXPECT_EQ(outlineOf(image, {0, 0}).rings.size(), 2u);
 }
 
@@ -167,7 +167,7 @@ TEST(Contour, ToleranceBoundsTheDistanceAndSavesPoints) {
 }
 
 TEST(Contour, NarrowGapBetweenTwoBodiesStaysOpen) {
-  // Two blocks 2 px apart whose facing sides are wavy by more than the gap: simplified alone, they would cross.
+  // Two blocks 2 px apart whose facing sides undulate by more than the gap: simplified independently, they would cross.
   Image image(90, 60, 1, 0);
   for (int y = 5; y < 55; ++y)
     for (int x = 5; x < 85; ++x) {

@@ -8,7 +8,7 @@
 namespace fourdvt::silhouette {
 namespace {
 
-// Coverage of the half plane n · p < d, from 16 × 16 samples a pixel, inside a frame of background.
+// Coverage of the half plane n · p < d, 16 × 16 samples per pixel, with a border of background.
 Image halfPlane(double angle, double d, int side = 64) {
   Image out(side, side, 1);
   for (int y = 4; y < side - 4; ++y)

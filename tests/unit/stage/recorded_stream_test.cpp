@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the numbers of a counted stage's pictures after keying, hulls, packing and coding.
+// Reads the numbers on a counted stage's pictures after keying, hulls, packing and coding.
 #include "lab/stage/recorded_stream.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ using capture::kSample;
 using capture::TempFolder;
 
 constexpr int kPictures = 60;
-constexpr double kFps = 4;  // a slow machine keeps up
+constexpr double kFps = 4;  // slow enough for any machine
 constexpr size_t kFrames = 8;
 const std::vector<std::string> kCameras = {"cam00", "cam01", "cam02", "cam04", "cam05", "cam07"};
 
@@ -108,7 +108,7 @@ TEST(RecordedStream, TellsWhichPicturesItShows) {
     }
   }
   EXPECT_GE(shown, 5 * kFrames);
-  EXPECT_GE(double(read), 0.6 * double(shown));  // in some frames there is hardly room for the cells
+  EXPECT_GE(double(read), 0.6 * double(shown));  // some frames hardly have room for the cells
   ASSERT_EQ(stream.value().surfaces.size(), 19u);
   for (const TriangleMesh& surface : stream.value().surfaces) surfaces += !surface.faces.empty();
   EXPECT_GE(surfaces, kFrames / 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sample as a stage: its numbers come through coding, keying and the camera's messages.
+// The sample as a stage: its numbers survive coding, keying and the camera's messages.
 #include "lab/stage/stage.h"
 
 #include <gtest/gtest.h>

@@ -56,7 +56,7 @@ TEST_F(RecordFileTest, GoesOnAfterTheLastWholeRecord) {
   EXPECT_EQ(file.value().read(2).value(), record(3)) << "still readable once it is in place";
 }
 
-// A process that begins anew does not take away what another one has completed meanwhile.
+// A process that starts anew does not remove a file that another one has completed meanwhile.
 TEST_F(RecordFileTest, AnewLeavesACompleteFileUntilItIsReplaced) {
   auto late = RecordFile::begin(path, 5, 1, ".late");
   auto first = RecordFile::begin(path, 5, 1, ".first");

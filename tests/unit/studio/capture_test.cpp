@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The studio's geometry: walks on surfaces, the procedural body and its gait, drift and its exact correspondence,
-// glTF models good and broken, cameras, sensor. Drawing is tests/render/studio_test.cpp's.
+// The studio's geometry: walks on surfaces, the procedural body and its gait, drift and its exact correspondence, valid
+// and invalid glTF models, cameras, sensor. Drawing: tests/render/studio_test.cpp.
 #include <cmath>
 #include <map>
 
@@ -26,7 +26,7 @@ Actor& walkJogRun() {
   return *actor;
 }
 
-// An n-gon prism of radius 1, open at the ends, z from 0 to 2.
+// Prism over a regular n-gon of radius 1, open at the ends, z from 0 to 2.
 Surface prism(int n) {
   std::vector<glm::uvec3> faces;
   Positions positions;
@@ -49,7 +49,7 @@ TEST(StudioSurface, WalkGoesRoundAPrismAndComesBack) {
   EXPECT_NEAR(glm::distance(from, glm::dvec3(1, 0, 1)), 0, 1e-6);
   const glm::dvec3 once = surface.place(surface.walk(start, {0, round, 0}), surface.positions());
   EXPECT_NEAR(glm::distance(once, from), 0, 1e-6);
-  // A helix of half a turn climbs by what it is tilted.
+  // A helix of half a turn, which climbs in proportion to its slope.
   const double up = 0.6, half = 0.5 * round;
   const glm::dvec3 start_side = surface.positions()[2];
   const glm::dvec3 across = glm::normalize(start_side - glm::dvec3(1, 0, 0)) * half;
@@ -79,7 +79,7 @@ TEST(StudioBody, IsClosedConnectedAndOutwards) {
     ASSERT_EQ(count, 1);
     ASSERT_EQ(edges.count({edge.second, edge.first}), 1u);
   }
-  EXPECT_GT(volume, 0.05);  // of a slim person, m³
+  EXPECT_GT(volume, 0.05);  // m³, for a slim person
   EXPECT_LT(volume, 0.12);
   // Genus 0 and one component.
   EXPECT_EQ(int(mesh.positions.size()) - int(edges.size() / 2) + int(mesh.topology.faceCount()), 2);
@@ -131,7 +131,7 @@ TEST(StudioGait, IsALoopAndItsParameterIsExact) {
   for (size_t v = 0; v < a.size(); ++v) ASSERT_NEAR(glm::distance(a[v], b[v]), 0, 1e-6);
 }
 
-// A vertex under the left toes, which no other bone moves.
+// A vertex under the left toes, which follows their bone only.
 uint32_t leftSole(const Actor& actor) {
   const Positions& rest = actor.surface().positions;
   uint32_t sole = 0;
@@ -140,7 +140,7 @@ uint32_t leftSole(const Actor& actor) {
   return sole;
 }
 
-// While a sole is on the ground it moves back exactly at the root's speed, so that the world's ground does not slide.
+// A sole on the ground moves back exactly at the root's speed, so that it does not slide in the world.
 TEST(StudioGait, FeetDoNotSlide) {
   Actor& actor = walkJogRun();
   const uint32_t sole = leftSole(actor);
@@ -162,7 +162,7 @@ TEST(StudioGait, FeetDoNotSlide) {
   }
 }
 
-// The middle of a stance is the middle of it for every parameter: there the foot is under the body.
+// Mid-stance is at the same phase for every parameter: the foot is then below the body.
 TEST(StudioGait, OnePhaseIsOnePoseOfTheStride) {
   Actor& actor = walkJogRun();
   const Positions& rest = actor.surface().positions;
@@ -180,7 +180,7 @@ TEST(StudioGait, OnePhaseIsOnePoseOfTheStride) {
   }
 }
 
-// Where a planted foot leaves the ground or comes down its path has no corner: twice the samples, a quarter the bend.
+// Lift-off and touch-down have no corner in the foot's path: twice the samples give a quarter of the bend.
 TEST(StudioGait, FeetMoveSmoothlyBetweenTheMembers) {
   Actor& actor = walkJogRun();
   const uint32_t sole = leftSole(actor);
@@ -206,7 +206,7 @@ TEST(StudioTracker, DriftIsAsFarAsTheKnobSays) {
   for (uint32_t v = 0; v < first.size(); ++v) {
     const glm::dvec3 a = surface.place(first[v], surface.positions()), b = surface.place(last[v], surface.positions());
     const double expected = 0.012 * glm::length(tracker.driftDirection(v));
-    // The straight line is a little shorter than the way along the skin, never longer.
+    // The chord is slightly shorter than the path along the skin, never longer.
     ASSERT_LE(glm::distance(a, b), expected * 1.001 + 1e-7);
     ASSERT_GE(glm::distance(a, b), expected * 0.3 - 1e-7);  // across the folds of armpits and neck
     ratio += glm::distance(a, b) / expected / double(first.size());
@@ -220,7 +220,7 @@ TEST(StudioTracker, DriftIsAsFarAsTheKnobSays) {
   EXPECT_GT(ratio, 0.98);
 }
 
-// The written correspondence: at the aligned point `run` carries the material that `walk` carries at the vertex.
+// At the aligned point `run` has the material that `walk` has at the vertex.
 TEST(StudioTracker, AlignmentFindsTheSameMaterial) {
   StudioKnobs knobs;
   knobs.drift_mm = 12;
@@ -238,7 +238,7 @@ TEST(StudioTracker, AlignmentFindsTheSameMaterial) {
                   double(aligned.size());
   }
   EXPECT_GT(mean_moved, 0.005);
-  EXPECT_LT(mean_missed, 0.0006);  // chords of the tracked mesh's faces lie a little inside the skin
+  EXPECT_LT(mean_missed, 0.0006);  // faces of the tracked mesh lie slightly inside the skin
   EXPECT_LT(worst, 0.006);
 }
 
@@ -336,7 +336,7 @@ TEST(StudioSensor, NoiseGainAndErosionAreOfTheirSize) {
   EXPECT_EQ(noisy.matte(picture).at(18, 30)[0], 255);
 }
 
-// The empty picture of a grey backdrop: its levels are the gain times the plate's.
+// Empty picture of a grey backdrop: its levels are the gain times the plate's.
 TEST(StudioSensor, GainDriftsSmoothlyAroundThePlates) {
   StudioKnobs knobs;
   const Image nobody(8, 8, 4, 0);
@@ -394,7 +394,7 @@ class StudioGltf : public ::testing::Test {
   StudioModel model;
 };
 
-// The upper vertices turn about (0, 0.5, 0); the lower half stays.
+// The upper vertices rotate about (0, 0.5, 0); the lower half stays.
 glm::dvec3 bent(const glm::dvec3& rest, double degrees) {
   if (rest.y <= 0.5 + 1e-6) return rest;
   const double a = degrees * kPi / 180, y = rest.y - 0.5;
@@ -419,10 +419,10 @@ TEST_F(StudioGltf, IsWeldedTexturedAndPosed) {
   const Positions& rest = actor.surface().positions;
   actor.pose(std::vector<double>{1, 0, 0, 0}, 0.5, pose);
   for (size_t v = 0; v < pose.size(); ++v) ASSERT_NEAR(glm::distance(glm::dvec3(pose[v]), bent(rest[v], 80)), 0, 1e-5);
-  // Half-way between bending and holding still: half the angle, not half the vertices' way.
+  // Half-way between bend and still: half the angle, not the mean of the vertices.
   actor.pose(std::vector<double>{0.5, 0.5, 0, 0}, 0.5, pose);
   for (size_t v = 0; v < pose.size(); ++v) ASSERT_NEAR(glm::distance(glm::dvec3(pose[v]), bent(rest[v], 40)), 0, 1e-5);
-  // Travel is taken out.
+  // Travel is removed.
   actor.pose(std::vector<double>{0, 0, 1, 0}, 0.5, pose);
   for (size_t v = 0; v < pose.size(); ++v) ASSERT_NEAR(glm::distance(glm::dvec3(pose[v]), bent(rest[v], 40)), 0, 1e-5);
 }

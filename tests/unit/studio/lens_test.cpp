@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lens against the formula by which captures are undistorted, which is not its own.
+// The lens against the independent formula that undistorts captures.
 #include "lab/studio/lens.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ TEST(StudioLens, InvertsTheCapturesFormula) {
   EXPECT_GT(largest, 2);
 }
 
-// A blob of the drawn picture comes to the pixel that the formula says.
+// A blob of the drawn picture appears at the pixel computed by the formula.
 TEST(StudioLens, FilmsMarkersWhereTheFormulaPutsThem) {
   const auto c = camera();
   const Lens lens = Lens::create(kLens, c.pinhole).take();
@@ -69,7 +69,8 @@ TEST(StudioLens, NoneChangesNothing) {
 }
 
 TEST(StudioLens, FoldedPicturesAreRefused) {
-  // Radii beyond the picture never come in; radii from .25 to .36 go back, and farther ones come again.
+  // Lens that maps far radii back: radii beyond the picture never enter it, or radii from .25 to .36 decrease and
+  // larger ones return.
   for (const std::array<double, 3>& k : {std::array<double, 3>{-3, 0, 0}, {-8, 25, 0}}) {
     const auto folded = Lens::create(k, camera().pinhole);
     ASSERT_FALSE(folded) << k[0];

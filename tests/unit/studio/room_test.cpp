@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The furnished room: a texture that differs from place to place, a shadow where the lamp's rays meet the actor first,
-// and plates that show the same room with other noise.
+// The furnished room: a texture that varies from place to place, shadows where the actor blocks the lamp, and plates of
+// the same room with different noise.
 #include "lab/studio/room.h"
 
 #include <gtest/gtest.h>
@@ -55,8 +55,7 @@ TEST(StudioRoom, IsTexturedEverywhereAndOfTheSeed) {
   EXPECT_NE(view.pixels, room.empty(1).pixels);
 }
 
-// A vertex moved along the light onto the floor lies in the shadow; a place that no ray from the actor reaches does
-// not.
+// A vertex projected along the light onto the floor lies in the shadow; points that no such ray reaches do not.
 TEST(StudioRoom, ShadowLiesWhereTheActorStandsInTheLight) {
   SmallRoom& s = shared();
   s.room.setShadow(s.pose);
@@ -119,7 +118,7 @@ TEST(StudioRoom, ShadowScalesLinearLightAndLeavesTheRestAlone) {
   }
 }
 
-// Which key a camera's plate gets is told from the plate: a capture of the green studio is keyed as it always was.
+// The plate determines its key: a capture of the green studio is still keyed by colour.
 TEST(StudioRoom, IsNoBackdropAndTheGreenStudioIsOne) {
   StudioKnobs knobs;
   knobs.gain_percent = 5;
@@ -152,9 +151,9 @@ TEST(StudioRoom, PlatesShowTheRoomWithNoiseOfTheirOwn) {
   EXPECT_NEAR(std::sqrt(square / count), 5.1, 0.1);
 }
 
-// A square of side 1 m under a slanting lamp, and the share along the floor through the middle of its shadow. Across
-// the light a disc of radius r hides the lamp by 1 - (acos(u) - u sqrt(1 - u²)) / pi where the disc's middle lies u r
-// inside a straight edge.
+// Shadow of a square of side 1 m under an oblique lamp, along the floor through its middle. A disc-shaped lamp of
+// radius r, measured across the light, is hidden by 1 - (acos(u) - u sqrt(1 - u²)) / pi where the disc's centre lies u
+// r inside a straight edge.
 TEST(StudioShadow, EdgeIsAsWideAsTheDisc) {
   const glm::dvec3 light = glm::normalize(glm::dvec3(0.6, -0.8, 0));
   const Positions square{{-0.5f, 2, -0.5f}, {0.5f, 2, -0.5f}, {0.5f, 2, 0.5f}, {-0.5f, 2, 0.5f}};
@@ -163,8 +162,8 @@ TEST(StudioShadow, EdgeIsAsWideAsTheDisc) {
     Shadow shadow(light, faces, radius);
     EXPECT_EQ(shadow.shareAt({1.5, 0, 0}), 0);
     shadow.setPose(square);
-    EXPECT_EQ(shadow.shareAt({0, 3, 0}), 0);  // before it
-    // The square's edge of z = 0.5 lies along the light: on the floor its shadow's edge is there, too.
+    EXPECT_EQ(shadow.shareAt({0, 3, 0}), 0);  // in front of it
+    // The square's edge at z = 0.5 is parallel to the light: its shadow on the floor has its edge there, too.
     for (double z = 0.2; z < 0.8; z += 0.01) {
       const double inside = 0.5 - z, u = radius > 0 ? inside / radius : (inside > 0 ? 1 : -1) * 9;
       const double expected =
@@ -182,7 +181,7 @@ double bilinear(const Image& picture, double x, double y, int channel) {
   return (1 - t) * ((1 - s) * at(i, j) + s * at(i + 1, j)) + t * ((1 - s) * at(i, j + 1) + s * at(i + 1, j + 1));
 }
 
-// The translation, to an eighth of a pixel, under which the second picture's middle looks most like the first's.
+// Translation, to an eighth of a pixel, at which the second picture's middle matches the first's best.
 glm::dvec2 measuredMove(const Image& from, const Image& to) {
   glm::dvec2 best(0);
   double least = 1e18;
@@ -213,7 +212,7 @@ TEST(StudioRoom, PlatesOfMovedCamerasAreOffByTheKnob) {
   EXPECT_EQ(s.room.emptySeenBy(plateCameras(s.rig.ring, knobs)[1]).pixels, s.room.empty(1).pixels);
 }
 
-// The picture through the lens has at a filmed pixel what the pinhole's has at its own.
+// A filmed pixel shows the pinhole picture's content at pinholePixel.
 TEST(StudioRoom, IsFilmedThroughTheLens) {
   SmallRoom& s = shared();
   const PinholeCamera& camera = s.rig.ring[0];

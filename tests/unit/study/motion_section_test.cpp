@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The report's section on motion from made-up rows.
+// The report's section on motion, from synthetic rows.
 #include <gtest/gtest.h>
 
 #include "lab/study/run/rows.h"

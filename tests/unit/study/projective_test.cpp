@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The report of methods from cameras, from made-up rows: which method is to be taken, and what is judged.
+// The report on methods from cameras, from synthetic rows: the recommended method, and verdicts.
 #include "lab/study/tables/projective.h"
 
 #include <gtest/gtest.h>
@@ -119,7 +119,7 @@ void addCross(Rows& rows, const char* method, const char* own, double rmse, doub
 TEST(ProjectiveGoals, MontageMustWinInAllThreeMeasures) {
   Rows rows;
   addCross(rows, "holoportation", "0", 0.10, 20, 0.70);
-  addCross(rows, "montage4d", "0", 0.08, 21.9, 0.69);  // less SSIM
+  addCross(rows, "montage4d", "0", 0.08, 21.9, 0.69);  // lower SSIM
   addCross(rows, "holoportation", "1", 0.10, 20, 0.70);
   addCross(rows, "montage4d", "1", 0.06, 24.4, 0.80);
   const auto all = judgeProjective(StudyValues(rows));
@@ -167,12 +167,12 @@ TEST(ProjectiveDocument, HoldsTheRows) {
   };
   ASSERT_TRUE(section("cameras"));
   ASSERT_EQ(section("cameras")->plots.size(), 2u);  // SSIM and PSNR
-  // From the condition, and from the base at four cameras.
+  // Points from the condition, and from the base at four cameras.
   const std::vector<std::pair<double, double>> points{{2, 0.75}, {4, 0.7777}};
   ASSERT_EQ(section("cameras")->plots[0].curves.size(), 1u);
   EXPECT_EQ(section("cameras")->plots[0].curves[0].points, points);
   EXPECT_FALSE(section("worst"));
-  EXPECT_EQ(makeProjectiveDocument({}, {}, "actor").sections.size(), 2u);  // the promises, not measured; settings
+  EXPECT_EQ(makeProjectiveDocument({}, {}, "actor").sections.size(), 2u);  // promises, all unmeasured; settings
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The study's machinery on made-up rows, steps and rigs: CSV, matched quality, resume, ring of views, scores.
+// The study's machinery on synthetic rows, steps and rigs: CSV, matched quality, resume, ring of views, scores.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -252,7 +252,7 @@ TEST_F(StudySteps, KeyFollowsSettingsAndFiles) {
   std::ofstream(folder_ + "/capture/a.txt") << "1";
   StudyOptions options{folder_ + "/capture", folder_ + "/capture/report", {"run"}, false, 0};
   const std::string key = studyKey(options, "v");
-  std::ofstream(folder_ + "/capture/report/evaluate.csv") << "2";  // the report itself does not count
+  std::ofstream(folder_ + "/capture/report/evaluate.csv") << "2";  // the report itself is not an input
   EXPECT_EQ(studyKey(options, "v"), key);
   EXPECT_NE(studyKey(options, "w"), key);
   options.quick = true;
@@ -343,7 +343,7 @@ TEST(StudyScore, RegionsHaveTheirKnownPsnr) {
   EXPECT_NEAR(other.psnr_full_db, expected + 10 * std::log10(80 * 60 / 900.0), 1e-9);
 }
 
-// The score looks at a crop only; it must be what the whole picture gives.
+// The score computes a crop only; it must equal the whole picture's.
 TEST(StudyScore, SsimEqualsThatOfTheWholePicture) {
   for (const auto& [x, y] : {std::pair{20, 10}, {0, 0}, {50, 30}, {3, 28}}) {
     const Image a = squareOn(80, 60, x, y, 30, 100), b = squareOn(80, 60, x, y, 29, 140);

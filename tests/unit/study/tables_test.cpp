@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The study's document from made-up rows.
+// The study's document, from synthetic rows.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the study of methods varies: errors of the size that was asked for, surfaces where they should be, test frames.
+// Conditions of the study of methods: errors of the requested size, displaced surfaces, test frames.
 #include "lab/study/projective/conditions.h"
 
 #include <gtest/gtest.h>
@@ -145,7 +145,7 @@ TEST(PassClock, AddsUpPassesByLabel) {
   EXPECT_EQ(clock.parts()[0].label, "depth maps");
   EXPECT_EQ(clock.parts()[1].label, "figures");
   EXPECT_EQ(clock.parts()[2].label, "upload");
-  EXPECT_EQ(device->counters().passes, 6u);  // one to wait for each
+  EXPECT_EQ(device->counters().passes, 6u);  // one to wait for each pass
   EXPECT_EQ(device->counters().texture_updates, 1u);
   EXPECT_EQ(device->takeErrors(), "");
   clock.forget();
