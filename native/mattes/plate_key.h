@@ -43,8 +43,8 @@ inline constexpr float kMaxResidual = 15;  // maximum median absolute residual o
 // Error FileUnreadable: a plate that does not fit the pictures.
 Error plateDoesNotFit(const std::string& plate, const std::string& pictures, const std::string& camera);
 
-// Mean of a camera's plates in its pinhole camera: RGBA, alpha 0 outside the filmed picture. Errors: those of
-// capture::readPlates, with a message about the capture's room.
+// Mean of a camera's plates, undistorted to its pinhole camera: RGBA, alpha 0 outside the filmed picture. Errors: those
+// of capture::readPlates; the message names "room" in capture.json as what needs the plate.
 Result<Image> readRoomPlate(const capture::Capture& capture, const capture::CaptureCamera& camera);
 
 }  // namespace fourdvt::mattes

@@ -154,7 +154,7 @@ class FfmpegInput final : public VideoInput {
     return {};
   }
 
-  // Lists the time stamps of all pictures in presentation order, which number them.
+  // Lists the pictures' distinct time stamps, ascending; a picture's number is its index in the list.
   Status listPictures() {
     int read;
     while ((read = av_read_frame(format_.get(), packet_.get())) >= 0) {

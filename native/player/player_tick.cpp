@@ -12,7 +12,7 @@ void PlayerImpl::tick(double now_s) {
   playback_.tick(now_s);
   loading_.tick(playback_.tick_s());
   checks_.settle([this](int slot, std::optional<uint32_t> seen) { settlePicture(slot, seen); });
-  // Requires a picture after every tick; web/src/session/session.ts draws time-dependent content accordingly.
+  // Time between pictures, if every tick is drawn; web/src/session/drawing.ts does so for methods with temporal state.
   method_.elapsed_s = static_cast<float>(playback_.tick_s());
   for (Track& t : tracks_) t.head.advance(now_s, clockRate(t), kMaxStep_s);
   if (!main().head.used()) return;

@@ -237,7 +237,7 @@ class AlignmentScene {
         for (int c = 0; c < 3; ++c) picture.at(rect.x + x, rect.y + y)[c] = uint8_t(color[c] + 0.5f);
       }
   }
-  // Camera by the label of the face under a place: the member's own faces are ordered chart by chart, ring by ring.
+  // Camera that labels the face under a place in a layer, in every member. Face order: by chart, then by ring.
   int cameraAt(int layer, const Place& place) const {
     const int wide = options.segments / kCharts;
     double turn = std::fmod(place.turn, 2 * M_PI);

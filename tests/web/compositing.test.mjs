@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Characters composited with what a moving camera filmed: each picture of the film with its camera and the character's
-// frame of that time, the character's place seen from several cameras, occluders before them. Movies are decoded by
-// Chromium; projections, poses and placements are worked out here.
+// Composites a character with a film from a moving camera. Tests which film picture, camera and character frame each
+// output frame shows, where the character stands, and what occludes it. Chromium decodes the movies; this file computes
+// the expected projections, poses and placements itself.
 import assert from 'node:assert/strict';
 import { execFile } from 'node:child_process';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';

@@ -442,7 +442,7 @@ async function decoderTaken() {
   }
   assert.deepEqual(await errors(scene), []);
   row(scene.name, 'a short stop', 'at once');
-  // In a pause no decoder is asked for before it is needed.
+  // A decoder lost in a pause is created again only when playing resumes.
   await get(scene, () => {
     globalThis.viewer.pause();
     for (const lose of [...globalThis.live.lose]) lose();

@@ -92,7 +92,7 @@ export class Session implements SessionSide, StageSlot {
       if (this.ended) return;
       // Paths other than 'i420' need the second part, which reads barcodes back.
       if (isFromCameras(manifest) || path !== 'i420') await this.more();
-      // After a failure the character begins with 'baked' and without a look; both load again later, and report errors.
+      // Ignores a failure: the character begins with 'baked' and no look. Flow and look load later, and report errors.
       else if (early) await this.more().catch(() => undefined);
       if (this.ended) return;
       this.manifest = manifest;
