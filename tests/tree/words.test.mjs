@@ -11,7 +11,7 @@ import { fileURLToPath } from 'node:url';
 // Ceilings are today's counts: lower them with the counts, never raise them.
 const kCeilings = {
   openings: 0, // comments that open with Of, What, Whether, As, Where, When, If, How, Which
-  trailing: 46, // comments behind code that open with one of these words in lower case
+  trailing: 16, // comments behind code that open with one of these words in lower case
   not: 0, // "Does NOT"
   limits: 0, // kMost…, kLeast…, kFewest…, by file: min and max are the words
   machines: 5, // tell, ask, know, want, say of anything but people and papers
