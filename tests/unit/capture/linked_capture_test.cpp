@@ -29,7 +29,7 @@ TEST(LinkedCapture, HeldOutFramesFollowTheNewRange) {
   const auto sequence = nlohmann::json::parse(file)["sequences"][0];
   EXPECT_EQ(sequence["frames"], 1);
   EXPECT_EQ(sequence["first_frame"], 1);
-  EXPECT_EQ(sequence["test_frames"], nlohmann::json({0}));  // given frame 1; frames 0 and 2 are outside
+  EXPECT_EQ(sequence["test_frames"], nlohmann::json::array({0}));  // given frame 1; frames 0 and 2 are outside
   EXPECT_EQ(sequence["offset_frames"].size(), 1u);
   std::filesystem::remove_all(to);
 }
