@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cameras, pictures and plates at a reduced size; OpenCV's view of a picture.
+// Cameras, pictures and plates at a reduced size.
 #pragma once
 
 #include <opencv2/core.hpp>
 
-#include "base/image.h"
+#include "base/opencv_image.h"
 #include "capture/capture.h"
 #include "mattes/background_model.h"
 
 namespace fourdvt::mattes {
-
-// View of the picture's bytes; valid as long as the picture.
-inline cv::Mat matrixOf(const Image& picture) {
-  return cv::Mat(picture.height, picture.width, CV_8UC(picture.channels), const_cast<uint8_t*>(picture.pixels.data()));
-}
 
 // Smallest integer by which a camera's pictures are reduced to at most `pixels`; 1 where they are small enough.
 int reductionFor(const capture::CaptureCamera& camera, double pixels);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "base/opencv_image.h"
 #include "base/parallel.h"
 
 namespace fourdvt::track {
@@ -19,7 +20,7 @@ FrameThumbnails thumbnailsOf(std::span<const Image> pictures) {
   out.pictures.resize(pictures.size());
   inParallel(pictures.size(), [&](size_t c) {
     const Image& picture = pictures[c];
-    const cv::Mat rgba(picture.height, picture.width, CV_8UC4, const_cast<uint8_t*>(picture.pixels.data()));
+    const cv::Mat rgba = matrixOf(picture);
     const double factor = double(kSide) / std::max(picture.width, picture.height);
     cv::Mat alpha, colours;
     cv::extractChannel(rgba, alpha, 3);

@@ -6,6 +6,7 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "base/face_buffer.h"
+#include "base/opencv_image.h"
 #include "base/parallel.h"
 #include "base/robust.h"
 
@@ -142,7 +143,7 @@ std::vector<View> viewsOf(std::span<const PinholeCamera> cameras, std::span<cons
   std::vector<View> out(cameras.size());
   inParallel(cameras.size(), [&](size_t c) {
     const Image& picture = pictures[c];
-    const cv::Mat rgba(picture.height, picture.width, CV_8UC4, const_cast<uint8_t*>(picture.pixels.data()));
+    const cv::Mat rgba = matrixOf(picture);
     cv::Mat alpha, grey;
     cv::extractChannel(rgba, alpha, 3);
     cv::Rect box = cv::boundingRect(alpha >= 128);

@@ -9,14 +9,12 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "base/opencv_image.h"
 #include "live/camera/key_cells.h"
 #include "mattes/background_model.h"
-#include "mattes/reduced.h"
 
 namespace fourdvt::live {
 namespace {
-
-using mattes::matrixOf;
 
 constexpr float kCellTolerance = 7;    // levels, root of the sum of three channels' squares
 constexpr float kPixelTolerance = 14;  // same unit
