@@ -12,6 +12,7 @@
 
 namespace fourdvt::track {
 
+// Mesh that is fitted to every frame, with its graph.
 struct Template {
   MeshTopology topology;
   Positions positions;  // in its own frame, world, metres
@@ -27,14 +28,15 @@ struct FittedFrame {
   std::vector<glm::dvec3> offsets;  // [vertex] added to the template's positions before the pose, metres
   Positions positions;
 };
+// The template as it is: no rotation, no offset.
 FittedFrame restFrame(const Template& model);
 
 struct FitOptions {
   bool flow_from_parent = true, flow_from_anchor = true;
-  double surface_sigma_m = 0.004;
+  double surface_sigma_m = 0.004;     // noise of the surface along its normals
   double rigidity_sigma_m = 0.004;    // deviation of a link between nodes from a rotation
   double smoothness_sigma_m = 0.001;  // difference of neighbours' offsets
-  double offset_sigma_m = 0.010;
+  double offset_sigma_m = 0.010;      // size of the offsets themselves
 };
 
 // A frame to fit to.
@@ -44,8 +46,8 @@ struct TargetFrame {
   const std::vector<View>* views = nullptr;
 };
 
-// Fits from the pose of `parent`. `anchor`: frame whose appearance is kept, the template's; its positions may be those
-// of `parent`.
+// Fits the template to `target`, beginning at `start`. Flow leads from `parent`, a similar frame that is fitted
+// already, then from `anchor`, the template's own frame, so that a vertex keeps its appearance.
 FittedFrame fitFrame(const Template& model, const FittedFrame& start, const PosedViews& parent,
                      const PosedViews& anchor, const TargetFrame& target, const FitOptions& options);
 

@@ -47,8 +47,8 @@ struct WorstView {
 // the surface is visible in both.
 // At an input camera: change, on the surface, of the error against that camera's pictures (flickerLevels); these
 // pictures are also in the layers.
-// On the orbit, whose camera is kOrbit: change of the surface colours of frame 0 while the view turns by 1 degree per
-// picture, kOrbitPictures of them, starting at the first input camera. Without a captured picture to compare with.
+// Camera kOrbit: change of the surface colours of frame 0 while the view turns from the first input camera by 1 degree
+// per picture, for kOrbitPictures pictures. No captured picture is compared.
 inline constexpr const char* kOrbit = "orbit";
 inline constexpr uint32_t kOrbitPictures = 46;     // beyond one camera spacing of a ring of eight
 inline constexpr uint32_t kMaxFlickerFrames = 64;  // per sequence, from frame 0

@@ -87,7 +87,7 @@ double Remesher::relativeArea() const {
 
 TriangleMesh Remesher::result() const { return {positions_, mesh_.faces()}; }
 
-// Returns each edge of a length in the open interval once, by increasing length.
+// Returns every edge longer than `min_length` and shorter than `max_length` once, the shortest first.
 std::vector<Remesher::Candidate> Remesher::edges(float min_length, float max_length) const {
   std::vector<Candidate> out;
   for (uint32_t h = 0; h < mesh_.halfEdgeCount(); ++h) {
