@@ -323,7 +323,7 @@ class WrongCapture : public testing::Test {
   std::string capture, character;
 };
 
-// RIFF file of 16-bit silence, with a click at its beginning.
+// Returns a WAV file of 16-bit silence with a click at its beginning.
 std::string silentWav(double seconds) {
   const auto number = [](uint32_t v, int bytes) {
     std::string out;
