@@ -11,6 +11,7 @@
 #include "../unit/character_files.h"
 #include "base/hash.h"
 #include "command.h"
+#include "package/stream_file.h"
 #include "platform/files.h"
 
 namespace fourdvt::test {
@@ -105,7 +106,7 @@ TEST(Bake, MakesACharacterThatInspectsAndRenders) {
 // Expects all renditions in the list, the lowest first. `inspect` decodes every frame of each and checks its barcode.
 TEST(Bake, LowerRenditionsLeaveTheHighestAsItIs) {
   const std::string capture = smallCapture("ladder-capture", 6), out = scratch("ladder");
-  const std::string options = " --texture 256 --layers 2 --gop 4 --jobs 2 --crf 20";
+  const std::string options = " --texture 256 --layers 2 --gop 5 --jobs 2 --crf 20";
   const Outcome alone = fourdvt("bake " + capture + " -o " + out + "/alone --renditions highest" + options);
   ASSERT_EQ(alone.code, 0) << alone.output;
   const Outcome bake =
@@ -135,7 +136,12 @@ TEST(Bake, LowerRenditionsLeaveTheHighestAsItIs) {
     EXPECT_EQ(readText(path(file)), readText(fileNamed(out + "/alone", file))) << file;
   const json before_gltf = json::parse(readText(out + "/alone/character.gltf"));
   const json& stream = before_gltf["extensions"]["FOURDVT_layered_video_texture"]["sequences"][0]["stream"];
-  const std::string chunks = readText(fileNamed(out + "/alone", "turn.bin")).substr(stream["headerLength"]);
+  const std::string alone_bytes = readText(fileNamed(out + "/alone", "turn.bin"));
+  const auto index =
+      package::readStreamHeader({reinterpret_cast<const uint8_t*>(alone_bytes.data()), size_t(stream["headerLength"])});
+  ASSERT_TRUE(index.ok()) << index.error().message;
+  EXPECT_EQ(index.value().chunks.size(), 2u) << "6 frames, at most 5 in a GOP";
+  const std::string chunks = alone_bytes.substr(stream["headerLength"]);
   const std::string with_coarse = readText(path("turn.bin")).substr(turn["stream"]["headerLength"]);
   EXPECT_TRUE(with_coarse.starts_with(chunks)) << "coarse chunks follow them";
   EXPECT_EQ(with_coarse.size(), chunks.size() + turn["stream"]["coarse"]["byteLength"].get<size_t>());
