@@ -8,6 +8,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/mesh.h"
 #include "base/result.h"
@@ -50,5 +51,13 @@ Result<TriangleMesh> parseObjSurface(std::string_view text, const std::string& p
 
 // Binary little-endian PLY of float positions, for parseMesh, Blender and MeshLab.
 std::string plyBytes(const TriangleMesh& mesh);
+
+// OBJ with UVs, for parseObj: positions times `scale`, to a tenth of a millimetre or less, UVs with the origin at the
+// bottom left, faces as "v/vt" counted from 1.
+std::string objText(const MeshTopology& topology, const Positions& positions, double scale);
+
+// Appends a frame of packed positions: little-endian int16 [vertex][xyz], metres times `units_per_metre`, to the
+// nearest unit. Requires them to fit: at most 32767 units in size.
+void appendPacked(const Positions& positions, double units_per_metre, std::vector<uint8_t>& out);
 
 }  // namespace fourdvt::capture

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/text.h"
+#include "capture/mesh_file.h"
 #include "lab/studio/description.h"
 #include "lab/studio/filming.h"
 #include "lab/studio/truth.h"
@@ -79,10 +80,10 @@ class Run {
     for (uint32_t frame = 0; frame < count; ++frame) {
       filming_.begin({index, frame, whole, frames_});
       const Positions mesh = set_.captured();
-      appendPacked(mesh, set_.unitsPerMetre(), packed);
+      capture::appendPacked(mesh, set_.unitsPerMetre(), packed);
       if (frames_ == 0)
         FOURDVT_TRY(platform::writeFileAtomic(out_.path() + "/mesh_topology.obj",
-                                              objText(set_.actor().tracked().topology, mesh, options_.scale)));
+                                              capture::objText(set_.actor().tracked().topology, mesh, options_.scale)));
       if (frame % options_.test_every == 0) FOURDVT_TRY(holdOut(folder, frame));
       FOURDVT_TRY(photograph());
       ++frames_;

@@ -7,6 +7,7 @@
 
 #include "base/bytes.h"
 #include "base/text.h"
+#include "capture/mesh_file.h"
 #include "platform/files.h"
 
 namespace fourdvt::studio {
@@ -79,7 +80,7 @@ class ClassTruth {
     std::vector<uint8_t> packed;
     for (int i = 0; i < options_.truth_phases; ++i) {
       set_.pose(shares, phase(i));
-      appendPacked(set_.truth(), set_.unitsPerMetre(), packed);
+      capture::appendPacked(set_.truth(), set_.unitsPerMetre(), packed);
       FOURDVT_TRY(pictures(out_.path() + "/" + folder_ + "/" + name, printed("/%04u.png", uint32_t(i))));
     }
     const std::string positions = name + "/mesh/positions.i16";

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/studio/writer.h"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -74,36 +71,6 @@ Status Ticker::tick() {
   if (environment_.stop && environment_.stop->load())
     return Error{ErrorId::Interrupted, "stopped; nothing was kept, run the same command again"};
   return {};
-}
-
-std::string objText(const MeshTopology& topology, const Positions& positions, double scale) {
-  const int digits = 4 + int(std::ceil(std::max(0.0, -std::log10(scale))));
-  std::string out;
-  char line[120];
-  for (const glm::vec3& p : positions) {
-    std::snprintf(line, sizeof line, "v %.*f %.*f %.*f\n", digits, scale * p.x, digits, scale * p.y, digits,
-                  scale * p.z);
-    out += line;
-  }
-  for (const glm::vec2& uv : topology.uvs) {
-    std::snprintf(line, sizeof line, "vt %.6f %.6f\n", uv.x, 1 - uv.y);
-    out += line;
-  }
-  for (uint32_t f = 0; f < topology.faceCount(); ++f) {
-    const glm::uvec3 v = topology.face_vertices[f] + 1u, t = topology.face_uvs[f] + 1u;
-    std::snprintf(line, sizeof line, "f %u/%u %u/%u %u/%u\n", v.x, t.x, v.y, t.y, v.z, t.z);
-    out += line;
-  }
-  return out;
-}
-
-void appendPacked(const Positions& positions, double units_per_metre, std::vector<uint8_t>& out) {
-  for (const glm::vec3& p : positions)
-    for (int k = 0; k < 3; ++k) {
-      const auto bits = static_cast<uint16_t>(static_cast<int16_t>(std::lround(p[k] * units_per_metre)));
-      out.push_back(static_cast<uint8_t>(bits & 0xff));
-      out.push_back(static_cast<uint8_t>(bits >> 8));
-    }
 }
 
 }  // namespace fourdvt::studio

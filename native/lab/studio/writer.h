@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Output of a studio capture: progress and stop, packed meshes, and the atomically renamed folder.
+// Output of a studio capture: progress and stop, and the atomically renamed folder.
 #pragma once
 
 #include <string>
@@ -38,11 +38,5 @@ class Ticker {
   const StudioEnvironment& environment_;
   StudioProgress progress_;
 };
-
-// Text of mesh_topology.obj: positions times `scale`, to a tenth of a millimetre or less, UVs with the origin at the
-// bottom left, faces as "v/vt" counted from 1.
-std::string objText(const MeshTopology& topology, const Positions& positions, double scale);
-// Appends little-endian int16 [vertex][xyz].
-void appendPacked(const Positions& positions, double units_per_metre, std::vector<uint8_t>& out);
 
 }  // namespace fourdvt::studio
