@@ -7,6 +7,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "capture/capture_json.h"
+#include "capture/mesh_file.h"
 #include "platform/files.h"
 
 namespace fourdvt::capture {
@@ -35,23 +37,41 @@ constexpr const char* kKeptCameras = "cameras_kept";  // folder of an own calibr
 
 // Detects the report of an earlier command, which writing through a link would change.
 bool isReport(const std::string& name) {
-  for (const char* start : {"reconstruct.", "reconstruct-", "mattes.", "mattes-", "calibrate.", "calibrate-"})
+  for (const char* start :
+       {"reconstruct.", "reconstruct-", "mattes.", "mattes-", "calibrate.", "calibrate-", "track.", "track-"})
     if (name.starts_with(start)) return true;
   return false;
 }
 
-// Returns true if the entry of a sequence's folder belongs to its meshes, as named in capture.json or at their default
-// place.
+// Returns true for a folder that has meshes and nothing else.
+bool holdsMeshesAlone(const fs::path& folder) {
+  std::error_code failed;
+  for (fs::directory_iterator it(folder, failed), end; !failed && it != end; it.increment(failed))
+    if (!isMeshName(it->path().filename().string())) return false;
+  return !failed;
+}
+
+// Returns true if an entry is the file of a pattern such as walk/%06d.obj, or the folder of such files.
+bool hasPattern(const fs::path& entry, const fs::path& pattern) {
+  if (entry == pattern.parent_path()) return holdsMeshesAlone(entry);
+  const std::string name = entry.filename().string(), wanted = pattern.filename().string();
+  const size_t begin = wanted.find('%'), end = wanted.find('d', begin);
+  if (entry.parent_path() != pattern.parent_path() || end == std::string::npos) return entry == pattern;
+  return name.starts_with(wanted.substr(0, begin)) && name.ends_with(wanted.substr(end + 1));
+}
+
+// Returns true if the entry of a sequence's folder, or of the capture's, belongs to its meshes, as named in
+// capture.json or at their default place.
 bool isMesh(const fs::path& entry, const fs::path& folder, const Json& sequence) {
-  if (entry.filename() == kMeshFolder) return true;
-  const auto named = [&](const Json& node, const char* key) {
-    if (!node.is_object() || !node.contains(key) || !node[key].is_string()) return false;
-    const fs::path path = folder / node[key].get<std::string>();
-    return path.lexically_normal() == entry.lexically_normal();
+  if (entry.filename() == kMeshFolder || entry == folder / kMeshTopology) return true;
+  if (!sequence.is_object() || !sequence.contains("mesh")) return false;
+  const auto named = [&](const Json& node) {
+    return node.is_string() &&
+           hasPattern(entry.lexically_normal(), (folder / node.get<std::string>()).lexically_normal());
   };
-  if (!sequence.contains("mesh")) return false;
   const Json& mesh = sequence["mesh"];
-  return named(mesh, "topology") || named(mesh, "positions");
+  return named(mesh) ||
+         (mesh.is_object() && (named(mesh.value("topology", Json())) || named(mesh.value("positions", Json()))));
 }
 
 Result<std::vector<fs::path>> entriesOf(const fs::path& folder) {
@@ -64,7 +84,8 @@ Result<std::vector<fs::path>> entriesOf(const fs::path& folder) {
                                          "; check that it is there and may be read"};
 }
 
-Status linkSequence(const fs::path& from, const fs::path& to, const Json& sequence, bool own_meshes) {
+Status linkSequence(const fs::path& from, const fs::path& to, const Json& sequence, LinkedMeshes meshes) {
+  const bool own_meshes = meshes != LinkedMeshes::AsGiven;
   const std::string name = sequence.value("name", "");
   FOURDVT_TRY(platform::makeFolder((to / name / (own_meshes ? kMeshFolder : "")).string()));
   FOURDVT_ASSIGN(const auto entries, entriesOf(from / name));
@@ -118,9 +139,31 @@ void writeTimes(const CaptureSequence& sequence, Json& json) {
   json["test_frames"] = std::move(tests);
 }
 
-Json withOwnMeshes(Json sequence) {
-  sequence["mesh"] = sequence.value("name", "") + "/" + kMeshFolder + "/%06d.ply";
-  return sequence;
+void writeMotion(const CaptureSequence& sequence, double metres_per_unit, Json& json) {
+  json["loop"] = sequence.loop;
+  const glm::dvec3 v = sequence.root_velocity_mps / metres_per_unit;
+  json.erase("root_velocity");
+  if (v != glm::dvec3(0)) json["root_velocity"] = {v.x, v.y, v.z};
+}
+
+void writeMeshes(const LinkOptions& options, Json& sequence) {
+  const std::string folder = sequence.value("name", "") + "/" + kMeshFolder;
+  if (options.meshes == LinkedMeshes::PerFrame) sequence["mesh"] = folder + "/%06d.ply";
+  if (options.meshes == LinkedMeshes::Packed)
+    sequence["mesh"] = {{"topology", kMeshTopology},
+                        {"positions", folder + "/" + kPackedPositions},
+                        {"units_per_metre", options.units_per_metre}};
+}
+
+void writeTopology(const LinkOptions& options, Json& json) {
+  if (options.meshes == LinkedMeshes::AsGiven) return;
+  json.erase("classes");
+  if (options.meshes == LinkedMeshes::PerFrame) {
+    json["topology"] = "per-frame";
+    return;
+  }
+  json.erase("topology");
+  if (!options.classes.empty()) json["classes"] = classesJson(options.classes);
 }
 
 }  // namespace
@@ -139,9 +182,9 @@ Status linkCapture(const Capture& capture, const std::string& to, const LinkOpti
   FOURDVT_ASSIGN(const auto entries, entriesOf(from));
   for (const fs::path& entry : entries) {
     const std::string name = entry.filename().string();
-    const bool of_meshes = options.own_meshes && std::any_of(listed.begin(), listed.end(), [&](const Json& s) {
-                             return s.is_object() && isMesh(entry, from, s);
-                           });
+    const bool of_meshes =
+        options.meshes != LinkedMeshes::AsGiven &&
+        std::any_of(listed.begin(), listed.end(), [&](const Json& s) { return isMesh(entry, from, s); });
     if (name == "capture.json" || of_meshes || isReport(name) || std::find(all.begin(), all.end(), name) != all.end())
       continue;
     if (name == kKeptCameras && (!options.leave_out.empty() || options.own_calibration)) continue;
@@ -151,19 +194,18 @@ Status linkCapture(const Capture& capture, const std::string& to, const LinkOpti
   for (const Json& sequence : json["sequences"]) {
     if (std::find(options.sequences.begin(), options.sequences.end(), nameOf(sequence)) == options.sequences.end())
       continue;
-    FOURDVT_TRY(linkSequence(from, to, sequence, options.own_meshes));
-    kept.push_back(options.own_meshes ? withOwnMeshes(sequence) : sequence);
+    FOURDVT_TRY(linkSequence(from, to, sequence, options.meshes));
+    kept.push_back(sequence);
+    writeMeshes(options, kept.back());
     if (kept.back().contains("offset_frames")) dropNames(options.leave_out, kept.back()["offset_frames"]);
     const CaptureSequence* own = capture.find(nameOf(sequence));
     if (options.own_times && own) writeTimes(*own, kept.back());
+    if (options.own_motion && own) writeMotion(*own, capture.metres_per_unit, kept.back());
   }
   if (json.contains("offset_frames")) dropNames(options.leave_out, json["offset_frames"]);
   if (options.own_times) json.erase("offset_frames");
   json["sequences"] = std::move(kept);
-  if (options.own_meshes) {
-    json["topology"] = "per-frame";
-    json.erase("classes");
-  }
+  writeTopology(options, json);
   FOURDVT_TRY(writeKept(capture, to, options, json));
   return writeText(to + "/capture.json", json.dump(2) + "\n");
 }

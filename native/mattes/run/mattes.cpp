@@ -269,7 +269,10 @@ Result<MattesSummary> makeMattes(const MattesOptions& options, const MattesEnvir
   if (options.preview == 0) {
     std::vector<std::string> names;
     for (const capture::CaptureSequence& s : capture.sequences) names.push_back(s.name);
-    FOURDVT_TRY(capture::linkCapture(capture, folder.partFolder(), {names, false, options.leave_out}));
+    capture::LinkOptions link;
+    link.sequences = names;
+    link.leave_out = options.leave_out;
+    FOURDVT_TRY(capture::linkCapture(capture, folder.partFolder(), link));
     FOURDVT_TRY(mattes::openLinked(folder.partFolder(), capture.folder, names, environment.open_video));
   }
   FOURDVT_ASSIGN(auto summary, addMattes(capture, folder.partFolder(), folder.workFolder(), options, environment));

@@ -102,7 +102,7 @@ Status Preparation::linkFrames() {
   if (calibrates) FOURDVT_TRY(calibrate());
   capture::LinkOptions link;
   link.sequences = options.sequences;
-  link.own_meshes = true;
+  link.meshes = capture::LinkedMeshes::PerFrame;
   link.leave_out = options.leave_out;
   link.own_calibration = link.own_times = calibration_ && calibration_->changed();
   FOURDVT_TRY(capture::linkCapture(given_, part, link));
