@@ -71,6 +71,10 @@ TEST(Reconstruct, MakesACaptureThatCanBeScored) {
   const Outcome score = lab("surfaces " + out + "/hull --reference " + given);
   EXPECT_EQ(score.code, 0) << score.output;
   EXPECT_NE(score.output.find("turn"), std::string::npos) << score.output;
+  const Outcome drift =
+      lab("drift " + given + " --reference " + given + " --frame turn:1 --json " + out + "/drift.json");
+  EXPECT_EQ(drift.code, 0) << drift.output;
+  EXPECT_EQ(nlohmann::json::parse(readText(out + "/drift.json"))["all"]["max_mm"], 0.0);
 
   const Outcome again = fourdvt("reconstruct " + out + "/hull -o " + out + "/again" + kCoarse);
   EXPECT_EQ(again.code, 0) << again.output;

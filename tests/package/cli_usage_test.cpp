@@ -123,7 +123,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Mistake{"methods a --character b", "unknown option --character"},
                     Mistake{"surfaces a --method fvvr", "unknown option --method"},
                     Mistake{"mattes", "missing argument"}, Mistake{"mattes a --refine none", "unknown option --refine"},
-                    Mistake{"surfaces", "missing argument"}));
+                    Mistake{"surfaces", "missing argument"}, Mistake{"drift a", "--reference is required"},
+                    Mistake{"drift a --reference b --frame walk", "--frame must be SEQUENCE:NUMBER"},
+                    Mistake{"drift a --reference b --within-mm 0", "--within-mm"}));
 
 TEST(Usage, UnknownCommandListsThoseThatExist) {
   for (const char* arguments : {"", "fly"}) {
@@ -145,7 +147,7 @@ TEST(Usage, EveryCommandHasHelp) {
     EXPECT_EQ(outcome.code, 0);
     EXPECT_EQ(outcome.output.rfind("usage: fourdvt " + command, 0), 0u) << outcome.output;
   }
-  for (const std::string command : {"studio", "study", "score", "methods", "mattes", "surfaces"}) {
+  for (const std::string command : {"studio", "study", "score", "methods", "mattes", "surfaces", "drift"}) {
     const Outcome outcome = lab(command + " --help");
     EXPECT_EQ(outcome.code, 0);
     EXPECT_EQ(outcome.output.rfind("usage: fourdvt-lab " + command, 0), 0u) << outcome.output;
@@ -155,7 +157,7 @@ TEST(Usage, EveryCommandHasHelp) {
 
 // Limit of one screen: 24 lines of 120 characters.
 TEST(Usage, HelpOfTheJudgingCommandsFitsAScreen) {
-  for (const std::string command : {"study", "score", "methods", "mattes", "surfaces"}) {
+  for (const std::string command : {"study", "score", "methods", "mattes", "surfaces", "drift"}) {
     std::istringstream lines(lab(command + " --help").output);
     std::string line;
     int count = 0;

@@ -15,5 +15,6 @@ Result<int> scoreCommand(int argc, char** argv);
 Result<int> methodsCommand(int argc, char** argv);
 Result<int> mattesCommand(int argc, char** argv);
 Result<int> surfacesCommand(int argc, char** argv);
+Result<int> driftCommand(int argc, char** argv);
 
 }  // namespace fourdvt::lab

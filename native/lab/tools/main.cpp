@@ -17,6 +17,7 @@ constexpr tools::Command kCommands[] = {
     {"methods", "compare the methods of characters from cameras", lab::methodsCommand},
     {"mattes", "score a virtual studio's mattes", lab::mattesCommand},
     {"surfaces", "score a capture's surfaces", lab::surfacesCommand},
+    {"drift", "measure how far tracked meshes drift", lab::driftCommand},
 };
 
 }  // namespace
