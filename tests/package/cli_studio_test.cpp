@@ -103,7 +103,10 @@ TEST(Studio, WrongCommandsAndModelsAreOneLine) {
   EXPECT_EQ(lab("studio procedural -o " + out + "/c --truth 0,2").code, 2);
   const Outcome unknown = lab("studio procedural -o " + out + "/c --sequences walk,fly");
   EXPECT_EQ(unknown.code, 1);
-  EXPECT_TRUE(isOneLineWith(unknown, "choose among walk, jog and run")) << unknown.output;
+  EXPECT_TRUE(isOneLineWith(unknown, "choose among walk, jog, run, stand and raise")) << unknown.output;
+  const Outcome blended = lab("studio procedural -o " + out + "/c --sequences walk,stand --class c=p:walk,stand");
+  EXPECT_EQ(blended.code, 1);
+  EXPECT_TRUE(isOneLineWith(blended, "\"stand\" does not blend")) << blended.output;
   const Outcome missing = lab("studio " + out + "/none.glb -o " + out + "/c");
   EXPECT_EQ(missing.code, 1);
   EXPECT_TRUE(isOneLineWith(missing, out + "/none.glb")) << missing.output;

@@ -87,9 +87,11 @@ Status StudioSet::openFilm(const StudioOptions& options, gpu::Device& device) {
 Status StudioSet::chooseClasses(const StudioOptions& options) {
   const auto& motions = actor_->motions();
   classes_ = options.classes;
-  if (classes_.empty() && options.frames == 0 && options.actor == "procedural" && motions.size() > 1) {
-    classes_.push_back({"locomotion", "speed_mps", {}});
-    for (const Motion& motion : motions) classes_[0].members.push_back(motion.name);
+  if (classes_.empty() && options.frames == 0 && options.actor == "procedural") {
+    StudioClass locomotion{"locomotion", "speed_mps", {}};
+    for (const Motion& motion : motions)
+      if (motion.is_gait) locomotion.members.push_back(motion.name);
+    if (locomotion.members.size() > 1) classes_.push_back(locomotion);
   }
   places_.assign(motions.size(), 0);
   for (const StudioClass& c : classes_)
@@ -101,6 +103,9 @@ Status StudioSet::chooseClasses(const StudioOptions& options) {
       if (motions[index].loop != motions[motionIndex(c.members[0])].loop)
         return Error{ErrorId::InvalidArgument,
                      "class \"" + c.name + "\": loops and motions with an end cannot be mixed"};
+      if (options.actor == "procedural" && !motions[index].is_gait)
+        return Error{ErrorId::InvalidArgument,
+                     "class \"" + c.name + "\": \"" + c.members[m] + "\" does not blend; choose walk, jog and run"};
       places_[index] = double(m) / double(c.members.size() - 1);
     }
   return {};

@@ -55,11 +55,10 @@ struct StudioOptions {
   std::string actor = "procedural";    // or a path to .glb or .gltf
   std::string folder;                  // output folder
   std::vector<std::string> sequences;  // empty: all animations of the actor (procedural: walk and run)
-  std::vector<StudioClass>
-      classes;                    // empty: the procedural actor with two or more motions makes locomotion by speed_mps
-  int cameras = 8;                // on the ring
-  int frames = 0;                 // per sequence, from its start, then without loops and classes; 0: all
-  int width = 480, height = 640;  // pixels, both even
+  std::vector<StudioClass> classes;  // empty: the procedural actor with two or more gaits makes locomotion by speed_mps
+  int cameras = 8;                   // on the ring
+  int frames = 0;                    // per sequence, from its start, then without loops and classes; 0: all
+  int width = 480, height = 640;     // pixels, both even
   double fps = 25;
   int test_every = 8;  // held-out pictures at each Nth frame
   std::vector<double> truth_at{0,   0.2, 0.4,

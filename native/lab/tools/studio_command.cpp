@@ -57,7 +57,7 @@ Options captureOptions(studio::StudioOptions& o) {
       {"-o CAPTURE", tools::required(o.folder), "folder to write (required)"},
       {"--sequences A,B", tools::list(o.sequences), "animations to capture (default: all; procedural: walk,run)"},
       {"--class C=P:A,B", tools::parsed(o.classes, parseClass, "NAME=PARAMETER:A,B"),
-       "sequences A, B … are class C with parameter P (procedural: locomotion=speed_mps: all sequences)"},
+       "sequences A, B … are class C with parameter P (procedural: locomotion=speed_mps: all gaits)"},
       {"--cameras N", number(o.cameras, 2, 128),
        "cameras on the ring, 2 to 128 (default 8); three held-out cameras are added"},
       {"--size WxH", tools::size(o.width, o.height, 4096), "pixels of a picture, even (default 480x640)"},
@@ -182,8 +182,8 @@ Result<int> studioCommand(int argc, char** argv) {
       {"studio MODEL.glb|procedural -o CAPTURE [options]",
        "Renders an actor from a ring of cameras as a capture folder with held-out pictures and, for a motion "
        "class, the truth between its members. MODEL is a rigged, textured glTF with animations, or \"procedural\" "
-       "(also --actor procedural), a built-in actor with the motions walk, jog and run. The same options give the "
-       "same bytes.",
+       "(also --actor procedural), a built-in actor with the motions walk, jog, run, stand and raise. The same "
+       "options give the same bytes.",
        {&options.actor},
        tools::join({captureOptions(options), truthOptions(options), knobOptions(options)})},
       static_cast<int>(arguments.size()), arguments.data());

@@ -196,6 +196,61 @@ TEST(StudioGait, FeetMoveSmoothlyBetweenTheMembers) {
   for (const double w : {0.3, 0.7}) EXPECT_LT(maxBend(w, 120), 0.4 * maxBend(w, 60)) << w;
 }
 
+Actor& standAndRaise() {
+  static const auto actor = createProceduralActor({"stand", "raise"}, 0.045).take();
+  return *actor;
+}
+
+float travel(Actor& actor, size_t motion, uint32_t vertex) {
+  std::vector<double> shares(actor.motions().size(), 0);
+  shares[motion] = 1;
+  Positions first, later;
+  actor.pose(shares, 0, first);
+  float out = 0;
+  for (int i = 1; i <= 8; ++i) {
+    actor.pose(shares, i / 8.0, later);
+    out = std::max(out, glm::distance(first[vertex], later[vertex]));
+  }
+  return out;
+}
+
+TEST(StudioStanding, FeetStayAndTheBodySways) {
+  Actor& actor = standAndRaise();
+  EXPECT_TRUE(actor.motions()[0].loop);
+  EXPECT_FALSE(actor.motions()[1].loop);
+  const Positions& rest = actor.surface().positions;
+  const uint32_t sole = leftSole(actor);
+  uint32_t crown = 0;
+  for (uint32_t v = 0; v < rest.size(); ++v)
+    if (rest[v].y > rest[crown].y) crown = v;
+  for (const size_t motion : {0u, 1u}) EXPECT_LT(travel(actor, motion, sole), 1e-4f) << motion;
+  EXPECT_GT(travel(actor, 0, crown), 0.005f);
+  EXPECT_LT(travel(actor, 0, crown), 0.03f);
+  Positions first, last;
+  actor.pose(std::vector<double>{1, 0}, 0, first);
+  actor.pose(std::vector<double>{1, 0}, 1, last);
+  for (size_t v = 0; v < first.size(); ++v) ASSERT_LT(glm::distance(first[v], last[v]), 1e-6f);
+}
+
+TEST(StudioStanding, ArmsRiseFromHangingToAboveTheHead) {
+  Actor& actor = standAndRaise();
+  const Positions& rest = actor.surface().positions;
+  for (const float side : {-1.0f, 1.0f}) {
+    uint32_t hand = 0;
+    for (uint32_t v = 0; v < rest.size(); ++v)
+      if (side * rest[v].x > side * rest[hand].x) hand = v;
+    Positions pose;
+    float height = 0;
+    for (const double phase : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+      actor.pose(std::vector<double>{0, 1}, phase, pose);
+      EXPECT_GT(pose[hand].y, height) << phase;
+      height = pose[hand].y;
+      if (phase == 0) EXPECT_LT(height, 0.9f);
+    }
+    EXPECT_GT(height, 1.8f);
+  }
+}
+
 TEST(StudioTracker, DriftIsAsFarAsTheKnobSays) {
   StudioKnobs knobs;
   knobs.drift_mm = 12;

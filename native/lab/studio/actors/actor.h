@@ -19,6 +19,7 @@ struct Motion {
   double duration_s = 1;
   bool loop = false;
   glm::dvec3 root_velocity_mps{0};  // subtracted from the poses
+  bool is_gait = false;             // the built-in actor's: blends with other gaits only
 };
 
 // Mesh in the actor's rest pose.
@@ -39,10 +40,12 @@ class Actor {
   virtual void pose(std::span<const double> shares, double phase, Positions& out) = 0;
 };
 
-// The built-in actor: a smooth closed body with the motions "walk", "jog" and "run", which are one motion with a
+// The built-in actor: a smooth closed body with the gaits "walk", "jog" and "run", which are one motion with a
 // parameter (0, 0.5, 1): every joint curve, stance, cadence and speed is a function of it. Feet on the ground do not
-// slide against the root velocity. `mesh_cell_m`: size of the tracked mesh's faces; 0.025 makes about 4000 vertices.
-// `motions`: names among those three. Errors: InvalidArgument.
+// slide against the root velocity. Further motions, which do not blend: "stand", a loop of 2 s with breathing and a
+// sway of some millimetres, and "raise", which in 2 s raises the arms sideways from hanging down. `mesh_cell_m`: size
+// of the tracked mesh's faces; 0.025 makes about 4000 vertices. `motions`: names among those five. Errors:
+// InvalidArgument.
 Result<std::unique_ptr<Actor>> createProceduralActor(const std::vector<std::string>& motions, double mesh_cell_m);
 
 // Opens a rigged, textured glTF or GLB: its skinned meshes welded to one, its animations by name. Between animations:

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The procedural actor's motion: closed-form joint curves of a phase and of a parameter, 0 = walk … 1 = run. Mid-stance
-// of the left foot is at phase 0.25 and of the right one at 0.75, whatever the stance duration, so that a phase is the
-// same pose of the stride for all parameters; the legs are furthest apart at 0 and 0.5. Between walk and run the joint
-// angles of the legs are interpolated, except that a foot on the ground does not slide.
+// The procedural actor's motions: closed-form joint curves of a phase. Those of gaits depend on a parameter, 0 = walk …
+// 1 = run. Mid-stance of the left foot is at phase 0.25 and of the right one at 0.75, whatever the stance duration, so
+// that a phase is the same pose of the stride for all parameters; the legs are furthest apart at 0 and 0.5. Between
+// walk and run the joint angles of the legs are interpolated, except that a foot on the ground does not slide. The
+// other motions keep both feet in place.
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
@@ -17,18 +18,24 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr int kTextureSide = 2048;
 constexpr double kSurfaceCell_m = 0.025;  // before subdivision
 
+constexpr double kRaised = 2.6;  // radians from arms hanging down to arms raised sideways, 25° off the vertical
+
 struct NamedMotion {
   const char* name;
-  double parameter;
+  bool is_gait;
+  double parameter = 0;   // gaits only
+  double duration_s = 2;  // this and the following: other motions only
+  bool loop = true;
+  double raised = 0;  // radians by which the arms rise from the first to the last phase
 };
-constexpr NamedMotion kMotions[] = {{"walk", 0}, {"jog", 0.5}, {"run", 1}};
+constexpr NamedMotion kMotions[] = {
+    {"walk", true, 0}, {"jog", true, 0.5}, {"run", true, 1}, {"stand", false}, {"raise", false, 0, 2, false, kRaised}};
 
 constexpr double kMidStance = 0.25;  // phase
 constexpr double kTakesUp =
     0.2;  // share of a swing at either end in which the foot's path changes over between the ground's and the joints'
 constexpr double kSlopeStep = 1e-4;  // phase step
-constexpr double kStance_m =
-    0.638;  // travel of a stance foot; a longer way would overstretch the leg
+constexpr double kStance_m = 0.638;  // travel of a stance foot; a longer way would overstretch the leg
 
 // Parameter-dependent constants.
 struct Gait {
@@ -41,6 +48,8 @@ struct Gait {
   double lean = mix(0.04, 0.20), yaw = mix(0.07, 0.16), swing = mix(0.35, 0.75), elbow = mix(0.35, 1.45);
   double toe = mix(0.35, 0.75), sway_m = mix(0.020, 0.010);
 };
+
+double smooth(double t) { return t * t * (3 - 2 * t); }
 
 glm::dquat about(const glm::dvec3& axis, double angle) { return glm::angleAxis(angle, axis); }
 constexpr glm::dvec3 kX{1, 0, 0}, kY{0, 1, 0}, kZ{0, 0, 1};
@@ -85,13 +94,67 @@ glm::dmat4 pelvisAt(const Gait& gait, double phase) {
   return turned(about(kY, -gait.yaw * std::cos(a)), kPelvisRest, kPelvisRest + shift);
 }
 
+// Inputs of the skeleton; limbs: left, right.
+struct Posture {
+  struct Limbs {
+    FootTarget foot;
+    glm::dquat upper_arm, forearm;  // world
+  };
+  glm::dmat4 pelvis;
+  glm::dquat spine, chest, head;  // world
+  double ankle_m;                 // from the middle
+  std::array<Limbs, 2> limbs;
+};
+
+Posture stride(const Gait& gait, double phase) {
+  const double a = 2 * kPi * phase, twist = gait.yaw * std::cos(a);
+  Posture out;
+  out.pelvis = pelvisAt(gait, phase);
+  out.spine = about(kX, 0.6 * gait.lean);
+  out.chest = about(kY, twist) * about(kX, gait.lean);
+  out.head = about(kX, 0.3 * gait.lean + 0.03 * std::cos(2 * a));
+  out.ankle_m = gait.mix(0.11, 0.08);
+  for (const bool left : {true, false}) {
+    Posture::Limbs& limbs = out.limbs[left ? 0 : 1];
+    const double since = phase + (left ? 0 : 0.5) - kMidStance;
+    limbs.foot = footAt(gait, since - std::floor(since + 0.5));
+    // The arm swings against the leg of its side.
+    const double side = left ? 1 : -1, opposite = 2 * kPi * (phase + (left ? 0.5 : 0));
+    const double swing = -gait.swing * std::cos(opposite) + 0.15 * gait.w;
+    const double bend = gait.elbow * (1 + 0.25 * std::cos(opposite));
+    limbs.upper_arm = out.chest * about(kX, swing) * about(kZ, -side * 0.62);
+    limbs.forearm = out.chest * about(kX, swing - bend) * about(kZ, -side * 0.68);
+  }
+  return out;
+}
+
+// Standing upright with breathing and sway, one period a phase; arms raised sideways from hanging down.
+Posture standing(double phase, double raised) {
+  const double a = 2 * kPi * phase, breath = 0.5 - 0.5 * std::cos(a), up = raised / kRaised;
+  Posture out;
+  out.pelvis = turned(about(kY, 0.01 * std::sin(a)), kPelvisRest,
+                      kPelvisRest + glm::dvec3(0.006 * std::sin(a), -0.012, 0.004 * std::cos(a)));
+  out.spine = about(kX, 0.02 - 0.008 * breath);
+  out.chest = about(kX, 0.03 - 0.02 * breath);
+  out.head = about(kX, 0.01 * std::sin(a));
+  out.ankle_m = 0.13;
+  for (const bool left : {true, false}) {
+    Posture::Limbs& limbs = out.limbs[left ? 0 : 1];
+    const double side = left ? 1 : -1;
+    limbs.foot = {0, 0, 0};
+    limbs.upper_arm = out.chest * about(kZ, side * (raised - 0.60 + 0.02 * breath));
+    limbs.forearm = out.chest * about(kX, -0.15 * (1 - up)) * about(kZ, side * (raised - 0.66 + 0.02 * breath));
+  }
+  return out;
+}
+
 class Skeleton {
  public:
-  Skeleton(const Gait& gait, double phase) : gait_(gait), phase_(phase) {
-    torso();
+  explicit Skeleton(const Posture& posture) {
+    torso(posture);
     for (const bool left : {true, false}) {
-      leg(left);
-      arm(left);
+      leg(posture, left);
+      arm(posture.limbs[left ? 0 : 1], left);
     }
   }
   const std::array<glm::dmat4, kBoneCount>& bones() const { return bones_; }
@@ -100,24 +163,19 @@ class Skeleton {
   static glm::dvec3 sided(const glm::dvec3& p, bool left) { return left ? p : glm::dvec3(-p.x, p.y, p.z); }
   static Bone sided(Bone bone, bool left) { return left ? bone : static_cast<Bone>(bone + 3); }
 
-  void torso() {
-    const double a = 2 * kPi * phase_, twist = gait_.yaw * std::cos(a);
-    bones_[Pelvis] = pelvisAt(gait_, phase_);
-    const glm::dquat spine = about(kX, 0.6 * gait_.lean), chest = about(kY, twist) * about(kX, gait_.lean);
-    bones_[Spine] = turned(spine, kWaistRest, apply(bones_[Pelvis], kWaistRest));
-    chest_turn_ = chest;
+  void torso(const Posture& posture) {
+    bones_[Pelvis] = posture.pelvis;
+    bones_[Spine] = turned(posture.spine, kWaistRest, apply(bones_[Pelvis], kWaistRest));
     const glm::dvec3 upper(0, 1.25, 0);
-    bones_[Chest] = turned(chest, upper, apply(bones_[Spine], upper));
-    const glm::dquat head = about(kX, 0.3 * gait_.lean + 0.03 * std::cos(2 * a));
-    bones_[Head] = turned(head, kNeckRest, apply(bones_[Chest], kNeckRest));
+    bones_[Chest] = turned(posture.chest, upper, apply(bones_[Spine], upper));
+    bones_[Head] = turned(posture.head, kNeckRest, apply(bones_[Chest], kNeckRest));
   }
 
-  void leg(bool left) {
-    const double since = phase_ + (left ? 0 : 0.5) - kMidStance;
-    const FootTarget foot = footAt(gait_, since - std::floor(since + 0.5));
+  void leg(const Posture& posture, bool left) {
+    const FootTarget& foot = posture.limbs[left ? 0 : 1].foot;
     const glm::dvec3 hip_rest = sided(kHipRest, left), knee_rest = sided(kKneeRest, left);
     const glm::dvec3 ankle_rest = sided(kAnkleRest, left), hip = apply(bones_[Pelvis], hip_rest);
-    glm::dvec3 ankle(sided({gait_.mix(0.11, 0.08), 0, 0}, left).x, kAnkleRest.y + foot.height_m, foot.forward_m);
+    glm::dvec3 ankle(sided({posture.ankle_m, 0, 0}, left).x, kAnkleRest.y + foot.height_m, foot.forward_m);
     const double thigh = glm::length(knee_rest - hip_rest), shin = glm::length(ankle_rest - knee_rest);
     const double most = 0.999 * (thigh + shin), distance = glm::min(glm::length(ankle - hip), most);
     const glm::dvec3 line = glm::normalize(ankle - hip);
@@ -134,32 +192,23 @@ class Skeleton {
     bones_[sided(FootL, left)] = turned(about(kX, foot.pitch), ankle_rest, ankle);
   }
 
-  // The arm swings against the leg of its side.
-  void arm(bool left) {
-    const double side = left ? 1 : -1, a = 2 * kPi * (phase_ + (left ? 0.5 : 0));
+  void arm(const Posture::Limbs& limbs, bool left) {
     const glm::dvec3 shoulder_rest = sided(kShoulderRest, left), elbow_rest = sided(kElbowRest, left);
     const glm::dvec3 wrist_rest = sided(kWristRest, left), shoulder = apply(bones_[Chest], shoulder_rest);
-    const double swing = -gait_.swing * std::cos(a) + 0.15 * gait_.w;
-    const glm::dquat upper = chest_turn_ * about(kX, swing) * about(kZ, -side * 0.62);
-    const double bend = gait_.elbow * (1 + 0.25 * std::cos(a));
-    const glm::dquat fore = chest_turn_ * about(kX, swing - bend) * about(kZ, -side * 0.68);
-    bones_[sided(UpperArmL, left)] = turned(upper, shoulder_rest, shoulder);
+    bones_[sided(UpperArmL, left)] = turned(limbs.upper_arm, shoulder_rest, shoulder);
     const glm::dvec3 elbow = apply(bones_[sided(UpperArmL, left)], elbow_rest);
-    bones_[sided(ForearmL, left)] = turned(fore, elbow_rest, elbow);
-    bones_[sided(HandL, left)] = turned(fore, wrist_rest, apply(bones_[sided(ForearmL, left)], wrist_rest));
+    bones_[sided(ForearmL, left)] = turned(limbs.forearm, elbow_rest, elbow);
+    bones_[sided(HandL, left)] = turned(limbs.forearm, wrist_rest, apply(bones_[sided(ForearmL, left)], wrist_rest));
   }
 
-  const Gait& gait_;
-  const double phase_;
   std::array<glm::dmat4, kBoneCount> bones_;
-  glm::dquat chest_turn_;
 };
 
 // Position of the left foot by interpolated joint angles of walk and run; the right foot mirrors it half a cycle later.
 FootTarget byJoints(const Gait& gait, double since) {
   static const Gait walk(0), run(1);
   const double phase = since + kMidStance;
-  const Skeleton slow(walk, phase), fast(run, phase);
+  const Skeleton slow(stride(walk, phase)), fast(stride(run, phase));
   const auto turn = [&](Bone bone) {
     const auto of = [&](const Skeleton& s) { return glm::quat_cast(glm::dmat3(s.bones()[bone])); };
     return glm::slerp(of(slow), of(fast), gait.w);
@@ -188,8 +237,8 @@ FootTarget footAt(const Gait& gait, double since) {
 
 class ProceduralActor final : public Actor {
  public:
-  ProceduralActor(std::vector<double> parameters, std::vector<Motion> motions, double mesh_cell_m)
-      : parameters_(std::move(parameters)), motions_(std::move(motions)), tracked_(meshBody(mesh_cell_m)) {
+  ProceduralActor(std::vector<NamedMotion> named, std::vector<Motion> motions, double mesh_cell_m)
+      : named_(std::move(named)), motions_(std::move(motions)), tracked_(meshBody(mesh_cell_m)) {
     surface_ = subdivideOnBody(meshBody(kSurfaceCell_m));
     texture_ = paintBody(surface_, kTextureSide);
     for (const glm::vec3& p : surface_.positions) weights_.push_back(boneWeights(p));
@@ -201,10 +250,7 @@ class ProceduralActor final : public Actor {
   const Image& texture() const override { return texture_; }
 
   void pose(std::span<const double> shares, double phase, Positions& out) override {
-    double w = 0;
-    for (size_t i = 0; i < shares.size(); ++i) w += shares[i] * parameters_[i];
-    const Gait gait(w);
-    const Skeleton skeleton(gait, phase - std::floor(phase));
+    const Skeleton skeleton(postureAt(shares, phase));
     std::array<glm::mat4, kBoneCount> bones;
     for (int b = 0; b < kBoneCount; ++b) bones[b] = glm::mat4(skeleton.bones()[b]);
     out.resize(surface_.positions.size());
@@ -217,7 +263,16 @@ class ProceduralActor final : public Actor {
   }
 
  private:
-  const std::vector<double> parameters_;  // [motion]
+  Posture postureAt(std::span<const double> shares, double phase) const {
+    double w = 0;
+    for (size_t i = 0; i < shares.size(); ++i) {
+      if (!named_[i].is_gait && shares[i] > 0) return standing(phase, named_[i].raised * smooth(phase));
+      w += shares[i] * named_[i].parameter;
+    }
+    return stride(Gait(w), phase - std::floor(phase));
+  }
+
+  const std::vector<NamedMotion> named_;  // [motion]
   const std::vector<Motion> motions_;
   const RestMesh tracked_;
   RestMesh surface_;
@@ -228,21 +283,25 @@ class ProceduralActor final : public Actor {
 }  // namespace
 
 Result<std::unique_ptr<Actor>> createProceduralActor(const std::vector<std::string>& names, double mesh_cell_m) {
-  std::vector<double> parameters;
+  std::vector<NamedMotion> named;
   std::vector<Motion> motions;
   for (const std::string& name : names) {
     const auto* known = std::find_if(std::begin(kMotions), std::end(kMotions),
                                      [&](const NamedMotion& motion) { return name == motion.name; });
     if (known == std::end(kMotions))
       return Error{ErrorId::InvalidArgument,
-                   "the procedural actor has no motion \"" + name + "\"; choose among walk, jog and run"};
-    const Gait gait(known->parameter);
-    parameters.push_back(known->parameter);
-    motions.push_back({name, gait.duration_s, true, {0, 0, gait.speed_mps}});
+                   "the procedural actor has no motion \"" + name + "\"; choose among walk, jog, run, stand and raise"};
+    named.push_back(*known);
+    if (known->is_gait) {
+      const Gait gait(known->parameter);
+      motions.push_back({name, gait.duration_s, true, {0, 0, gait.speed_mps}, true});
+    } else {
+      motions.push_back({name, known->duration_s, known->loop});
+    }
   }
-  if (motions.empty()) return Error{ErrorId::InvalidArgument, "the procedural actor needs motions: walk, jog or run"};
-  return std::unique_ptr<Actor>(
-      std::make_unique<ProceduralActor>(std::move(parameters), std::move(motions), mesh_cell_m));
+  if (motions.empty())
+    return Error{ErrorId::InvalidArgument, "the procedural actor needs motions: walk, jog, run, stand or raise"};
+  return std::unique_ptr<Actor>(std::make_unique<ProceduralActor>(std::move(named), std::move(motions), mesh_cell_m));
 }
 
 }  // namespace fourdvt::studio
