@@ -33,6 +33,7 @@ Json knobsJson(const StudioKnobs& k) {
   for (const auto& [name, value] : later)
     if (value != 0) out[name] = value;
   if (k.plain) out["plain"] = true;
+  if (k.plain_clothes) out["plain_clothes"] = true;
   if (k.lens != StudioKnobs().lens) out["lens"] = k.lens;
   return out;
 }

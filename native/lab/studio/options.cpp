@@ -42,6 +42,8 @@ std::string StudioOptions::check() const {
   if (!(knobs.mesh_cell_mm >= 8 && knobs.mesh_cell_mm <= 45)) return "the mesh's cell must be 8 to 45 mm";
   if (actor != "procedural" && knobs.mesh_cell_mm != StudioKnobs().mesh_cell_mm)
     return "only the procedural actor can be meshed anew; a model keeps its own faces";
+  if (actor != "procedural" && knobs.plain_clothes)
+    return "only the procedural actor has plain clothes; a model keeps its own";
   for (const double t : truth_at)
     if (!(t >= 0 && t <= 1)) return "the truth's positions must be 0 (first member) to 1 (last member)";
   for (const StudioClass& c : classes)

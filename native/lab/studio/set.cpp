@@ -16,7 +16,8 @@ std::vector<std::string> namesOf(const StudioOptions& options) {
 }
 
 Result<std::unique_ptr<Actor>> openActor(const StudioOptions& options) {
-  if (options.actor == "procedural") return createProceduralActor(namesOf(options), 1e-3 * options.knobs.mesh_cell_mm);
+  if (options.actor == "procedural")
+    return createProceduralActor(namesOf(options), 1e-3 * options.knobs.mesh_cell_mm, options.knobs.plain_clothes);
   return openGltfActor(options.actor, options.sequences);
 }
 

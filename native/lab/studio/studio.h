@@ -24,11 +24,12 @@ namespace fourdvt::studio {
 struct StudioKnobs {
   uint32_t seed = 1;
   // The actor.
-  double drift_mm = 0;   // maximum slide of appearance over the tracked mesh, a class's first to last member
-  double wrinkles = 0;   // 0…1: contrast of cloth folds whose position depends on the motion and its phase
-  double specular = 0;   // 0…1: strength of a view-dependent highlight
-  double shading = 0.5;  // 0…1: strength of the studio's fixed lights; 0: unshaded texture
-  bool plain = false;    // single-coloured actor: the mean of its texture
+  double drift_mm = 0;         // maximum slide of appearance over the tracked mesh, a class's first to last member
+  double wrinkles = 0;         // 0…1: contrast of cloth folds whose position depends on the motion and its phase
+  double specular = 0;         // 0…1: strength of a view-dependent highlight
+  double shading = 0.5;        // 0…1: strength of the studio's fixed lights; 0: unshaded texture
+  bool plain = false;          // single-coloured actor: the mean of its texture
+  bool plain_clothes = false;  // procedural actor: each garment of one colour
   // Deviations of the capture from the truth. σ: standard deviation of a normal distribution, drawn once per camera.
   double rotation_deg = 0;       // σ of the written calibration's rotation
   double translation_mm = 0;     // σ of each component of the written calibration's position

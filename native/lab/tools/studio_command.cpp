@@ -116,6 +116,8 @@ Options knobOptions(studio::StudioOptions& o) {
        "calibration error, deviation of the focal length (default 0)"},
       {"--plain", flag(k.plain),
        "the actor is of one colour, its texture's mean: nothing for stereo to match but shading"},
+      {"--plain-clothes", flag(k.plain_clothes),
+       "procedural: shirt, trousers and shoes are of one colour each; skin, face and hair keep their texture"},
       {"--proxy-mm X", number(k.proxy_mm, 0, 100), "largest distance of the mesh from the true surface (default 0)"},
       {"--mesh-cell-mm X", number(k.mesh_cell_mm, 8, 45),
        "procedural: size of the mesh's faces, 8 to 45 (default 25: about 4000 vertices)"},

@@ -2,7 +2,9 @@
 // The studio's geometry: walks on surfaces, the procedural body and its gait, drift and its exact correspondence, valid
 // and invalid glTF models, cameras, sensor. Drawing: tests/render/studio_test.cpp.
 #include <cmath>
+#include <functional>
 #include <map>
+#include <set>
 
 #include "capture_fixture.h"
 #include "lab/studio/actors/actor.h"
@@ -119,6 +121,28 @@ TEST(StudioBody, AtlasDoesNotOverlap) {
   }
   EXPECT_GT(covered, 0.35 * kSide * kSide);
   EXPECT_LT(twice, 1e-3 * covered);
+}
+
+// Colours of the texture at the first corners of the faces whose rest position satisfies `chosen`.
+std::set<std::array<uint8_t, 3>> coloursOf(const RestMesh& mesh, const Image& texture,
+                                           const std::function<bool(const glm::vec3&)>& chosen) {
+  std::set<std::array<uint8_t, 3>> out;
+  for (uint32_t f = 0; f < mesh.topology.faceCount(); ++f) {
+    if (!chosen(mesh.positions[mesh.topology.face_vertices[f].x])) continue;
+    glm::vec2 uv(0);
+    for (int k = 0; k < 3; ++k) uv += mesh.topology.uvs[mesh.topology.face_uvs[f][k]] / 3.0f;
+    const uint8_t* p = texture.at(int(uv.x * texture.width), int(uv.y * texture.height));
+    out.insert({p[0], p[1], p[2]});
+  }
+  return out;
+}
+
+TEST(StudioBody, PlainClothesHaveOneColourEachAndSkinHasMany) {
+  const RestMesh& mesh = walkJogRun().surface();
+  const Image texture = paintBody(mesh, 1024, true);
+  EXPECT_EQ(coloursOf(mesh, texture, [](const glm::vec3& p) { return p.y > 1.15f && p.y < 1.35f; }).size(), 1u);
+  EXPECT_EQ(coloursOf(mesh, texture, [](const glm::vec3& p) { return p.y > 0.2f && p.y < 0.8f; }).size(), 1u);
+  EXPECT_GT(coloursOf(mesh, texture, [](const glm::vec3& p) { return p.y > 1.55f; }).size(), 100u);
 }
 
 TEST(StudioGait, IsALoopAndItsParameterIsExact) {
@@ -583,6 +607,12 @@ TEST(StudioOptions, AreChecked) {
   o.classes = {{"c", "p", {"a", "b"}}};
   EXPECT_NE(o.check().find("--frames"), std::string::npos);
   o.classes.clear();
+  o.knobs.plain_clothes = true;
+  EXPECT_EQ(o.check(), "");
+  o.actor = "model.glb";
+  EXPECT_NE(o.check(), "");
+  o.actor = "procedural";
+  o.knobs.plain_clothes = false;
   o.room_size_m = 9;
   EXPECT_NE(o.check().find("--room"), std::string::npos);
   o.room_size_m = 0;

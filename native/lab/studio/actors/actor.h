@@ -44,9 +44,10 @@ class Actor {
 // parameter (0, 0.5, 1): every joint curve, stance, cadence and speed is a function of it. Feet on the ground do not
 // slide against the root velocity. Further motions, which do not blend: "stand", a loop of 2 s with breathing and a
 // sway of some millimetres, and "raise", which in 2 s raises the arms sideways from hanging down. `mesh_cell_m`: size
-// of the tracked mesh's faces; 0.025 makes about 4000 vertices. `motions`: names among those five. Errors:
-// InvalidArgument.
-Result<std::unique_ptr<Actor>> createProceduralActor(const std::vector<std::string>& motions, double mesh_cell_m);
+// of the tracked mesh's faces; 0.025 makes about 4000 vertices. `motions`: names among those five. `plain_clothes`:
+// shirt, trousers and shoes of one colour each. Errors: InvalidArgument.
+Result<std::unique_ptr<Actor>> createProceduralActor(const std::vector<std::string>& motions, double mesh_cell_m,
+                                                     bool plain_clothes = false);
 
 // Opens a rigged, textured glTF or GLB: its skinned meshes welded to one, its animations by name. Between animations:
 // joint by joint (slerp). Travel of a cyclic animation becomes root velocity. Morph targets are ignored. `motions`

@@ -45,7 +45,8 @@ Bone boneAt(const glm::dvec3& p);
 RestMesh meshBody(double cell_m);
 // Splits each face into four. New vertices are moved onto the body, UVs stay in their charts.
 RestMesh subdivideOnBody(const RestMesh& mesh);
-// The actor's clothes and skin on the mesh's atlas: plaid, weave and grain at several scales, rows of glyphs.
-Image paintBody(const RestMesh& mesh, int side);
+// The actor's clothes and skin on the mesh's atlas: plaid, weave and grain at several scales, rows of glyphs; or with
+// `plain_clothes`, of which each is of one colour.
+Image paintBody(const RestMesh& mesh, int side, bool plain_clothes);
 
 }  // namespace fourdvt::studio

@@ -2,6 +2,7 @@
 // Paints clothes and skin on the atlas as functions of the rest pose, continuous across the atlas's seams.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "lab/studio/actors/body.h"
 
@@ -81,6 +82,30 @@ glm::dvec3 face(const glm::dvec3& p) {
   return p.z > 0 && mouth < 0.011 ? glm::dvec3(0.62, 0.22, 0.22) : skin(p);
 }
 
+constexpr glm::dvec3 kPlainShirt(0.55, 0.16, 0.15), kPlainTrousers(0.24, 0.33, 0.52), kPlainShoes(0.25, 0.16, 0.10);
+
+// Colour of a plain garment; nullopt on the skin.
+std::optional<glm::dvec3> plainClothesAt(const glm::dvec3& p) {
+  switch (boneAt(p)) {
+    case Head:
+      return p.y < 1.46 ? std::optional(kPlainShirt) : std::nullopt;
+    case HandL:
+    case HandR:
+      return std::nullopt;
+    case FootL:
+    case FootR:
+      return kPlainShoes;
+    case Pelvis:
+    case ThighL:
+    case ThighR:
+    case ShinL:
+    case ShinR:
+      return kPlainTrousers;
+    default:
+      return kPlainShirt;
+  }
+}
+
 glm::dvec3 colourAt(const glm::dvec3& p) {
   glm::dvec3 c;
   switch (boneAt(p)) {
@@ -112,7 +137,8 @@ glm::dvec3 colourAt(const glm::dvec3& p) {
 
 class Painter {
  public:
-  Painter(const RestMesh& mesh, int side) : mesh_(mesh), image_(side, side, 3, 0), covered_(size_t(side) * side, 0) {}
+  Painter(const RestMesh& mesh, int side, bool plain_clothes)
+      : mesh_(mesh), plain_clothes_(plain_clothes), image_(side, side, 3, 0), covered_(size_t(side) * side, 0) {}
 
   Image run() {
     for (uint32_t f = 0; f < mesh_.topology.faceCount(); ++f) paint(f);
@@ -137,7 +163,8 @@ class Painter {
         if (b < slack || c < slack || b + c > 1 - slack) continue;
         const glm::dvec3 at = (1 - b - c) * glm::dvec3(mesh_.positions[v.x]) + b * glm::dvec3(mesh_.positions[v.y]) +
                               c * glm::dvec3(mesh_.positions[v.z]);
-        const glm::dvec3 colour = colourAt(at);
+        const auto plain = plain_clothes_ ? plainClothesAt(at) : std::nullopt;
+        const glm::dvec3 colour = plain ? *plain : colourAt(at);
         for (int k = 0; k < 3; ++k) image_.at(x, y)[k] = static_cast<uint8_t>(255 * colour[k] + 0.5);
         covered_[size_t(y) * side + x] = 1;
       }
@@ -166,12 +193,13 @@ class Painter {
   }
 
   const RestMesh& mesh_;
+  const bool plain_clothes_;
   Image image_;
   std::vector<uint8_t> covered_;
 };
 
 }  // namespace
 
-Image paintBody(const RestMesh& mesh, int side) { return Painter(mesh, side).run(); }
+Image paintBody(const RestMesh& mesh, int side, bool plain_clothes) { return Painter(mesh, side, plain_clothes).run(); }
 
 }  // namespace fourdvt::studio

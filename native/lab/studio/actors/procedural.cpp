@@ -237,10 +237,10 @@ FootTarget footAt(const Gait& gait, double since) {
 
 class ProceduralActor final : public Actor {
  public:
-  ProceduralActor(std::vector<NamedMotion> named, std::vector<Motion> motions, double mesh_cell_m)
+  ProceduralActor(std::vector<NamedMotion> named, std::vector<Motion> motions, double mesh_cell_m, bool plain_clothes)
       : named_(std::move(named)), motions_(std::move(motions)), tracked_(meshBody(mesh_cell_m)) {
     surface_ = subdivideOnBody(meshBody(kSurfaceCell_m));
-    texture_ = paintBody(surface_, kTextureSide);
+    texture_ = paintBody(surface_, kTextureSide, plain_clothes);
     for (const glm::vec3& p : surface_.positions) weights_.push_back(boneWeights(p));
   }
 
@@ -282,7 +282,8 @@ class ProceduralActor final : public Actor {
 
 }  // namespace
 
-Result<std::unique_ptr<Actor>> createProceduralActor(const std::vector<std::string>& names, double mesh_cell_m) {
+Result<std::unique_ptr<Actor>> createProceduralActor(const std::vector<std::string>& names, double mesh_cell_m,
+                                                     bool plain_clothes) {
   std::vector<NamedMotion> named;
   std::vector<Motion> motions;
   for (const std::string& name : names) {
@@ -301,7 +302,8 @@ Result<std::unique_ptr<Actor>> createProceduralActor(const std::vector<std::stri
   }
   if (motions.empty())
     return Error{ErrorId::InvalidArgument, "the procedural actor needs motions: walk, jog, run, stand or raise"};
-  return std::unique_ptr<Actor>(std::make_unique<ProceduralActor>(std::move(named), std::move(motions), mesh_cell_m));
+  return std::unique_ptr<Actor>(
+      std::make_unique<ProceduralActor>(std::move(named), std::move(motions), mesh_cell_m, plain_clothes));
 }
 
 }  // namespace fourdvt::studio
