@@ -12,12 +12,6 @@ namespace {
 constexpr float kMinSeen = 0.2f;    // visibilityOf below which a place does not count: hidden surfaces are guesses
 constexpr float kMinCosine = 0.5f;  // between the normals of matching points of two surfaces
 
-std::vector<glm::vec3> normalsOf(const std::vector<glm::uvec3>& faces, const Positions& positions) {
-  std::vector<glm::vec3> normals;
-  computeVertexNormals(faces, positions.data(), positions.size(), normals);
-  return normals;
-}
-
 // Interpolated unit normal at a point of a mesh.
 glm::vec3 normalAt(const std::vector<glm::uvec3>& faces, std::span<const glm::vec3> normals,
                    const NearestSurface::Hit& hit) {
@@ -25,6 +19,9 @@ glm::vec3 normalAt(const std::vector<glm::uvec3>& faces, std::span<const glm::ve
   return glm::normalize(hit.barycentric.x * normals[f.x] + hit.barycentric.y * normals[f.y] +
                         hit.barycentric.z * normals[f.z] + glm::vec3(0, 1e-12f, 0));
 }
+
+constexpr double kLostLimb_m = 0.03;                         // mean distance of a limb's curve
+constexpr double kLimbSigma_m = 0.02, kTrunkSigma_m = 0.04;  // of vertices, when limbs are moved
 
 class Fit {
  public:
@@ -49,13 +46,51 @@ class Fit {
     seen_ = visibilityOf(*target_.views, faces_, out_.positions, normals);
   }
   // Gauss-Newton steps of the graph; surface points farther than `reach_m` do not count.
-  void poseGraph(int steps, double reach_m, double reach_px, double rigidity_sigma_m) {
+  void poseGraph(int steps, double reach_m, double reach_px, double rigidity_sigma_m, double flow_share = 1) {
     for (int i = 0; i < steps; ++i) {
       const GraphWeights weights{1 / (rigidity_sigma_m * rigidity_sigma_m), 1e-4};
-      const std::vector<Pull> pulls = pullsHere(reach_m, reach_px);
+      const std::vector<Pull> pulls = pullsHere(reach_m, reach_px, flow_share);
       fitGraph(model_.graph, model_.node_positions, rest_, pulls, weights, out_.pose);
       place();
     }
+  }
+
+  // Moves limbs onto those of the surface where they are elsewhere. Returns true if one has moved.
+  bool poseLimbs(int steps) {
+    std::vector<Limb> limbs = model_.limbs;
+    follow(out_.positions, limbs);
+    const std::vector<Limb> there = limbsOf(*target_.surface, LimbOptions{});
+    std::vector<glm::dvec3> shifts(out_.positions.size(), glm::dvec3(0));
+    std::vector<bool> moves(out_.positions.size(), false);
+    bool moved = false;
+    for (const auto& [from, to] : pairedLimbs(limbs, there)) {
+      const size_t rings = std::min(limbs[from].rings.size(), there[to].rings.size());
+      double apart = 0;
+      for (size_t k = 0; k < rings; ++k)
+        apart += glm::distance(limbs[from].rings[k].middle, there[to].rings[k].middle) / double(rings);
+      if (apart < kLostLimb_m) continue;
+      moved = true;
+      for (size_t k = 0; k < rings; ++k)
+        for (const uint32_t v : limbs[from].rings[k].vertices) {
+          shifts[v] = there[to].rings[k].middle - limbs[from].rings[k].middle;
+          moves[v] = true;
+        }
+    }
+    if (!moved) return false;
+    const Positions before = out_.positions;
+    for (int i = 0; i < steps; ++i) {
+      std::vector<Pull> pulls(before.size());
+      for (size_t v = 0; v < pulls.size(); ++v) {
+        const double sigma_m = moves[v] ? kLimbSigma_m : kTrunkSigma_m;
+        const glm::dvec3 residual = glm::dvec3(before[v]) + shifts[v] - glm::dvec3(out_.positions[v]);
+        pulls[v].matrix = glm::dmat3(1 / (sigma_m * sigma_m));
+        pulls[v].vector = residual / (sigma_m * sigma_m);
+      }
+      const double rigid = 2 * options_.rigidity_sigma_m;
+      fitGraph(model_.graph, model_.node_positions, rest_, pulls, {1 / (rigid * rigid), 1e-4}, out_.pose);
+      place();
+    }
+    return true;
   }
 
   // Moves single vertices.
@@ -84,10 +119,11 @@ class Fit {
     out_.positions = deformed(model_.graph, model_.node_positions, rest_, out_.pose);
   }
 
-  std::vector<Pull> pullsHere(double reach_m, double reach_px) const {
+  std::vector<Pull> pullsHere(double reach_m, double reach_px, double flow_share = 1) const {
     std::vector<Pull> pulls(model_.positions.size());
+    if (flow_share > 0) addPulls(matches_, *target_.views, out_.positions, reach_px, pulls);
+    for (Pull& pull : pulls) pull.matrix *= flow_share, pull.vector *= flow_share;
     if (reach_m > 0) addSurfacePulls(reach_m, pulls);
-    addPulls(matches_, *target_.views, out_.positions, reach_px, pulls);
     return pulls;
   }
 
@@ -137,11 +173,12 @@ class Fit {
 
 }  // namespace
 
-Template makeTemplate(MeshTopology topology, Positions positions, uint32_t node_count) {
-  Template out{std::move(topology), std::move(positions), {}, {}, {}};
+Template makeTemplate(MeshTopology topology, Positions positions, uint32_t node_count, const TriangleMesh& surface) {
+  Template out{std::move(topology), std::move(positions), {}, {}, {}, {}};
   out.graph = makeGraph(out.topology.face_vertices, out.positions, node_count);
   for (const uint32_t v : out.graph.nodes) out.node_positions.push_back(out.positions[v]);
   out.edges = edgesOf(out.topology.face_vertices);
+  out.limbs = limbsOn(out.positions, surface, limbsOf(surface, LimbOptions{}));
   return out;
 }
 
@@ -163,7 +200,13 @@ FittedFrame fitFrame(const Template& model, const FittedFrame& start, const Pose
     fit.match(parent, 1);
     fit.poseGraph(3, 0, 30, rigid);
   }
-  fit.poseGraph(4, 0.04, 20, rigid);
+  if (options.limbs && fit.poseLimbs(8) && options.flow_from_parent) {
+    fit.poseGraph(4, 0.12, 0, rigid, 0);
+    fit.match(parent, 2);
+  }
+  fit.poseGraph(4, 0.12, 30, rigid, 0.02);
+  fit.poseGraph(4, 0.06, 20, rigid, 0.02);
+  fit.poseGraph(4, 0.03, 20, rigid, 0.02);
   if (options.flow_from_anchor) {
     fit.match(anchor, 2);
     fit.poseGraph(3, 0.03, 10, rigid);

@@ -7,6 +7,7 @@
 
 #include "base/mesh.h"
 #include "track/graph.h"
+#include "track/limbs.h"
 #include "track/mesh/nearest.h"
 #include "track/views.h"
 
@@ -19,8 +20,10 @@ struct Template {
   DeformationGraph graph;
   std::vector<glm::vec3> node_positions;
   std::vector<glm::uvec2> edges;
+  std::vector<Limb> limbs;
 };
-Template makeTemplate(MeshTopology topology, Positions positions, uint32_t node_count);
+// `surface`: that of the template's own frame, for the limbs.
+Template makeTemplate(MeshTopology topology, Positions positions, uint32_t node_count, const TriangleMesh& surface);
 
 // Template in a frame's pose.
 struct FittedFrame {
@@ -33,8 +36,9 @@ FittedFrame restFrame(const Template& model);
 
 struct FitOptions {
   bool flow_from_parent = true, flow_from_anchor = true;
+  bool limbs = true;                  // leads limbs that flow has lost
   double surface_sigma_m = 0.004;     // noise of the surface along its normals
-  double rigidity_sigma_m = 0.004;    // deviation of a link between nodes from a rotation
+  double rigidity_sigma_m = 0.016;    // deviation of a link between nodes from a rotation
   double smoothness_sigma_m = 0.001;  // difference of neighbours' offsets
   double offset_sigma_m = 0.010;      // size of the offsets themselves
 };

@@ -165,6 +165,12 @@ std::vector<View> viewsOf(std::span<const PinholeCamera> cameras, std::span<cons
   return out;
 }
 
+std::vector<glm::vec3> normalsOf(const std::vector<glm::uvec3>& faces, const Positions& positions) {
+  std::vector<glm::vec3> normals;
+  computeVertexNormals(faces, positions.data(), positions.size(), normals);
+  return normals;
+}
+
 std::vector<float> visibilityOf(const std::vector<View>& views, const std::vector<glm::uvec3>& faces,
                                 const Positions& positions, std::span<const glm::vec3> normals) {
   std::vector<std::vector<float>> by_camera(views.size());

@@ -29,6 +29,9 @@ struct PosedViews {
   const Positions* positions = nullptr;
 };
 
+// Unit vertex normals.
+std::vector<glm::vec3> normalsOf(const std::vector<glm::uvec3>& faces, const Positions& positions);
+
 struct FlowMatchOptions {
   double sigma_px = 1;          // noise of a match
   double consistency_px = 1.5;  // forward and backward flow

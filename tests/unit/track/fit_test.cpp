@@ -12,7 +12,8 @@ namespace {
 
 struct FitTest : ::testing::Test {
   TubeScene scene;
-  Template model = makeTemplate({uint32_t(scene.rest.size()), {}, scene.faces, {}}, scene.rest, 40);
+  Template model =
+      makeTemplate({uint32_t(scene.rest.size()), {}, scene.faces, {}}, scene.rest, 40, {scene.rest, scene.faces});
   std::vector<View> rest_views = scene.views(scene.rest);
 
   // Distances of the fit from the truth, metres, of vertices that a camera sees; the target is the posed tube itself.
