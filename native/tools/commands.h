@@ -15,8 +15,14 @@
 namespace fourdvt::bake {
 struct BakeOptions;
 }
+namespace fourdvt::capture {
+struct CaptureClass;
+}
 namespace fourdvt::refine {
 struct RefineOptions;
+}
+namespace fourdvt::track {
+struct TrackOptions;
 }
 
 namespace fourdvt::tools {
@@ -31,13 +37,15 @@ struct Command {
 // Runs the command named by argv[1]. Exceptions of libraries end in a message and kFailed.
 int runProgram(const char* program, std::span<const Command> commands, int argc, char** argv);
 
-// Additional `bake` options of another program.
+// Additional options of another program.
 using BakeExtension = Options (*)(bake::BakeOptions&);
+using TrackExtension = Options (*)(track::TrackOptions&);
 
 Result<int> importCommand(int argc, char** argv);
 Result<int> calibrateCommand(int argc, char** argv);
 Result<int> mattesCommand(int argc, char** argv);
 Result<int> reconstructCommand(int argc, char** argv);
+Result<int> trackCommand(int argc, char** argv, TrackExtension extension = nullptr);
 Result<int> bakeCommand(int argc, char** argv, BakeExtension extension = nullptr);
 Result<int> planCommand(int argc, char** argv);
 Result<int> pieceCommand(int argc, char** argv);
@@ -54,6 +62,8 @@ bool isCaptureFolder(const std::string& path);
 // source of mattes. Returns the command's exit code: 1 if a file cannot be used.
 Result<int> inspectCapture(const std::string& folder);
 
+// Motion classes, for the programs with the importer.
+Option classOption(std::vector<capture::CaptureClass>& field);
 Option sequencesOption(std::vector<std::string>& field);
 Option jobsOption(int& field, const std::string& what = "worker threads");
 Option resumeOption(bool& field);

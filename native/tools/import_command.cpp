@@ -17,15 +17,6 @@ Options rows(capture::ImportOptions& o) {
       o.sequences.emplace_back(entry.substr(0, equals), equals == std::string::npos ? "" : entry.substr(equals + 1));
     }
   };
-  const auto readClasses = [&o](Args& args, const std::string& name) {
-    for (const std::string& text : args.texts(name)) {
-      auto given = capture::parseClassOption(text);
-      if (given.ok())
-        o.classes.push_back(given.take());
-      else
-        args.complain(given.error().message);
-    }
-  };
   return {
       {"-o CAPTURE", required(o.folder), "folder to write (required); it must not exist"},
       {"--up AXIS", parsed(o.up, capture::axisNamed, "X, -X, Y, -Y, Z or -Z"),
@@ -47,15 +38,28 @@ Options rows(capture::ImportOptions& o) {
        "names of the sequences, and the folders in SOURCE that hold their videos (default: one, called take, of "
        "SOURCE itself)"},
       {"--loop A,B", list(o.loops), "sequences whose frame after the last one is the first (default: none)"},
-      {"--class C:P=A:V,B:W", readClasses,
-       "sequences A and B become one motion C with the parameter P, which has the value V in A and W in B, like "
-       "locomotion:speed_mps=walk:1.2,run:2.7; without values the bake measures speed_mps. Two parameters: "
-       "C:P,Q=A:V/X,B:W/Y. May be given several times",
-       true},
+      classOption(o.classes),
   };
 }
 
 }  // namespace
+
+Option classOption(std::vector<capture::CaptureClass>& field) {
+  const auto read = [&field](Args& args, const std::string& name) {
+    for (const std::string& text : args.texts(name)) {
+      auto given = capture::parseClassOption(text);
+      if (given.ok())
+        field.push_back(given.take());
+      else
+        args.complain(given.error().message);
+    }
+  };
+  return {"--class C:P=A:V,B:W", read,
+          "sequences A and B become one motion C with the parameter P, which has the value V in A and W in B, like "
+          "locomotion:speed_mps=walk:1.2,run:2.7; without values the bake measures speed_mps. Two parameters: "
+          "C:P,Q=A:V/X,B:W/Y. May be given several times",
+          true};
+}
 
 Result<int> importCommand(int argc, char** argv) {
   capture::ImportOptions options;

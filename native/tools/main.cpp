@@ -15,6 +15,8 @@ constexpr Command kCommands[] = {
     {"calibrate", "put a capture's cameras in step and in place", more(calibrateCommand)},
     {"mattes", "make mattes for a capture's cameras", more(mattesCommand)},
     {"reconstruct", "make surfaces for a capture without meshes", more(reconstructCommand)},
+    {"track", "move one mesh with texture coordinates through surfaces",
+     more([](int argc, char** argv) { return trackCommand(argc, argv); })},
     {"bake", "turn a capture folder into a character folder",
      [](int argc, char** argv) { return bakeCommand(argc, argv); }},
     {"plan", "cut a bake or a reconstruction into pieces", more(planCommand)},

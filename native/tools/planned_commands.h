@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Command lines of `fourdvt bake` and `fourdvt reconstruct`, shared with `fourdvt plan`, and the environments of their
-// pieces.
+// Command lines of `fourdvt bake`, `fourdvt reconstruct` and `fourdvt track`, shared with `fourdvt plan`, and the
+// environments of their pieces.
 #pragma once
 
 #include <optional>
@@ -11,6 +11,7 @@
 #include "tools/commands.h"
 #include "tools/session.h"
 #include "tools/terminal.h"
+#include "track/run/track.h"
 
 namespace fourdvt::tools {
 
@@ -25,5 +26,11 @@ std::optional<int> readReconstructCommand(int argc, char** argv, reconstruct::Re
 // Borrows both arguments; installs the Ctrl-C handler. A session without a device suffices if stereo is off.
 reconstruct::ReconstructEnvironment reconstructEnvironment(const GpuSession& gpu, ProgressLine& line);
 void printReconstructSummary(const std::string& folder, const reconstruct::ReconstructSummary& summary);
+
+std::optional<int> readTrackCommand(int argc, char** argv, track::TrackOptions& options,
+                                    TrackExtension extension = nullptr);
+// Borrows the line; installs the Ctrl-C handler.
+track::TrackEnvironment trackEnvironment(ProgressLine& line);
+void printTrackSummary(const std::string& folder, const track::TrackSummary& summary);
 
 }  // namespace fourdvt::tools

@@ -9,6 +9,7 @@ namespace fourdvt::lab {
 Result<int> stageCommand(int argc, char** argv);
 Result<int> streamCommand(int argc, char** argv);
 Result<int> studioCommand(int argc, char** argv);
+Result<int> trackCommand(int argc, char** argv);
 Result<int> bakeCommand(int argc, char** argv);
 Result<int> studyCommand(int argc, char** argv);
 Result<int> scoreCommand(int argc, char** argv);

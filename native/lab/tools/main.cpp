@@ -11,6 +11,7 @@ constexpr tools::Command kCommands[] = {
     {"studio", "render a model, or a built-in actor, as a capture folder", lab::studioCommand},
     {"stage", "turn a capture into the stage of a live system", lab::stageCommand},
     {"stream", "read which pictures a recorded live stream shows", lab::streamCommand},
+    {"track", "track as fourdvt does, with parts switched off", lab::trackCommand},
     {"bake", "bake as fourdvt does, or with the papers' labellings", lab::bakeCommand},
     {"study", "measure the papers' tables on a capture", lab::studyCommand},
     {"score", "score a character against its capture's pictures", lab::scoreCommand},

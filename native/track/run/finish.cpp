@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "track/run/finish.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.h"
+#include "capture/folder/linked_capture.h"
+#include "capture/mesh_file.h"
+#include "platform/files.h"
+#include "track/run/report.h"
+#include "track/time.h"
+
+namespace fourdvt::track {
+namespace {
+
+constexpr double kMaxUnits = 32000;                                                // of packed positions
+constexpr double kMinOverlap = 0.85, kMaxStretched = 0.05, kMaxDistance_m = 0.04;  // gates of a fit
+constexpr double kMaxFailed = 0.34;                                                // share of a sequence's frames
+
+// Reason why a fit failed; empty: it holds.
+std::string failureOf(const TrackedFrame& frame, uint32_t faces) {
+  const FitFigures& f = frame.figures;
+  if (f.overlap.mean < kMinOverlap) return printed("covers the mattes by %.2f only (1 is perfect)", f.overlap.mean);
+  if (f.stretched_faces > kMaxStretched * faces)
+    return printed("%u of %u triangles are stretched", f.stretched_faces, faces);
+  if (f.distance_95_m > kMaxDistance_m)
+    return printed("lies %.0f mm off the surface, most at (%.2f, %.2f, %.2f) m", 1e3 * f.distance_95_m, f.farthest.x,
+                   f.farthest.y, f.farthest.z);
+  return {};
+}
+
+}  // namespace
+
+Result<TrackSummary> writeResult(const Prepared& job, const Work& work, const ChosenTemplate& chosen,
+                                 std::span<const TrackingStep> steps) {
+  const FrameList& list = work.frames();
+  TrackSummary out;
+  out.faces = chosen.mesh.topology.faceCount();
+  out.vertices = chosen.mesh.topology.vertex_count;
+  const uint32_t s0 = list.sequenceOf(chosen.frame);
+  out.template_frame = {job.capture.sequences[s0].name, chosen.frame - list.starts[s0]};
+
+  std::vector<TrackedSequence> sequences;
+  float farthest = 0;
+  for (uint32_t s = 0; s < job.capture.sequences.size(); ++s) {
+    const capture::CaptureSequence& sequence = job.capture.sequences[s];
+    TrackedSequence& tracked = sequences.emplace_back();
+    tracked.name = sequence.name;
+    std::vector<double> trust;
+    for (uint32_t f = 0; f < sequence.frame_count; ++f) {
+      auto frame = work.tracked(list.starts[s] + f);
+      if (!frame)
+        return Error{ErrorId::InvalidArgument,
+                     work.nameOf(list.starts[s] + f) + ": is not fitted; run `fourdvt track --resume`"};
+      const std::string failure = failureOf(*frame, out.faces);
+      if (!failure.empty()) tracked.failures[f] = failure;
+      trust.push_back(failure.empty() ? 1 : 0);
+      tracked.figures.push_back(frame->figures);
+      tracked.seconds.push_back(frame->seconds);
+      tracked.positions.push_back(std::move(frame->fit.positions));
+    }
+    if (double(tracked.failures.size()) > kMaxFailed * sequence.frame_count)
+      return Error{ErrorId::InvalidArgument,
+                   job.options.capture_folder + "/" + sequence.name + ": the template fits " +
+                       std::to_string(sequence.frame_count - tracked.failures.size()) + " of " +
+                       std::to_string(sequence.frame_count) + " frames; in frame " +
+                       std::to_string(tracked.failures.begin()->first) + " it " + tracked.failures.begin()->second +
+                       ". A coat taken off or a prop put down is another mesh: leave out or split the sequence there, "
+                       "or give a --template frame that shows all parts"};
+    smoothInTime(tracked.positions, trust, sequence.loop, TimeOptions{});
+    for (const Positions& positions : tracked.positions)
+      for (const glm::vec3& p : positions) farthest = std::max({farthest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  }
+
+  const std::string part = resultFolder(job.options).partFolder();
+  capture::LinkOptions link;
+  link.sequences = job.options.sequences;
+  link.meshes = capture::LinkedMeshes::Packed;
+  link.units_per_metre = std::min(10'000.0, std::floor(kMaxUnits / std::max(farthest, 0.001f)));
+  link.classes = job.options.classes;
+  link.own_calibration = link.own_times = link.own_motion = true;
+  FOURDVT_TRY(capture::linkCapture(job.capture, part, link));
+  FOURDVT_TRY(platform::writeFileAtomic(
+      part + "/" + capture::kMeshTopology,
+      capture::objText(chosen.mesh.topology, chosen.mesh.positions, 1 / job.capture.metres_per_unit)));
+  for (uint32_t s = 0; s < sequences.size(); ++s) {
+    const capture::CaptureSequence& sequence = job.capture.sequences[s];
+    std::vector<uint8_t> bytes;
+    for (uint32_t i = 0; i < sequence.first_frame; ++i)
+      capture::appendPacked(sequences[s].positions[0], link.units_per_metre, bytes);
+    for (const Positions& positions : sequences[s].positions)
+      capture::appendPacked(positions, link.units_per_metre, bytes);
+    const std::string folder = part + "/" + sequence.name + "/" + capture::kMeshFolder;
+    FOURDVT_TRY(platform::makeFolder(folder));
+    FOURDVT_TRY(platform::writeFileAtomic(folder + "/" + capture::kPackedPositions, bytes));
+  }
+  summarise(sequences, out);
+  out.warnings.insert(out.warnings.begin(), job.warnings.begin(), job.warnings.end());
+  FOURDVT_TRY(writeTrackReport(part, job, work, chosen, steps, sequences, out));
+  return out;
+}
+
+}  // namespace fourdvt::track

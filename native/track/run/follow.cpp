@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "track/run/follow.h"
+
+#include <queue>
+#include <tuple>
+
+#include "base/watch.h"
+
+namespace fourdvt::track {
+namespace {
+
+constexpr int kMaxTries = 4;  // of a bad fit
+
+// Each frame after its predecessor, outwards from the template's; the first of another sequence after the template.
+std::vector<TrackingStep> orderInTime(const FrameList& list, uint32_t root) {
+  std::vector<TrackingStep> out{{root, root, 0, 0}};
+  for (uint32_t s = 0; s < list.starts.size(); ++s) {
+    const uint32_t first = list.starts[s], end = s + 1 < list.starts.size() ? list.starts[s + 1] : list.count;
+    const bool own = root >= first && root < end;
+    const uint32_t start = own ? root : first;
+    if (!own) out.push_back({start, root, 0, 1});
+    for (uint32_t f = start + 1; f < end; ++f) out.push_back({f, f - 1, 0, f - start + (own ? 0 : 1)});
+    for (uint32_t f = start; f-- > first;) out.push_back({f, f + 1, 0, start - f + (own ? 0 : 1)});
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<std::vector<FrameThumbnails>> thumbnailsOf(const Work& work) {
+  std::vector<FrameThumbnails> out;
+  for (uint32_t frame = 0; frame < work.frames().count; ++frame) {
+    FOURDVT_ASSIGN(auto pictures, work.pictures(frame));
+    out.push_back(std::move(pictures.thumbnails));
+  }
+  return out;
+}
+
+std::vector<TrackingStep> orderOf(const Prepared& job, const Work& work, const ChosenTemplate& chosen,
+                                  std::span<const FrameThumbnails> thumbnails) {
+  return job.options.by_similarity ? trackingOrder(thumbnails, chosen.frame) : orderInTime(work.frames(), chosen.frame);
+}
+
+Result<Follower> Follower::create(const Prepared& job, const Work& work, const ChosenTemplate& chosen) {
+  FOURDVT_ASSIGN(const TriangleMesh surface, surfaceOf(job, work, chosen.frame));
+  Follower out(job, work, chosen,
+               makeTemplate(chosen.mesh.topology, chosen.mesh.positions, job.options.nodes, surface));
+  FOURDVT_ASSIGN(out.anchor_, work.pictures(chosen.frame));
+  return out;
+}
+
+Result<TrackedFrame> Follower::fitted(uint32_t frame, uint32_t parent) {
+  const Watch watch;
+  FOURDVT_ASSIGN(const FramePictures pictures, work_.pictures(frame));
+  FOURDVT_ASSIGN(const TriangleMesh surface, surfaceOf(job_, work_, frame));
+  const NearestSurface nearest(surface);
+  const TargetFrame target{&surface, &nearest, &pictures.views};
+  const PosedViews anchor{&anchor_.views, &model_.positions};
+  TrackedFrame out{restFrame(model_), {}, 0};
+  if (frame != chosen_.frame) {
+    const auto from = work_.tracked(parent);
+    if (!from) return Error{ErrorId::Internal, work_.nameOf(frame) + ": its parent is not fitted"};
+    FOURDVT_ASSIGN(const FramePictures there, work_.pictures(parent));
+    out.fit = fitFrame(model_, from->fit, {&there.views, &from->fit.positions}, anchor, target, job_.options.fit);
+  }
+  out.figures = figuresOf(model_, out.fit, anchor, target);
+  out.seconds = watch.seconds();
+  return out;
+}
+
+Result<bool> Follower::follow(uint32_t frame, uint32_t parent) {
+  if (work_.tracked(frame)) return false;
+  FOURDVT_ASSIGN(const TrackedFrame found, fitted(frame, parent));
+  FOURDVT_TRY(work_.save(frame, found));
+  return true;
+}
+
+Result<bool> Follower::repair(uint32_t frame, uint32_t parent) {
+  FOURDVT_ASSIGN(TrackedFrame found, fitted(frame, parent));
+  const auto before = work_.tracked(frame);
+  if (before && misfit(before->figures) <= misfit(found.figures)) return false;
+  if (before) found.seconds += before->seconds;
+  FOURDVT_TRY(work_.save(frame, found));
+  return true;
+}
+
+Status repairFits(Follower& follower, const Work& work, std::span<const FrameThumbnails> thumbnails,
+                  const std::function<Status(uint32_t frame)>& progress) {
+  const auto count = uint32_t(thumbnails.size());
+  std::vector<bool> good(count);
+  for (uint32_t f = 0; f < count; ++f) {
+    const auto tracked = work.tracked(f);
+    good[f] = tracked && misfit(tracked->figures) <= kMaxMisfit;
+  }
+  struct Try {
+    double dissimilarity;
+    uint32_t frame, parent;
+    bool operator>(const Try& other) const {
+      return std::tie(dissimilarity, frame, parent) > std::tie(other.dissimilarity, other.frame, other.parent);
+    }
+  };
+  std::priority_queue<Try, std::vector<Try>, std::greater<>> open;
+  const auto addParent = [&](uint32_t parent) {
+    for (uint32_t f = 0; f < count; ++f)
+      if (!good[f]) open.push({dissimilarity(thumbnails[f], thumbnails[parent]), f, parent});
+  };
+  for (uint32_t f = 0; f < count; ++f)
+    if (good[f]) addParent(f);
+  std::vector<int> tries(count, 0);
+  while (!open.empty()) {
+    const Try next = open.top();
+    open.pop();
+    if (good[next.frame] || tries[next.frame] >= kMaxTries) continue;
+    FOURDVT_TRY(progress(next.frame));
+    ++tries[next.frame];
+    FOURDVT_TRY(follower.repair(next.frame, next.parent));
+    const auto tracked = work.tracked(next.frame);
+    good[next.frame] = tracked && misfit(tracked->figures) <= kMaxMisfit;
+    if (good[next.frame]) addParent(next.frame);
+  }
+  return {};
+}
+
+}  // namespace fourdvt::track

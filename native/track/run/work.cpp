@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "track/run/work.h"
+
+#include <filesystem>
+
+#include "base/hash.h"
+#include "platform/files.h"
+#include "store/folder.h"
+
+namespace fourdvt::store {
+namespace {
+
+void fieldsOf(Archive& a, cv::Mat& picture) {
+  int height = picture.rows, width = picture.cols, type = picture.type();
+  std::vector<uint8_t> bytes;
+  if (!a.reads() && !picture.empty()) {
+    const cv::Mat whole = picture.isContinuous() ? picture : picture.clone();
+    bytes.assign(whole.data, whole.data + whole.total() * whole.elemSize());
+  }
+  a(height, width, type, bytes);
+  if (!a.reads()) return;
+  if (bytes.empty() || bytes.size() != size_t(height) * size_t(width) * CV_ELEM_SIZE(type)) return picture.release();
+  picture = cv::Mat(height, width, type, bytes.data()).clone();
+}
+
+}  // namespace
+
+void fields(Archive& a, track::View& v) {
+  a(v.camera);
+  fieldsOf(a, v.grey);
+  fieldsOf(a, v.matte);
+}
+void fields(Archive& a, track::FramePictures& f) {
+  auto count = uint32_t(f.thumbnails.pictures.size());
+  a(count);
+  if (a.reads()) f.thumbnails.pictures.resize(std::min(count, 1024u));
+  for (cv::Mat& picture : f.thumbnails.pictures) fieldsOf(a, picture);
+  a(f.views);
+}
+void fields(Archive& a, track::ChosenTemplate& t) {
+  a(t.frame, t.mesh.topology, t.mesh.positions, t.fitness, t.judged);
+}
+void fields(Archive& a, track::TrackedFrame& f) {
+  a(f.fit.pose.rotations, f.fit.pose.shifts, f.fit.offsets, f.fit.positions, f.figures, f.seconds);
+}
+
+}  // namespace fourdvt::store
+
+namespace fourdvt::track {
+namespace {
+
+constexpr const char* kPictures = "pictures";
+constexpr const char* kFits = "fits";
+
+}  // namespace
+
+Work::Work(const capture::ResultFolder& folder, const capture::Capture& capture, const std::string& key)
+    : folder_(folder.workFolder() + "/" + hexDigits(fnv1a(key))), frames_(capture) {
+  for (const capture::CaptureSequence& sequence : capture.sequences) names_.push_back(sequence.name);
+}
+
+Status Work::makeFolders() const {
+  for (const char* kind : {kPictures, kFits})
+    for (const std::string& name : names_) FOURDVT_TRY(platform::makeFolder(folder_ + "/" + kind + "/" + name));
+  return {};
+}
+
+std::string Work::nameOf(uint32_t frame) const {
+  const uint32_t s = frames_.sequenceOf(frame);
+  return names_[s] + ", frame " + std::to_string(frame - frames_.starts[s]);
+}
+
+std::string Work::path(const char* kind, uint32_t frame) const {
+  const uint32_t s = frames_.sequenceOf(frame);
+  return folder_ + "/" + kind + "/" + names_[s] + "/" + capture::frameName(frame - frames_.starts[s]) + ".bin";
+}
+
+bool Work::hasPictures(uint32_t frame) const {
+  std::error_code none;
+  return std::filesystem::exists(path(kPictures, frame), none);
+}
+Status Work::save(uint32_t frame, const FramePictures& pictures) const {
+  return store::save(path(kPictures, frame), pictures);
+}
+Result<FramePictures> Work::pictures(uint32_t frame) const {
+  return store::load<FramePictures>(path(kPictures, frame));
+}
+
+std::optional<ChosenTemplate> Work::chosenTemplate() const {
+  auto found = store::load<ChosenTemplate>(folder_ + "/template.bin");
+  return found ? std::optional(found.take()) : std::nullopt;
+}
+Status Work::save(const ChosenTemplate& chosen) const { return store::save(folder_ + "/template.bin", chosen); }
+
+std::optional<TrackedFrame> Work::tracked(uint32_t frame) const {
+  auto found = store::load<TrackedFrame>(path(kFits, frame));
+  return found ? std::optional(found.take()) : std::nullopt;
+}
+Status Work::save(uint32_t frame, const TrackedFrame& tracked) const {
+  return store::save(path(kFits, frame), tracked);
+}
+
+}  // namespace fourdvt::track
