@@ -23,6 +23,10 @@ struct FaceBuffer {
 FaceBuffer rasterise(const PinholeCamera& camera, const std::vector<glm::uvec3>& face_vertices,
                      const Positions& positions, int scale);
 
+// Mask of the samples at which rasterise() finds a face: 1, else 0.
+std::vector<uint8_t> coveredSamples(const PinholeCamera& camera, const std::vector<glm::uvec3>& face_vertices,
+                                    const Positions& positions, int scale);
+
 // Face projected to the picture plane.
 struct ProjectedFace {
   glm::dvec2 at[3];         // corners, samples

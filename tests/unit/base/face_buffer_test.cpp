@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "square_fixture.h"
 
@@ -35,6 +36,35 @@ TEST(Rasterise, TheNearerFaceWins) {
   EXPECT_NEAR(buffer.depth_m[centre], 1.8f, 1e-5f);
   EXPECT_LT(buffer.face[edge], 2u);
   EXPECT_EQ(buffer.face[0], FaceBuffer::kNoFace);
+}
+
+// A tilted fan of slivers, partly outside of the picture: every sample is compared with the barycentric weights of each
+// face.
+TEST(Rasterise, FindsTheFacesOfAllSamples) {
+  const PinholeCamera camera = orbit(20);
+  Positions positions{{0.1f, 0.05f, 0}};
+  std::vector<glm::uvec3> faces;
+  for (uint32_t k = 0; k < 60; ++k) {
+    const float angle = 0.1f * float(k) + 0.01f * float(k % 7), radius = k % 5 ? 0.4f : 3.0f;
+    positions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0.1f * std::sin(3 * angle));
+    if (k > 0) faces.emplace_back(0, k, k + 1);
+  }
+  const FaceBuffer buffer = rasterise(camera, faces, positions, 2);
+  const std::vector<uint8_t> covered = coveredSamples(camera, faces, positions, 2);
+  for (int y = 0; y < buffer.height; ++y)
+    for (int x = 0; x < buffer.width; ++x) {
+      float nearest = std::numeric_limits<float>::infinity();
+      for (const glm::uvec3& face : faces) {
+        ProjectedFace t;
+        double w[3];
+        if (!projectFace(camera, face, positions, 2, t) || !t.barycentric({x + 0.5, y + 0.5}, w)) continue;
+        const auto& d = t.inverse_depth;
+        nearest = std::min(nearest, float(1 / (w[0] * d[0] + w[1] * d[1] + w[2] * d[2])));
+      }
+      const size_t at = size_t(y) * buffer.width + x;
+      EXPECT_EQ(buffer.depth_m[at], nearest) << x << " " << y;
+      EXPECT_EQ(covered[at], std::isfinite(nearest)) << x << " " << y;
+    }
 }
 
 }  // namespace
