@@ -16,17 +16,41 @@ namespace {
 
 constexpr int kSamples = 2, kMargin = 12;
 
-// True if coverage at a sample's centre, interpolated between pixel centres, is inside.
-bool insideAt(const Image& coverage, int sample_x, int sample_y) {
-  const float x = (float(sample_x) + 0.5f) / kSamples - 0.5f, y = (float(sample_y) + 0.5f) / kSamples - 0.5f;
-  const int left = int(std::floor(x)), top = int(std::floor(y));
-  const float s = x - float(left), t = y - float(top);
-  const auto at = [&](int u, int v) {
-    return float(*coverage.at(std::clamp(u, 0, coverage.width - 1), std::clamp(v, 0, coverage.height - 1)));
-  };
-  return (at(left, top) * (1 - s) + at(left + 1, top) * s) * (1 - t) +
-             (at(left, top + 1) * (1 - s) + at(left + 1, top + 1) * s) * t >
-         127.5f;
+// Samples of a camera's picture, row by row: 1 or 0.
+using Samples = std::vector<uint8_t>;
+
+// Two pixels beside a sample, and the second one's weight in steps of 1 / kWeights; the picture ends with its pixels.
+constexpr int kWeights = 2 * kSamples;
+struct Between {
+  int first, second, weight;
+  Between(int sample, int pixels) {
+    const int place = 2 * sample + 1 + kSamples;  // from one pixel before the first one's centre
+    weight = place % kWeights;
+    first = std::max(place / kWeights - 1, 0), second = std::min(place / kWeights, pixels - 1);
+  }
+};
+
+// Samples at which coverage, interpolated between pixel centres, is inside.
+Samples samplesInside(const Image& coverage) {
+  std::vector<Between> columns;
+  for (int x = 0; x < coverage.width * kSamples; ++x) columns.emplace_back(x, coverage.width);
+  std::vector<int> across(coverage.width);  // a row of pixels at the samples' height, times kWeights
+  Samples out;
+  out.reserve(columns.size() * coverage.height * kSamples);
+  for (int y = 0; y < coverage.height * kSamples; ++y) {
+    const Between row(y, coverage.height);
+    const uint8_t *above = coverage.at(0, row.first), *below = coverage.at(0, row.second);
+    for (int x = 0; x < coverage.width; ++x) across[x] = above[x] * (kWeights - row.weight) + below[x] * row.weight;
+    for (const Between& c : columns) {
+      const int sum = across[c.first] * (kWeights - c.weight) + across[c.second] * c.weight;
+      out.push_back(2 * sum > 255 * kWeights * kWeights);
+    }
+  }
+  return out;
+}
+
+Samples samplesOf(const TriangleMesh& surface, const PinholeCamera& camera) {
+  return coveredSamples(camera, surface.faces, surface.positions, kSamples);
 }
 
 std::array<uint8_t, 3> shade(const PinholeCamera& camera, const TriangleMesh& surface, uint32_t face) {
@@ -45,27 +69,21 @@ std::array<uint8_t, 3> shade(const PinholeCamera& camera, const TriangleMesh& su
 
 namespace {
 
-double overlapOf(const FaceBuffer& drawn, const silhouette::Silhouette& silhouette) {
+double overlapOf(const Samples& drawn, const silhouette::Silhouette& silhouette) {
+  const Samples inside = samplesInside(silhouette.coverage);
   size_t both = 0, either = 0;
-  for (int y = 0; y < drawn.height; ++y)
-    for (int x = 0; x < drawn.width; ++x) {
-      const bool a = drawn.face[size_t(y) * drawn.width + x] != FaceBuffer::kNoFace,
-                 b = insideAt(silhouette.coverage, x, y);
-      both += a && b;
-      either += a || b;
-    }
+  for (size_t i = 0; i < drawn.size(); ++i) both += drawn[i] & inside[i], either += drawn[i] | inside[i];
   return either ? double(both) / double(either) : 1;
 }
 
 // Share of each pixel's samples covered by a face, 0 … 255.
-Image coverageOf(const FaceBuffer& drawn, const PinholeCamera& camera) {
+Image coverageOf(const Samples& drawn, const PinholeCamera& camera) {
   Image out(camera.width, camera.height, 1);
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x) {
       int hits = 0;
       for (int k = 0; k < kSamples * kSamples; ++k)
-        hits += drawn.face[size_t(y * kSamples + k / kSamples) * drawn.width + x * kSamples + k % kSamples] !=
-                FaceBuffer::kNoFace;
+        hits += drawn[size_t(y * kSamples + k / kSamples) * (out.width * kSamples) + x * kSamples + k % kSamples];
       *out.at(x, y) = uint8_t(255 * hits / (kSamples * kSamples));
     }
   return out;
@@ -85,7 +103,7 @@ void alongOutline(const Image& coverage, const Place& place) {
       }
 }
 
-double outlineDistance_px(const FaceBuffer& drawn, const silhouette::Silhouette& silhouette) {
+double outlineDistance_px(const Samples& drawn, const silhouette::Silhouette& silhouette) {
   const silhouette::SilhouetteDistance surface(coverageOf(drawn, silhouette.camera));
   std::vector<float> beside;
   if (!surface.empty() && !surface.full())
@@ -106,11 +124,11 @@ std::vector<float> depthBehindHull(const PinholeCamera& camera, const TriangleMe
 }  // namespace
 
 double silhouetteOverlap(const silhouette::Silhouette& silhouette, const TriangleMesh& surface) {
-  return overlapOf(rasterise(silhouette.camera, surface.faces, surface.positions, kSamples), silhouette);
+  return overlapOf(samplesOf(surface, silhouette.camera), silhouette);
 }
 
 SilhouetteMatch silhouetteMatch(const silhouette::Silhouette& silhouette, const TriangleMesh& surface) {
-  const FaceBuffer drawn = rasterise(silhouette.camera, surface.faces, surface.positions, kSamples);
+  const Samples drawn = samplesOf(surface, silhouette.camera);
   return {overlapOf(drawn, silhouette), outlineDistance_px(drawn, silhouette)};
 }
 
