@@ -339,7 +339,7 @@ TriangleMesh solidSurface(const SparseDistance& distance, double adaptivity,
     drop(mesh);
     if (share * adaptivity == 0) break;
     if (mesh.faces.size() > kMaxChecked) continue;  // comparing all faces would take minutes
-    if (checkMesh(mesh).solid()) break;
+    if (isSolid(mesh)) break;
   }
   return mesh;
 }

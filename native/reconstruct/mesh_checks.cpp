@@ -2,6 +2,7 @@
 #include "reconstruct/mesh_checks.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -9,10 +10,13 @@
 #include <numeric>
 #include <vector>
 
+#include "base/parallel.h"
 #include "base/text.h"
 
 namespace fourdvt::reconstruct {
 namespace {
+
+constexpr int kStrips = 64;
 
 Triangle corners(const TriangleMesh& mesh, uint32_t face) {
   const glm::uvec3& f = mesh.faces[face];
@@ -104,43 +108,95 @@ void checkDegenerate(const TriangleMesh& mesh, double tolerance_m, MeshReport& r
   }
 }
 
-// Sorts the faces' boxes along the longest axis and compares overlapping ones.
-void checkCrossings(const TriangleMesh& mesh, double tolerance_m, MeshReport& report) {
+// Unit vector, or zero for an edge without length.
+glm::dvec3 direction(const glm::dvec3& v) {
+  const double length = glm::length(v);
+  return length > 0 ? v / length : glm::dvec3(0);
+}
+
+struct Facet {
+  Triangle at;
+  glm::dvec3 edges[3], normal, unit_normal;  // edges: unit vectors
+  Facet() = default;
+  explicit Facet(const Triangle& t) : at(t) {
+    for (int i = 0; i < 3; ++i) edges[i] = direction(t[(i + 1) % 3] - t[i]);
+    normal = glm::cross(edges[0], edges[1]);
+    unit_normal = direction(normal);
+  }
+};
+double depthOf(const Facet& a, const Facet& b, double tolerance);
+
+// Sorts the faces' boxes into strips along the second longest axis, and those of a strip along the longest one, and
+// compares overlapping ones. Counts the pairs that cross; may end after the first if `any` is true.
+size_t crossingPairs(const TriangleMesh& mesh, double tolerance_m, bool any) {
   struct Box {
-    glm::dvec3 low, high;
+    glm::vec3 low, high;
     uint32_t face;
   };
-  std::vector<Box> boxes;
-  glm::dvec3 low(mesh.positions[mesh.faces[0].x]), high = low;
-  for (uint32_t f = 0; f < mesh.faces.size(); ++f) {
-    const Triangle t = corners(mesh, f);
-    boxes.push_back({glm::min(t[0], glm::min(t[1], t[2])), glm::max(t[0], glm::max(t[1], t[2])), f});
-    low = glm::min(low, boxes.back().low);
-    high = glm::max(high, boxes.back().high);
-  }
-  const glm::dvec3 size = high - low;
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  std::sort(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) { return a.low[axis] < b.low[axis]; });
-  for (size_t i = 0; i < boxes.size(); ++i)
-    for (size_t k = i + 1; k < boxes.size() && boxes[k].low[axis] <= boxes[i].high[axis]; ++k) {
-      const Box &a = boxes[i], &b = boxes[k];
-      if (glm::any(glm::greaterThan(a.low, b.high)) || glm::any(glm::greaterThan(b.low, a.high))) continue;
-      report.crossing_pairs += crossingDepth(corners(mesh, a.face), corners(mesh, b.face), tolerance_m) > 0;
+  std::vector<Box> boxes(mesh.faces.size());
+  std::vector<Facet> facets(boxes.size());
+  inParallel(boxes.size(), [&](int f) {
+    const glm::uvec3& face = mesh.faces[f];
+    const glm::vec3 &a = mesh.positions[face.x], &b = mesh.positions[face.y], &c = mesh.positions[face.z];
+    boxes[f] = {glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c)), uint32_t(f)};
+    facets[f] = Facet(corners(mesh, uint32_t(f)));
+  });
+  glm::vec3 low = boxes[0].low, high = boxes[0].high;
+  for (const Box& box : boxes) low = glm::min(low, box.low), high = glm::max(high, box.high);
+  const glm::vec3 size = high - low;
+  int axes[] = {0, 1, 2};
+  std::sort(axes, axes + 3, [&](int a, int b) { return size[a] > size[b]; });
+  const int along = axes[0], across = axes[1];
+  const auto stripOf = [&](float place) {
+    return size[across] > 0 ? std::clamp(int((place - low[across]) / size[across] * kStrips), 0, kStrips - 1) : 0;
+  };
+  std::vector<std::vector<Box>> strips(kStrips);
+  for (const Box& box : boxes)
+    for (int s = stripOf(box.low[across]); s <= stripOf(box.high[across]); ++s) strips[s].push_back(box);
+  std::atomic<size_t> pairs = 0;
+  inParallel(strips.size(), [&](int s) {
+    std::vector<Box>& strip = strips[s];
+    std::sort(strip.begin(), strip.end(), [&](const Box& a, const Box& b) { return a.low[along] < b.low[along]; });
+    for (size_t i = 0; i < strip.size() && !(any && pairs > 0); ++i) {
+      const Box& a = strip[i];
+      for (size_t k = i + 1; k < strip.size() && strip[k].low[along] <= a.high[along]; ++k) {
+        const Box& b = strip[k];
+        if (glm::any(glm::greaterThan(a.low, b.high)) || glm::any(glm::greaterThan(b.low, a.high))) continue;
+        if (stripOf(std::max(a.low[across], b.low[across])) != s) continue;  // each pair in one strip
+        if (depthOf(facets[a.face], facets[b.face], tolerance_m) > 0) ++pairs;
+      }
     }
+  });
+  return pairs;
+}
+
+size_t badIndices(const TriangleMesh& mesh) {
+  return size_t(std::count_if(mesh.faces.begin(), mesh.faces.end(), [&](const glm::uvec3& f) {
+    return glm::any(glm::greaterThanEqual(f, glm::uvec3(uint32_t(mesh.positions.size()))));
+  }));
 }
 
 }  // namespace
 
 MeshReport checkMesh(const TriangleMesh& mesh, double tolerance_m) {
   MeshReport report;
-  for (const glm::uvec3& f : mesh.faces)
-    report.bad_indices += glm::any(glm::greaterThanEqual(f, glm::uvec3(uint32_t(mesh.positions.size()))));
+  report.bad_indices = badIndices(mesh);
   if (report.bad_indices > 0 || mesh.faces.empty()) return report;
   checkEdges(mesh, report);
   checkComponents(mesh, report);
   checkDegenerate(mesh, tolerance_m, report);
-  checkCrossings(mesh, tolerance_m, report);
+  report.crossing_pairs = crossingPairs(mesh, tolerance_m, false);
   return report;
+}
+
+bool isSolid(const TriangleMesh& mesh, double tolerance_m) {
+  if (badIndices(mesh) > 0) return false;
+  if (mesh.faces.empty()) return true;
+  MeshReport report;
+  checkEdges(mesh, report);
+  if (!report.closed() || crossingPairs(mesh, tolerance_m, true) > 0) return false;
+  checkComponents(mesh, report);
+  return report.outward();
 }
 
 std::string describe(const MeshReport& r) {
@@ -152,12 +208,6 @@ std::string describe(const MeshReport& r) {
 }
 
 namespace {
-
-// Unit vector, or zero for an edge without length.
-glm::dvec3 direction(const glm::dvec3& v) {
-  const double length = glm::length(v);
-  return length > 0 ? v / length : glm::dvec3(0);
-}
 
 // Overlap of the projections onto the axis; infinity for a zero axis. By the separating axis theorem, convex bodies are
 // disjoint if their projections onto a face normal or a cross product of edges are; coplanar triangles if those onto
@@ -176,36 +226,35 @@ double overlap(const Triangle& a, const Triangle& b, const glm::dvec3& axis) {
   return std::min(of_a.y - of_b.x, of_b.y - of_a.x);
 }
 
-}  // namespace
-
-double crossingDepth(const Triangle& a, const Triangle& b, double tolerance) {
-  glm::dvec3 edges_a[3], edges_b[3];
-  for (int i = 0; i < 3; ++i) {
-    edges_a[i] = direction(a[(i + 1) % 3] - a[i]);
-    edges_b[i] = direction(b[(i + 1) % 3] - b[i]);
-  }
-  const glm::dvec3 normal_a = glm::cross(edges_a[0], edges_a[1]), normal_b = glm::cross(edges_b[0], edges_b[1]);
+// See crossingDepth.
+double depthOf(const Facet& a, const Facet& b, double tolerance) {
   double depth = std::numeric_limits<double>::infinity();
   const auto apart = [&](const glm::dvec3& axis) {
-    depth = std::min(depth, overlap(a, b, axis));
+    depth = std::min(depth, overlap(a.at, b.at, axis));
     return depth <= tolerance;
   };
   // Coplanar triangles have zero overlap along the normal; within the plane they may overlap.
-  const auto spread = [&](const Triangle& of, const Triangle& from, const glm::dvec3& normal) {
+  const auto spread = [&](const Facet& of, const Facet& from) {
     double most = 0;
-    for (const glm::dvec3& p : of) most = std::max(most, std::abs(glm::dot(p - from[0], direction(normal))));
+    for (const glm::dvec3& p : of.at) most = std::max(most, std::abs(glm::dot(p - from.at[0], from.unit_normal)));
     return most;
   };
-  const bool flat = glm::length(normal_a) > 0 && glm::length(normal_b) > 0 && spread(b, a, normal_a) <= tolerance &&
-                    spread(a, b, normal_b) <= tolerance;
-  if (flat && glm::dot(normal_a, normal_b) < 0) return 0;  // two sides of a sheet
-  if (!flat && (apart(normal_a) || apart(normal_b))) return 0;
+  const bool flat =
+      glm::length(a.normal) > 0 && glm::length(b.normal) > 0 && spread(b, a) <= tolerance && spread(a, b) <= tolerance;
+  if (flat && glm::dot(a.normal, b.normal) < 0) return 0;  // two sides of a sheet
+  if (!flat && (apart(a.normal) || apart(b.normal))) return 0;
   for (int i = 0; i < 3; ++i) {
-    if (apart(glm::cross(normal_a, edges_a[i])) || apart(glm::cross(normal_b, edges_b[i]))) return 0;
+    if (apart(glm::cross(a.normal, a.edges[i])) || apart(glm::cross(b.normal, b.edges[i]))) return 0;
     for (int k = 0; k < 3 && !flat; ++k)
-      if (apart(glm::cross(edges_a[i], edges_b[k]))) return 0;
+      if (apart(glm::cross(a.edges[i], b.edges[k]))) return 0;
   }
   return std::isfinite(depth) ? depth : 0;  // no overlap between points
+}
+
+}  // namespace
+
+double crossingDepth(const Triangle& a, const Triangle& b, double tolerance) {
+  return depthOf(Facet(a), Facet(b), tolerance);
 }
 
 }  // namespace fourdvt::reconstruct

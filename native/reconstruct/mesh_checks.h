@@ -30,6 +30,9 @@ struct MeshReport {
 // no crossing. Time grows with faces² times the mean share of the longest axis covered by a face.
 MeshReport checkMesh(const TriangleMesh& mesh, double tolerance_m = 1e-6);
 
+// True if checkMesh() finds a solid; ends at the first flaw.
+bool isSolid(const TriangleMesh& mesh, double tolerance_m = 1e-6);
+
 // One line for messages of tests and benches.
 std::string describe(const MeshReport& report);
 

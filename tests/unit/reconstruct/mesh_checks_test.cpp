@@ -47,6 +47,21 @@ TriangleMesh frame() {
   return mesh;
 }
 
+TEST(MeshChecks, IsSolidAgreesWithTheReport) {
+  TriangleMesh bad = box(), open = box(), crossing = box(), outside_in;
+  bad.faces[0].x = 100;
+  open.faces.pop_back();
+  addBox(crossing, glm::vec3(0.5f), glm::vec3(1.5f));
+  addBox(outside_in, glm::vec3(0), glm::vec3(1), true);
+  TriangleMesh many;  // more boxes than strips, along the diagonal
+  for (int k = 0; k < 100; ++k) addBox(many, glm::vec3(2.0f * float(k)), glm::vec3(2.0f * float(k) + 1));
+  for (const TriangleMesh& mesh : {TriangleMesh(), box(), frame(), bad, open, crossing, outside_in, many})
+    EXPECT_EQ(isSolid(mesh), checkMesh(mesh).solid()) << describe(checkMesh(mesh));
+  addBox(many, glm::vec3(10.5f), glm::vec3(11.5f));
+  EXPECT_FALSE(isSolid(many));
+  EXPECT_EQ(checkMesh(many).crossing_pairs, checkMesh(crossing).crossing_pairs);
+}
+
 TEST(MeshChecks, BoxAndTorusAreSolid) {
   const MeshReport cube = checkMesh(box());
   EXPECT_TRUE(cube.solid()) << describe(cube);
