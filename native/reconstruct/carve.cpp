@@ -17,6 +17,8 @@ constexpr double kBandVoxels = 3;
 constexpr int kMaxLevels = 20;                       // 2^20 blocks along each side of space
 constexpr int kCoarseLevels = 9, kCommonLevels = 7;  // halvings for the counts in an error message
 constexpr size_t kNoView = SIZE_MAX;
+// Error of distances to outlines that decides whether a camera can be left out: relative, and pixels.
+constexpr double kDistanceError = 1.05, kDistanceError_px = 4;
 
 enum class Share : uint8_t { Outside, Mixed, Inside };
 
@@ -56,10 +58,42 @@ class Carver {
     return inside ? Share::Inside : Share::Mixed;
   }
 
-  float distanceAt(const glm::dvec3& point, float band) const {
-    size_t seen = 0;
-    float nearest = band;
+  // Cameras for the distances at points of a sphere. `deep`: those that see all of it, nowhere nearer to the outline
+  // than the band; `near`: the others that may see some of it.
+  struct Seen {
+    size_t deep = 0;
+    std::vector<const CarvingView*> near;
+  };
+  Seen seenIn(const glm::dvec3& centre, double radius, float band) const {
+    Seen out;
     for (const CarvingView& view : views_) {
+      const PinholeCamera& camera = view.silhouette->camera;
+      const glm::dvec3 p = camera.project(centre);
+      if (p.z <= -radius) continue;
+      const double nearest = p.z - radius;
+      if (nearest <= 0) {
+        out.near.push_back(&view);
+        continue;
+      }
+      const double slant = std::hypot((p.x - camera.cx) / camera.fx, (p.y - camera.cy) / camera.fy, 1.0);
+      const double reach = slant * std::max(camera.fx, camera.fy) * radius / nearest + 1;
+      const double beside = std::max({-p.x, p.x - camera.width, -p.y, p.y - camera.height});
+      if (beside > reach) continue;
+      const double band_px = band * (camera.fx + camera.fy) / 2 / nearest;
+      if (beside < -reach && view.distance.at(p.x, p.y) > kDistanceError * (reach + band_px) + kDistanceError_px) {
+        ++out.deep;
+      } else {
+        out.near.push_back(&view);
+      }
+    }
+    return out;
+  }
+
+  float distanceAt(const glm::dvec3& point, float band, const Seen& cameras) const {
+    size_t seen = cameras.deep;
+    float nearest = band;
+    for (const CarvingView* near : cameras.near) {
+      const CarvingView& view = *near;
       const PinholeCamera& camera = view.silhouette->camera;
       const glm::dvec3 p = camera.project(point);
       if (p.z <= 0) continue;
@@ -238,8 +272,9 @@ Result<SparseDistance> carve(std::span<const CarvingView> views, double voxel_m)
   inParallel(cells.at.size(), [&](int b) {
     SparseDistance::Block& block = out.blocks[b];
     block.at = cells.at[b] * kBlock;
+    const auto cameras = carver.seenIn(centreOf(cells, cells.at[b]), radiusOf(cells), out.band_m);
     for (size_t i = 0; i < block.values.size(); ++i) {
-      block.values[i] = carver.distanceAt(glm::dvec3(voxelOf(block, i)) * voxel_m, out.band_m);
+      block.values[i] = carver.distanceAt(glm::dvec3(voxelOf(block, i)) * voxel_m, out.band_m, cameras);
       holds[b] |= block.values[i] > -out.band_m;
     }
   });

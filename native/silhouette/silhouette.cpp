@@ -136,8 +136,8 @@ float SilhouetteDistance::at(double x, double y) const {
   const int right = columns_ > 1 ? 1 : 0, below = rows_ > 1 ? columns_ : 0;
   const float value =
       (row[0] * (1 - s) + row[right] * s) * (1 - t) + (row[below] * (1 - s) + row[below + right] * s) * t;
+  if (u == inner_u && v == inner_v) return value;
   const auto beyond = float(std::hypot(u - inner_u, v - inner_v));
-  if (beyond == 0) return value;
   // Lower bound: the outline lies at least the margin inside the stored part, and distances are 1-Lipschitz.
   const double far_u = std::max({kMargin - u, u - (columns_ - 1 - kMargin), 0.0});
   const double far_v = std::max({kMargin - v, v - (rows_ - 1 - kMargin), 0.0});
