@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <opencv2/core/utility.hpp>
 #include <unordered_map>
 
@@ -12,6 +13,7 @@ namespace fourdvt::reconstruct {
 namespace {
 
 constexpr float kOneSurface_m = 0.03f;  // maximum depth difference of neighbouring pixels on one surface
+constexpr double kRounding_m = 1e-3;    // exceeds the rounding of depths to float
 
 // Signed distance of a point to a map's surface, metres along the optical axis, positive behind it.
 struct Evidence {
@@ -25,6 +27,32 @@ class MapAtPoint {
     k[0][0] = map.camera.fx, k[1][1] = map.camera.fy;
     k[2][0] = map.camera.cx - map.x, k[2][1] = map.camera.cy - map.y;
     pixel_from_world_ = glm::mat4(k * map.camera.cam_from_world);
+    across_ = (map.width + kTile - 1) / kTile, down_ = (map.height + kTile - 1) / kTile;
+    farthest_.assign(size_t(across_) * down_, 0);
+    for (int y = 0; y < map.height; ++y)
+      for (int x = 0; x < map.width; ++x) {
+        float& farthest = farthest_[size_t(y / kTile) * across_ + x / kTile];
+        farthest = std::max(farthest, map.depth_m[size_t(y) * map.width + x]);
+      }
+  }
+  // False if at() is false for all points of a sphere.
+  bool mayHold(const glm::dvec3& centre, double radius, float truncation) const {
+    const glm::dvec3 p = map_.camera.project(centre);
+    const double nearest = p.z - radius;
+    if (nearest <= 0) return p.z > -radius;
+    const double slant =
+        std::hypot((p.x - map_.camera.cx) / map_.camera.fx, (p.y - map_.camera.cy) / map_.camera.fy, 1.0);
+    const double reach = slant * std::max(map_.camera.fx, map_.camera.fy) * radius / nearest + 2;
+    const auto tile = [](double pixel, int count) {
+      return int(std::clamp(std::floor(pixel / kTile), 0.0, double(count)));
+    };
+    const double x = p.x - map_.x, y = p.y - map_.y;
+    for (int row = tile(y - reach, down_); row < tile(y + reach + kTile, down_); ++row)
+      for (int column = tile(x - reach, across_); column < tile(x + reach + kTile, across_); ++column) {
+        const float farthest = farthest_[size_t(row) * across_ + column];
+        if (farthest > 0 && nearest < farthest + truncation + kRounding_m) return true;
+      }
+    return false;
   }
   // False where the map has no depth.
   bool at(const glm::vec3& point, float truncation, Evidence& out) const {
@@ -54,8 +82,11 @@ class MapAtPoint {
   }
 
  private:
+  static constexpr int kTile = 8;  // pixels
   const DepthMap& map_;
   glm::mat4 pixel_from_world_;
+  int across_ = 0, down_ = 0;
+  std::vector<float> farthest_;  // [tile] maximum depth
 };
 
 // Weighted median of n > 0 values.
@@ -71,13 +102,13 @@ float median(Evidence* e, int n, float total) {
 
 // Fuses the hull's distance `hull_m` at a point with those of the maps: their mean near the median. `trust`: total
 // weight of the maps, 0 if below the minimum.
-float fused(const std::vector<MapAtPoint>& maps, const glm::vec3& point, float hull_m, const FusionOptions& options,
+float fused(std::span<const MapAtPoint* const> maps, const glm::vec3& point, float hull_m, const FusionOptions& options,
             std::vector<Evidence>& evidence, float& trust) {
   const float truncation = float(options.truncation_m), stays = float(options.hull_stays_m);
   int n = 0;
   float total = 0;
-  for (const MapAtPoint& map : maps)
-    if (map.at(point, truncation, evidence[n])) total += evidence[n++].weight;
+  for (const MapAtPoint* map : maps)
+    if (map->at(point, truncation, evidence[n])) total += evidence[n++].weight;
   if (total <= options.min_weight) return hull_m;
   const float middle = median(evidence.data(), n, total);
   float sum = 0, weight = 0;
@@ -100,14 +131,20 @@ FusedDistance fuseDepths(const SparseDistance& hull, std::span<const DepthMap> m
   out.trust.resize(out.distance.blocks.size());
   cv::parallel_for_(cv::Range(0, int(out.distance.blocks.size())), [&](const cv::Range& range) {
     std::vector<Evidence> evidence(at.size());
+    std::vector<const MapAtPoint*> near;
     for (int b = range.start; b < range.end; ++b) {
       SparseDistance::Block& block = out.distance.blocks[b];
+      const glm::dvec3 centre = hull.origin_in_world + (glm::dvec3(block.at) + 0.5 * (kBlock - 1)) * hull.voxel_m;
+      const double radius = std::sqrt(0.75) * kBlock * hull.voxel_m;
+      near.clear();
+      for (const MapAtPoint& map : at)
+        if (map.mayHold(centre, radius, float(options.truncation_m))) near.push_back(&map);
       for (int i = 0; i < int(block.values.size()); ++i) {
         float& value = block.values[i];
         out.trust[b][i] = 0;
         if (value <= -hull.band_m) continue;
         const glm::vec3 point(hull.origin_in_world + glm::dvec3(voxelOf(block, i)) * hull.voxel_m);
-        value = std::clamp(fused(at, point, value, options, evidence, out.trust[b][i]), -hull.band_m, hull.band_m);
+        value = std::clamp(fused(near, point, value, options, evidence, out.trust[b][i]), -hull.band_m, hull.band_m);
       }
     }
   });
@@ -133,32 +170,73 @@ class Neighbours {
         beside_[b][k] = found == index.end() ? -1 : found->second;
       }
   }
-  // Values of the six neighbours of voxel i; `none` outside the blocks.
-  std::array<float, 6> round(const Blocks& blocks, size_t block, int i, float none) const {
-    const std::array<float, kVoxels>& here = blocks[block];
-    std::array<float, 6> out;
-    for (int axis = 0; axis < 3; ++axis) {
-      const int stride = kBlock * kBlock >> 3 * axis, place = i / stride % kBlock, across = (kBlock - 1) * stride;
-      const auto beyond = [&](int k, int voxel) {
-        return beside_[block][k] < 0 ? none : blocks[beside_[block][k]][voxel];
-      };
-      out[2 * axis] = place > 0 ? here[i - stride] : beyond(2 * axis, i + across);
-      out[2 * axis + 1] = place < kBlock - 1 ? here[i + stride] : beyond(2 * axis + 1, i - across);
-    }
-    return out;
-  }
+  const std::array<int, 6>& of(size_t block) const { return beside_[block]; }
 
  private:
   std::vector<std::array<int, 6>> beside_;
 };
 
-// Updates all voxels from the values of the previous round.
+// A block's values with those of the adjacent blocks' adjoining voxels.
+class Padded {
+ public:
+  static constexpr int kSide = kBlock + 2, kStrides[3] = {kSide * kSide, kSide, 1};
+  // `none`: value outside the blocks.
+  Padded(const Blocks& blocks, const Neighbours& neighbours, size_t block, float none) {
+    for (int x = 0; x < kBlock; ++x)
+      for (int y = 0; y < kBlock; ++y) std::copy_n(&blocks[block][(x * kBlock + y) * kBlock], kBlock, at(x, y));
+    for (int k = 0; k < 6; ++k) {
+      const int axis = k / 2, other = neighbours.of(block)[k], stride = kBlock * kBlock >> 3 * axis;
+      const int a = axis == 0 ? 1 : 0, b = axis == 2 ? 1 : 2;  // the axes along the face
+      const float* from = other < 0 ? nullptr : &blocks[other][k % 2 ? 0 : (kBlock - 1) * stride];
+      float* to = at(0, 0) + (k % 2 ? kBlock : -1) * kStrides[axis];
+      for (int u = 0; u < kBlock; ++u)
+        for (int v = 0; v < kBlock; ++v)
+          to[u * kStrides[a] + v * kStrides[b]] =
+              from ? from[u * (kBlock * kBlock >> 3 * a) + v * (kBlock * kBlock >> 3 * b)] : none;
+    }
+  }
+  // Values of the row (x, y), the last axis fastest; x and y from −1 to kBlock.
+  const float* at(int x, int y) const { return &values_[(x + 1) * kStrides[0] + (y + 1) * kStrides[1] + 1]; }
+
+ private:
+  float* at(int x, int y) { return &values_[(x + 1) * kStrides[0] + (y + 1) * kStrides[1] + 1]; }
+  std::array<float, kSide * kSide * kSide> values_;
+};
+
+// Updates all voxels `rounds` times from the values of the previous round: those of a voxel and its six neighbours −x,
+// +x, −y, +y, −z, +z, `none` outside the blocks. `rule` is called with the block, the voxel and these values. Skips
+// blocks for which none of them has changed in the previous round.
 template <class Rule>
-void update(Blocks& blocks, Blocks& next, const Rule& rule) {
-  inParallel(blocks.size(), [&](int b) {
-    for (int i = 0; i < kVoxels; ++i) next[b][i] = rule(size_t(b), i);
-  });
-  std::swap(blocks, next);
+void update(Blocks& blocks, const Neighbours& neighbours, int rounds, float none, const Rule& rule) {
+  Blocks next = blocks;
+  std::vector<uint8_t> changed(blocks.size(), 1), changes(blocks.size());
+  for (int round = 0; round < rounds; ++round) {
+    inParallel(blocks.size(), [&](size_t b) {
+      const auto& beside = neighbours.of(b);
+      changes[b] = changed[b] || std::any_of(beside.begin(), beside.end(), [&](int o) { return o >= 0 && changed[o]; });
+      if (!changes[b]) return;
+      const Padded here(blocks, neighbours, b, none);
+      for (int x = 0; x < kBlock; ++x)
+        for (int y = 0; y < kBlock; ++y) {
+          const int first = (x * kBlock + y) * kBlock;
+          const float *row = here.at(x, y), *before_x = here.at(x - 1, y), *after_x = here.at(x + 1, y),
+                      *before_y = here.at(x, y - 1), *after_y = here.at(x, y + 1);
+          std::array<float, kBlock> made;
+          for (int z = 0; z < kBlock; ++z)
+            made[z] =
+                rule(b, first + z, row[z],
+                     std::array<float, 6>{before_x[z], after_x[z], before_y[z], after_y[z], row[z - 1], row[z + 1]});
+          std::copy(made.begin(), made.end(), &next[b][first]);
+        }
+      changes[b] = std::memcmp(&next[b], &blocks[b], sizeof(BlockValues)) != 0;
+    });
+    std::swap(blocks, next), std::swap(changed, changes);
+  }
+}
+
+// Maximum of six, without branches.
+float greatest(const std::array<float, 6>& v) {
+  return std::max(std::max(std::max(v[0], v[1]), std::max(v[2], v[3])), std::max(v[4], v[5]));
 }
 
 Blocks valuesOf(const SparseDistance& distance) {
@@ -169,14 +247,11 @@ Blocks valuesOf(const SparseDistance& distance) {
 
 // Mask of thick parts: 1 near a voxel at least as deep as the band, else 0.
 Blocks thickOf(const Blocks& hull, const Neighbours& neighbours, float band_m, int reach) {
-  Blocks thick = hull, next = hull;
+  Blocks thick = hull;
   for (BlockValues& block : thick)
     for (float& value : block) value = value >= 0.99f * band_m;
-  for (int step = 0; step < reach; ++step)
-    update(thick, next, [&](size_t b, int i) {
-      const std::array<float, 6> round = neighbours.round(thick, b, i, 0);
-      return std::max(thick[b][i], *std::max_element(round.begin(), round.end()));
-    });
+  update(thick, neighbours, reach, 0,
+         [](size_t, int, float here, const std::array<float, 6>& near) { return std::max(here, greatest(near)); });
   return thick;
 }
 
@@ -185,13 +260,10 @@ Blocks evidenceOf(std::span<const BlockValues> trust, const Neighbours& neighbou
   Blocks near(trust.begin(), trust.end());
   for (BlockValues& block : near)
     for (float& value : block) value = value > 0 ? 2.0f : 0.0f;
-  Blocks next = near;
   const float step = 2.0f / float(reach);
-  for (int k = 0; k < reach; ++k)
-    update(near, next, [&](size_t b, int i) {
-      const std::array<float, 6> round = neighbours.round(near, b, i, 0);
-      return std::max(near[b][i], *std::max_element(round.begin(), round.end()) - step);
-    });
+  update(near, neighbours, reach, 0, [step](size_t, int, float here, const std::array<float, 6>& beside) {
+    return std::max(here, greatest(beside) - step);
+  });
   return near;
 }
 
@@ -204,16 +276,15 @@ void spanMembrane(const SparseDistance& hull, std::span<const BlockValues> trust
   const float band = hull.band_m, stiffness = float(options.stiffness);
   const Blocks limits = valuesOf(hull), measured = valuesOf(distance),
                thick = thickOf(limits, neighbours, band, options.thin_voxels);
-  Blocks values = measured, next = measured;
-  for (int round = 0; round < options.rounds; ++round)
-    update(values, next, [&](size_t b, int i) {
-      const float limit = limits[b][i], known = trust[b][i];
-      if (limit <= -band || (known <= 0 && thick[b][i] == 0)) return limit;
-      const std::array<float, 6> near = neighbours.round(values, b, i, -band);
-      const float sum = near[0] + near[1] + near[2] + near[3] + near[4] + near[5];
-      const float value = (known * measured[b][i] + stiffness * sum) / (known + 6 * stiffness);
-      return std::min(known > 0 ? std::max(value, measured[b][i]) : value, limit);
-    });
+  Blocks values = measured;
+  update(values, neighbours, options.rounds, -band, [&](size_t b, int i, float, const std::array<float, 6>& near) {
+    const float limit = limits[b][i], known = trust[b][i], least = measured[b][i];
+    const float sum = near[0] + near[1] + near[2] + near[3] + near[4] + near[5];
+    const float value = (known * least + stiffness * sum) / (known + 6 * stiffness);
+    const bool stays = (limit <= -band) | ((known <= 0) & (thick[b][i] == 0));
+    const float raised = known > 0 ? std::max(value, least) : value;
+    return stays ? limit : std::min(raised, limit);
+  });
   if (options.reach_voxels > 0) {
     const Blocks near = evidenceOf(trust, neighbours, options.reach_voxels);
     for (size_t b = 0; b < values.size(); ++b)
@@ -255,9 +326,10 @@ int BlockIndex::find(const glm::ivec3& voxel) const {
   return -1;
 }
 
-float DistanceSampler::voxel(const glm::ivec3& at) const {
-  const int block = index_.find(at);
-  return block < 0 ? -distance_.band_m : distance_.blocks[block].values[valueIndex(at)];
+int DistanceSampler::blockOf(const glm::ivec3& voxel) const {
+  const glm::ivec3 at(voxel.x & ~kMask, voxel.y & ~kMask, voxel.z & ~kMask);
+  if (at != last_at_) last_at_ = at, last_block_ = index_.find(at);
+  return last_block_;
 }
 
 float DistanceSampler::at(const glm::dvec3& point_in_world) const {
@@ -265,13 +337,21 @@ float DistanceSampler::at(const glm::dvec3& point_in_world) const {
   const glm::ivec3 low(glm::floor(in_grid));
   const glm::vec3 f(in_grid - glm::dvec3(low));
   float v[8];
-  if ((low.x & kMask) < kMask && (low.y & kMask) < kMask && (low.z & kMask) < kMask) {
-    const int block = index_.find(low);
+  // Bits of the axes along which the eight voxels lie in two blocks.
+  const int split = ((low.x & kMask) == kMask) * 4 + ((low.y & kMask) == kMask) * 2 + ((low.z & kMask) == kMask);
+  if (split == 0) {
+    const int block = blockOf(low);
     if (block < 0) return -distance_.band_m;
     const float* from = &distance_.blocks[block].values[valueIndex(low)];
     for (int k = 0; k < 8; ++k) v[k] = from[(k >> 2) * 64 + (k >> 1 & 1) * 8 + (k & 1)];
   } else {
-    for (int k = 0; k < 8; ++k) v[k] = voxel(low + glm::ivec3(k >> 2, k >> 1 & 1, k & 1));
+    int blocks[8];
+    for (int k = 0; k < 8; ++k) {
+      const glm::ivec3 at = low + glm::ivec3(k >> 2, k >> 1 & 1, k & 1);
+      if ((k & split) == k) blocks[k] = blockOf(at);
+      const int block = blocks[k & split];
+      v[k] = block < 0 ? -distance_.band_m : distance_.blocks[block].values[valueIndex(at)];
+    }
   }
   for (int k = 0; k < 4; ++k) v[k] += f.x * (v[k + 4] - v[k]);
   for (int k = 0; k < 2; ++k) v[k] += f.y * (v[k + 2] - v[k]);

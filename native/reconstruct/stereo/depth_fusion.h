@@ -58,7 +58,7 @@ class BlockIndex {
 };
 
 // Interpolates distances trilinearly; -band_m outside the blocks. Borrows distance and index, which have the same
-// blocks; requires an empty `inside`.
+// blocks; requires an empty `inside`. Not for several threads.
 class DistanceSampler {
  public:
   DistanceSampler(const SparseDistance& distance, const BlockIndex& index)
@@ -66,11 +66,13 @@ class DistanceSampler {
   float at(const glm::dvec3& point_in_world) const;
 
  private:
-  float voxel(const glm::ivec3& at) const;
+  int blockOf(const glm::ivec3& voxel) const;
 
   const SparseDistance& distance_;
   const BlockIndex& index_;
   double per_voxel_;
+  mutable glm::ivec3 last_at_{1};  // the block found last, of nearby points on a ray; 1: none
+  mutable int last_block_ = -1;
 };
 
 }  // namespace fourdvt::reconstruct

@@ -29,6 +29,7 @@ float changeAt(const std::vector<Changed>& cameras, const glm::vec3& point) {
   float most = 0;
   bool seen = false;
   for (const Changed& c : cameras) {
+    if (most >= 1) break;
     const glm::vec3 p(c.pixel_from_world * glm::vec4(point, 1));
     if (p.z <= 0) continue;
     const float x = p.x / p.z, y = p.y / p.z;
