@@ -14,7 +14,9 @@ namespace {
 constexpr int kTableWidth = 1024;
 constexpr size_t kMaxCompared =
     32;  // maximum number of cameras whose mattes bound the depths, by the uniforms available on every GPU
-const char kTableDefine[] = "TABLE_WIDTH 1024\n";
+const char kTableDefine[] = "TABLE_WIDTH 1024\n", kCellDefine[] = "CELL 4\n";
+static_assert(kSweepCell == 4);
+constexpr uint8_t kBackground = 89;  // alpha; below it also between pixels background to stereo_costs.frag
 
 int rowsFor(size_t texels) { return std::max(1, int((texels + kTableWidth - 1) / kTableWidth)); }
 
@@ -34,14 +36,14 @@ Status uploadTable(gpu::Device& device, gpu::PixelFormat format, const char* lab
 }
 
 // Maps (x z, y z, z, 1) of the reference to (pixel times depth, depth) of the camera.
-glm::mat4 pixelFromReference(const PinholeCamera& camera, const PinholeCamera& reference) {
+glm::dmat4 pixelFromReference(const PinholeCamera& camera, const PinholeCamera& reference) {
   const auto intrinsics = [](const PinholeCamera& c) {
     glm::dmat4 k(1.0);
     k[0][0] = c.fx, k[1][1] = c.fy, k[2][0] = c.cx, k[2][1] = c.cy;
     return k;
   };
-  return glm::mat4(intrinsics(camera) * camera.cam_from_world * glm::inverse(reference.cam_from_world) *
-                   glm::inverse(intrinsics(reference)));
+  return intrinsics(camera) * camera.cam_from_world * glm::inverse(reference.cam_from_world) *
+         glm::inverse(intrinsics(reference));
 }
 
 // Indices of the cameras to compare: all sources, then the other cameras, evenly spaced ones if they exceed the
@@ -68,8 +70,11 @@ Result<PlaneSweep> PlaneSweep::create(gpu::Device& device, std::span<const Pinho
     out.layer_height_ = std::max(out.layer_height_, camera.height);
   }
   if (!device.caps().float_targets) return Error{ErrorId::GpuFailure, "stereo needs float targets on the GPU"};
+  out.corners_ = gpu::makeIndexBuffer(device);
   FOURDVT_ASSIGN(out.front_program_, gpu::makeProgram(device, "stereo front", gpu::shaderText("stereo_front.vert"),
                                                       gpu::shaderText("stereo_front.frag"), kTableDefine));
+  FOURDVT_ASSIGN(out.outside_program_, gpu::makeProgram(device, "stereo outside", gpu::shaderText("fullscreen.vert"),
+                                                        gpu::shaderText("stereo_outside.frag"), kCellDefine));
   FOURDVT_ASSIGN(out.pictures_, gpu::makeTexture(device, {.format = gpu::PixelFormat::RGBA8,
                                                           .width = out.layer_width_,
                                                           .height = out.layer_height_,
@@ -97,16 +102,14 @@ Status PlaneSweep::setFrame(std::span<const Image> pictures, const TriangleMesh&
   for (size_t c = 0; c < pictures.size(); ++c)
     device_->updateTexture(pictures_.id(), {.width = pictures[c].width, .height = pictures[c].height},
                            pictures[c].pixels.data(), 0, int(c));
+  mattes_.clear();
+  for (const Image& picture : pictures) mattes_.emplace_back(picture, kBackground);
   hull_ = hull.positions;
-  std::vector<uint32_t> corners;
-  corners.reserve(hull.faces.size() * 3 + kTableWidth);
-  for (const glm::uvec3& face : hull.faces)
-    for (int k = 0; k < 3; ++k) corners.push_back(face[k]);
-  corner_count_ = int(corners.size());
+  corner_count_ = int(hull.faces.size() * 3);
+  if (corner_count_ > 0) device_->updateIndices(corners_.id(), {&hull.faces[0].x, size_t(corner_count_)});
   std::vector<glm::vec4> points;
   points.reserve(hull_.size() + kTableWidth);
   for (const glm::vec3& p : hull_) points.emplace_back(p, 1);
-  FOURDVT_TRY(uploadTable(*device_, gpu::PixelFormat::R32UI, "stereo corners", corners, corner_rows_, corners_));
   return uploadTable(*device_, gpu::PixelFormat::RGBA32F, "stereo positions", points, position_rows_, positions_);
 }
 
@@ -128,12 +131,26 @@ Status PlaneSweep::drawFront(const PinholeCamera& camera, const PictureRegion& r
   device_->beginPass({.target = front_target_.id(), .clear_color = true, .clear_depth = true, .label = "stereo front"});
   gpu::Draw draw;
   draw.program = front_program_.id();
-  draw.textures = {{"u_corner_vertices", corners_.id()}, {"u_positions", positions_.id()}};
+  draw.textures = {{"u_positions", positions_.id()}};
   draw.uniforms = {gpu::uniform("u_clip_from_world", clip)};
   draw.vertex_count = corner_count_;
+  draw.indices = corners_.id();
   draw.depth_test = draw.depth_write = true;
   device_->draw(draw);
   device_->endPass();
+  return {};
+}
+
+Status PlaneSweep::uploadCells(const std::vector<uint8_t>& cells, const PictureRegion& region) {
+  const int across = (region.width + kSweepCell - 1) / kSweepCell, rows = int(cells.size()) / across;
+  if (across > cells_width_ || rows > cells_height_) {
+    cells_width_ = std::max(cells_width_, across), cells_height_ = std::max(cells_height_, rows);
+    FOURDVT_ASSIGN(cells_, gpu::makeTexture(*device_, {.format = gpu::PixelFormat::R8,
+                                                       .width = cells_width_,
+                                                       .height = cells_height_,
+                                                       .label = "stereo cells"}));
+  }
+  device_->updateTexture(cells_.id(), {.width = across, .height = rows}, cells.data());
   return {};
 }
 
@@ -152,18 +169,40 @@ Result<CostVolume> PlaneSweep::costs(const StereoReference& reference) {
     costs_width_ = std::max(costs_width_, region.width), costs_height_ = std::max(costs_height_, height);
     FOURDVT_ASSIGN(
         costs_, gpu::makeTexture(*device_, {.width = costs_width_, .height = costs_height_, .label = "stereo costs"}));
-    FOURDVT_ASSIGN(costs_target_, gpu::makeTarget(*device_, {.colors = {costs_.id()}, .label = "stereo costs"}));
+    FOURDVT_ASSIGN(costs_target_,
+                   gpu::makeTarget(*device_, {.colors = {costs_.id()}, .own_depth = true, .label = "stereo costs"}));
   }
   const std::vector<size_t> order = comparedOrder(cameras_.size(), reference.sources);
+  std::vector<SweptCamera> swept;
   std::vector<glm::mat4> matrices;
   std::vector<glm::vec4> layers;
   for (size_t c : order) {
-    matrices.push_back(pixelFromReference(cameras_[c], reference.camera));
+    swept.push_back({pixelFromReference(cameras_[c], reference.camera), &mattes_[c]});
+    matrices.emplace_back(swept.back().pixel_from_reference);
     layers.emplace_back(float(c), float(cameras_[c].width), float(cameras_[c].height), 0);
   }
+  std::vector<glm::vec4> front(size_t(region.width) * region.height);
+  FOURDVT_TRY(device_->readPixels(front_target_.id(), gpu::PixelFormat::RGBA32F,
+                                  {.width = region.width, .height = region.height}, front.data()));
+  out.first_plane.resize(front.size());
+  for (size_t i = 0; i < front.size(); ++i)
+    out.first_plane[i] = front[i].x > 0 ? int(std::floor(front[i].x / options_.step_m)) : CostVolume::kNone;
+  FOURDVT_TRY(uploadCells(openCells(swept, region, out.first_plane, blocks, options_.step_m), region));
+
   const glm::vec4 part(region.x, region.y, region.width, region.height);
   const glm::vec2 texel(1.0f / float(layer_width_), 1.0f / float(layer_height_));
-  device_->beginPass({.target = costs_target_.id(), .width = region.width, .height = height, .label = "stereo costs"});
+  device_->beginPass({.target = costs_target_.id(),
+                      .width = region.width,
+                      .height = height,
+                      .clear_depth = true,
+                      .label = "stereo costs"});
+  gpu::Draw outside;
+  outside.program = outside_program_.id();
+  outside.textures = {{"u_front", front_.id()}, {"u_cells", cells_.id()}};
+  outside.uniforms = {gpu::uniform("u_region", part)};
+  outside.vertex_count = 3;
+  outside.depth_test = outside.depth_write = true;
+  device_->draw(outside);
   gpu::Draw draw;
   draw.program = program;
   draw.textures = {{"u_pictures", pictures_.id()}, {"u_front", front_.id()}};
@@ -171,19 +210,14 @@ Result<CostVolume> PlaneSweep::costs(const StereoReference& reference) {
                    gpu::uniform("u_layers", std::span<const glm::vec4>(layers)), gpu::uniform("u_region", part),
                    gpu::uniform("u_texel", texel), gpu::uniform("u_step", options_.step_m)};
   draw.vertex_count = 3;
+  draw.depth_test = true;
   device_->draw(draw);
   device_->endPass();
 
-  std::vector<glm::vec4> front(size_t(region.width) * region.height);
-  FOURDVT_TRY(device_->readPixels(front_target_.id(), gpu::PixelFormat::RGBA32F,
-                                  {.width = region.width, .height = region.height}, front.data()));
   std::vector<uint8_t> read(size_t(region.width) * height * 4);
   FOURDVT_TRY(device_->readPixels(costs_target_.id(), gpu::PixelFormat::RGBA8,
                                   {.width = region.width, .height = height}, read.data()));
-  out.first_plane.resize(front.size());
   out.costs.resize(front.size() * out.labels);
-  for (size_t i = 0; i < front.size(); ++i)
-    out.first_plane[i] = front[i].x > 0 ? int(std::floor(front[i].x / options_.step_m)) : CostVolume::kNone;
   // Rows are read from the top: the last block is the topmost.
   const size_t block_bytes = front.size() * 4;
   for (int b = 0; b < blocks; ++b) {

@@ -11,6 +11,7 @@
 #include "base/image.h"
 #include "base/mesh.h"
 #include "gpu/device.h"
+#include "reconstruct/stereo/sweep_cells.h"
 
 namespace fourdvt::reconstruct {
 
@@ -18,7 +19,7 @@ constexpr int kMaxLabels = 128;  // planes per pixel
 
 struct StereoReference {
   PinholeCamera camera;         // size of the reduced pictures
-  std::vector<size_t> sources;  // compared patches: the first with each of the others
+  std::vector<size_t> sources;  // the camera itself, and those that its patches are compared with
 };
 
 // Matching costs of a band of depths at each pixel of a part of the reference picture. Plane k lies at depth k ·
@@ -62,18 +63,22 @@ class PlaneSweep {
  private:
   Result<gpu::ProgramId> programFor(size_t sources);
   Status drawFront(const PinholeCamera& camera, const PictureRegion& region);
+  Status uploadCells(const std::vector<uint8_t>& cells, const PictureRegion& region);
 
   gpu::Device* device_ = nullptr;
   std::vector<PinholeCamera> cameras_;
   PlaneSweepOptions options_;
   int layer_width_ = 0, layer_height_ = 0;
-  gpu::Program front_program_;
+  gpu::Program front_program_, outside_program_;
   std::vector<gpu::Program> cost_programs_;  // [number of sources]
-  gpu::Texture pictures_, corners_, positions_, front_, costs_;
+  gpu::IndexBuffer corners_;                 // of all faces of the hull
+  gpu::Texture pictures_, positions_, front_, cells_, costs_;
   gpu::Target front_target_, costs_target_;
+  std::vector<MatteCounts> mattes_;  // [camera]
   Positions hull_;
-  int corner_count_ = 0, corner_rows_ = 0, position_rows_ = 0;
-  int front_width_ = 0, front_height_ = 0, costs_width_ = 0, costs_height_ = 0;
+  int corner_count_ = 0, position_rows_ = 0;
+  int front_width_ = 0, front_height_ = 0, cells_width_ = 0, cells_height_ = 0;
+  int costs_width_ = 0, costs_height_ = 0;
 };
 
 struct SemiGlobalOptions {
