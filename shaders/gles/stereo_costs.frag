@@ -10,6 +10,7 @@ uniform vec4 u_layers[CAMERAS];                   // x: layer of u_pictures, y, 
 uniform vec4 u_region;                            // reference region: first column, first row, columns, rows
 uniform vec2 u_texel;                             // one over the size of a layer
 uniform float u_step;                             // metres between planes
+const int kSide = 2 * RADIUS + 1;
 const float kNoise = 0.0006;           // variance of three channels below which a patch counts as untextured
 const float kBackground = 0.35;        // a matte below this, between its reduced samples, is background
 const float kUnlike = 0.95, kUnknown = 0.9;  // costs of patches without any match, and of untextured ones
@@ -20,20 +21,24 @@ vec3 pixelIn(int camera, vec2 pixel, float depth) {
 
 vec4 pictureAt(int camera, vec3 q) { return texture(u_pictures, vec3(q.xy / q.z * u_texel, u_layers[camera].x)); }
 
+// False where the camera sees the point before its background.
+bool mayHold(int camera, vec2 pixel, float depth) {
+  vec3 q = pixelIn(camera, pixel, depth);
+  vec2 at = q.xy / q.z;
+  if (q.z <= 0.0 || any(lessThan(at, vec2(0.5))) || any(greaterThan(at, u_layers[camera].yz - 0.5))) return true;
+  return pictureAt(camera, q).a >= kBackground;
+}
+
 bool insideHull(vec2 pixel, float depth) {
-  for (int c = 0; c < CAMERAS; ++c) {
-    vec3 q = pixelIn(c, pixel, depth);
-    vec2 at = q.xy / q.z;
-    if (q.z <= 0.0 || any(lessThan(at, vec2(0.5))) || any(greaterThan(at, u_layers[c].yz - 0.5))) continue;
-    if (pictureAt(c, q).a < kBackground) return false;
-  }
+  for (int c = 1; c < CAMERAS; ++c)
+    if (!mayHold(c, pixel, depth)) return false;
   return true;
 }
 
 // Cost of the patches round the pixel in the first source and another, from 1 - correlation, colour difference and
 // matte difference.
 float pairCost(float weight, vec3 a, vec3 b, vec3 aa, vec3 bb, vec3 ab, float mattes) {
-  float samples = float((2 * RADIUS + 1) * (2 * RADIUS + 1));
+  float samples = float(kSide * kSide);
   if (weight < 0.25 * samples) return kUnknown;
   a /= weight, b /= weight;
   vec3 var_a = max(aa / weight - a * a, 0.0), var_b = max(bb / weight - b * b, 0.0), cov = ab / weight - a * b;
@@ -42,6 +47,8 @@ float pairCost(float weight, vec3 a, vec3 b, vec3 aa, vec3 bb, vec3 ab, float ma
   float colour = min(dot(abs(a - b), vec3(1)) / 0.45, 1.0);
   return min(CORRELATION_SHARE * min(1.0 - correlation, 1.0) + (1.0 - CORRELATION_SHARE) * colour + 0.5 * mattes / samples, kUnlike);
 }
+
+vec4 g_patch[kSide * kSide];  // of the reference, the first source: equal at all depths
 
 float costAt(vec2 pixel, float depth) {
   if (!insideHull(pixel, depth)) return 1.0;
@@ -52,7 +59,7 @@ float costAt(vec2 pixel, float depth) {
   for (int j = -RADIUS; j <= RADIUS; ++j)
     for (int i = -RADIUS; i <= RADIUS; ++i) {
       vec2 o = vec2(i, j) * SPACING;
-      vec4 first = pictureAt(0, pixelIn(0, pixel + o, depth));
+      vec4 first = g_patch[(j + RADIUS) * kSide + i + RADIUS];
       for (int s = 1; s < SOURCES; ++s) {
         vec4 other = pictureAt(s, pixelIn(s, pixel + o, depth));
         float w = first.a * other.a;
@@ -79,5 +86,11 @@ void main() {
   if (front <= 0.0) return;
   vec2 pixel = u_region.xy + vec2(float(at.x) + 0.5, u_region.w - 0.5 - float(at.y));
   float first = floor(front / u_step) + float(4 * block);
+  float depth = (first + 1.0) * u_step;
+  if (!mayHold(0, pixel, depth)) return;
+  for (int n = 0; n < kSide * kSide; ++n) {
+    vec2 o = vec2(n % kSide - RADIUS, n / kSide - RADIUS) * SPACING;
+    g_patch[n] = pictureAt(0, pixelIn(0, pixel + o, depth));
+  }
   for (int k = 0; k < 4; ++k) o_costs[k] = costAt(pixel, (first + float(k)) * u_step);
 }
