@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "platform/process.h"
 
+#ifdef __linux__
+#include <malloc.h>
+#endif
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -38,6 +41,15 @@ ProcessUsage processUsage() {
     if (name == "wchar:") out.written_bytes = bytes;
   }
   return out;
+}
+
+void keepFreedMemory() {
+#ifdef __GLIBC__
+  constexpr int kLargest = 1 << 30, kSpare = 1 << 26;  // bytes
+  mallopt(M_MMAP_THRESHOLD, kLargest);
+  mallopt(M_TRIM_THRESHOLD, kLargest);
+  mallopt(M_TOP_PAD, kSpare);
+#endif
 }
 
 }  // namespace fourdvt::platform

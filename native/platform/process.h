@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Name and usage of the running process.
+// Name, usage and memory of the running process.
 #pragma once
 
 #include <cstdint>
@@ -17,5 +17,9 @@ struct ProcessUsage {
   uint64_t read_bytes = 0, written_bytes = 0;  // by system calls, page cache included
 };
 ProcessUsage processUsage();  // since the process started
+
+// Keeps freed memory for later allocations, so that the system need not clear its pages again. For processes that free
+// and allocate large blocks in turn.
+void keepFreedMemory();
 
 }  // namespace fourdvt::platform

@@ -13,6 +13,7 @@
 #include "capture/input_files.h"
 #include "mattes/frame_reader.h"
 #include "platform/files.h"
+#include "platform/process.h"
 #include "reconstruct/run/finish.h"
 #include "reconstruct/run/prepare.h"
 #include "reconstruct/run/sequence_frames.h"
@@ -224,6 +225,7 @@ Status reconstructPiece(const std::string& job_folder, const jobs::Piece& piece,
   if (!part) return Error{ErrorId::InvalidArgument, job_folder + ": piece " + piece.id + " makes no frames"};
   Prepared& job = file.job;
   const Threads limit(threads);
+  platform::keepFreedMemory();
   FOURDVT_ASSIGN(job.capture, openForPiece(job.options, part->sequence));
   FOURDVT_TRY(checkInputs(file, *part, piece));
   const capture::CaptureSequence& sequence = job.capture.sequences[0];

@@ -2,6 +2,7 @@
 #include "reconstruct/run/reconstruct.h"
 
 #include "mattes/frame_reader.h"
+#include "platform/process.h"
 #include "reconstruct/run/finish.h"
 #include "reconstruct/run/sequence_frames.h"
 
@@ -77,6 +78,7 @@ std::string ReconstructOptions::check() const {
 
 Result<ReconstructSummary> reconstruct(const ReconstructOptions& options, const ReconstructEnvironment& environment) {
   const Threads threads(options.jobs);
+  platform::keepFreedMemory();
   Watch watch;
   Preparation preparation(options, environment);
   FOURDVT_TRY(preparation.link(options.resume ? Earlier::Kept : Earlier::Removed));
