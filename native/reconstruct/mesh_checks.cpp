@@ -25,24 +25,27 @@ Triangle corners(const TriangleMesh& mesh, uint32_t face) {
 
 // Counts edges without exactly two faces of opposite direction.
 void checkEdges(const TriangleMesh& mesh, MeshReport& report) {
-  struct Directed {
-    uint64_t ends;  // the lower vertex in the upper half
-    int direction;
-    bool operator<(const Directed& other) const { return ends < other.ends; }
+  // Edges by their lower vertex; the higher one, and the direction in the lowest bit.
+  std::vector<uint32_t> ends(mesh.positions.size() + 1, 0);
+  std::vector<uint64_t> edges(3 * mesh.faces.size());
+  const auto forEach = [&](const auto& take) {
+    for (const glm::uvec3& f : mesh.faces)
+      for (int k = 0; k < 3; ++k) {
+        const uint64_t a = f[k], b = f[(k + 1) % 3];
+        take(std::min(a, b), std::max(a, b) << 1 | (a < b));
+      }
   };
-  std::vector<Directed> edges;
-  for (const glm::uvec3& f : mesh.faces)
-    for (int k = 0; k < 3; ++k) {
-      const uint64_t a = f[k], b = f[(k + 1) % 3];
-      edges.push_back({std::min(a, b) << 32 | std::max(a, b), a < b ? 1 : -1});
-    }
-  std::sort(edges.begin(), edges.end());
+  forEach([&](uint64_t lower, uint64_t) { ++ends[lower + 1]; });
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  forEach([&](uint64_t lower, uint64_t edge) { edges[ends[lower]++] = edge; });
   int distinct = 0;
-  for (size_t begin = 0, end = 0; begin < edges.size(); begin = end, ++distinct) {
-    int forward = 0, backward = 0;
-    for (; end < edges.size() && edges[end].ends == edges[begin].ends; ++end)
-      ++(edges[end].direction > 0 ? forward : backward);
-    if (forward != 1 || backward != 1) report.open_edges += size_t(forward + backward);
+  for (size_t v = 0, begin = 0; v < mesh.positions.size(); ++v) {
+    std::sort(edges.begin() + long(begin), edges.begin() + long(ends[v]));
+    for (size_t end = begin; begin < ends[v]; begin = end, ++distinct) {
+      int forward = 0, backward = 0;
+      for (; end < ends[v] && edges[end] >> 1 == edges[begin] >> 1; ++end) ++(edges[end] & 1 ? forward : backward);
+      if (forward != 1 || backward != 1) report.open_edges += size_t(forward + backward);
+    }
   }
   std::vector<bool> used(mesh.positions.size(), false);
   for (const glm::uvec3& f : mesh.faces) used[f.x] = used[f.y] = used[f.z] = true;

@@ -27,7 +27,7 @@ struct MeshReport {
 };
 
 // `tolerance_m`: permitted error by rounding of positions to float. Adjacent faces are tested too; shared vertices are
-// no crossing. Time grows with faces² times the mean share of the longest axis covered by a face.
+// no crossing. Time grows with faces² times the mean share of the two longest axes covered by a face.
 MeshReport checkMesh(const TriangleMesh& mesh, double tolerance_m = 1e-6);
 
 // True if checkMesh() finds a solid; ends at the first flaw.

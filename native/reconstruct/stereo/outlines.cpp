@@ -34,20 +34,27 @@ struct Ray {
 struct TileDepths {
   int across = 0, down = 0;
   std::vector<float> near_m, far_m;
-  TileDepths(const PinholeCamera& camera, const SparseDistance& hull);
+  TileDepths(const PinholeCamera& camera, const SparseDistance& hull, std::span<const glm::ivec3> blocks);
 };
 
-TileDepths::TileDepths(const PinholeCamera& camera, const SparseDistance& hull)
+// Blocks of the hull with a value inside.
+std::vector<glm::ivec3> blocksInside(const SparseDistance& hull) {
+  std::vector<glm::ivec3> out;
+  for (const SparseDistance::Block& block : hull.blocks)
+    if (*std::max_element(block.values.begin(), block.values.end()) > 0) out.push_back(block.at);
+  return out;
+}
+
+TileDepths::TileDepths(const PinholeCamera& camera, const SparseDistance& hull, std::span<const glm::ivec3> blocks)
     : across((camera.width + kTile - 1) / kTile),
       down((camera.height + kTile - 1) / kTile),
       near_m(size_t(across) * down, std::numeric_limits<float>::infinity()),
       far_m(near_m.size(), 0) {
-  for (const SparseDistance::Block& block : hull.blocks) {
-    if (*std::max_element(block.values.begin(), block.values.end()) <= 0) continue;
+  for (const glm::ivec3& block : blocks) {
     glm::dvec2 low(1e9), high(-1e9);
     double nearest = 1e9, farthest = 0;
     for (int k = 0; k < 8; ++k) {
-      const glm::ivec3 corner = block.at + glm::ivec3(k & 1, k >> 1 & 1, k >> 2) * (kBlock + 1) - 1;
+      const glm::ivec3 corner = block + glm::ivec3(k & 1, k >> 1 & 1, k >> 2) * (kBlock + 1) - 1;
       const glm::dvec3 p = camera.project(hull.origin_in_world + glm::dvec3(corner) * hull.voxel_m);
       nearest = std::min(nearest, p.z), farthest = std::max(farthest, p.z);
       if (p.z <= 0) continue;
@@ -71,9 +78,10 @@ class Outlines {
   Outlines(const SparseDistance& hull, std::span<const CarvingView> views, const OutlineOptions& options,
            SparseDistance& distance)
       : hull_(hull), views_(views), options_(options), distance_(distance), index_(hull.blocks) {
+    const std::vector<glm::ivec3> inside = blocksInside(hull);
     for (const CarvingView& view : views) {
       const PinholeCamera& camera = view.silhouette->camera;
-      tiles_.emplace_back(camera, hull);
+      tiles_.emplace_back(camera, hull, inside);
       eyes_.push_back(camera.centreInWorld());
       world_from_cam_.push_back(glm::transpose(glm::dmat3(camera.cam_from_world)));
     }

@@ -9,13 +9,13 @@
 namespace fourdvt::reconstruct {
 namespace {
 
-constexpr int kSide = 64, kBlocks = 6, kFirstPlane = 100;
+constexpr int kMatteSide = 64, kBlocks = 6, kFirstPlane = 100;
 constexpr double kStep_m = 0.01, kFocal = 60;
 
 // Alpha 255 in the columns from `first` on, `beside` before them.
 Image matte(int first, uint8_t beside) {
-  Image out(kSide, kSide, 4, 255);
-  for (int y = 0; y < kSide; ++y)
+  Image out(kMatteSide, kMatteSide, 4, 255);
+  for (int y = 0; y < kMatteSide; ++y)
     for (int x = 0; x < first; ++x) out.at(x, y)[3] = beside;
   return out;
 }
