@@ -15,7 +15,7 @@ namespace {
 constexpr float kComparedSeen = 0.2f;    // visibilityOf of places that are compared
 constexpr float kFar_m = 0.3f;           // longest distance that is looked for
 constexpr float kComparedCosine = 0.4f;  // between normals of corresponding places
-constexpr size_t kMinPixels = 200;       // of a silhouette that counts
+constexpr size_t kMinPixels = 200;       // smallest silhouette that counts
 
 // Intersection over union of the mesh and the matte in a crop; negative: too small to count.
 double silhouetteOverlap(const View& view, const FaceBuffer& buffer) {
@@ -30,9 +30,10 @@ double silhouetteOverlap(const View& view, const FaceBuffer& buffer) {
   return either < kMinPixels ? -1 : double(both) / double(either);
 }
 
-// Distances from seen points to a surface; adds them, and keeps the largest.
-void addDistances(const Positions& points, std::span<const glm::vec3> normals, std::span<const float> seen,
-                  size_t stride, const NearestSurface& to, std::vector<double>& distances, FitFigures& out) {
+// Distances from every stride-th seen point to a surface; negative: not seen. Adds them, and keeps the largest.
+std::vector<double> addDistances(const Positions& points, std::span<const glm::vec3> normals,
+                                 std::span<const float> seen, size_t stride, const NearestSurface& to,
+                                 std::vector<double>& distances, FitFigures& out) {
   std::vector<double> found(points.size() / stride, -1);
   inParallel(found.size(), [&](size_t i) {
     const size_t v = i * stride;
@@ -45,6 +46,7 @@ void addDistances(const Positions& points, std::span<const glm::vec3> normals, s
     distances.push_back(found[i]);
     if (found[i] > out.distance_max_m) out.distance_max_m = found[i], out.farthest = points[i * stride];
   }
+  return found;
 }
 
 // Grey of seen vertices in a camera, blurred; negative: not seen.
@@ -142,7 +144,8 @@ FitFigures figuresOf(const Template& model, const FittedFrame& fitted, const Pos
   out.seen_share = area > 0 ? seen_area / area : 0;
 
   std::vector<double> distances;
-  addDistances(fitted.positions, normals, seen, 1, *target.nearest, distances, out);
+  const auto found = addDistances(fitted.positions, normals, seen, 1, *target.nearest, distances, out);
+  out.vertex_distance_m.assign(found.begin(), found.end());
   const TriangleMesh& surface = *target.surface;
   const std::vector<glm::vec3> surface_normals = normalsOf(surface.faces, surface.positions);
   addDistances(surface.positions, surface_normals,

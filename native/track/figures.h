@@ -20,11 +20,12 @@ struct FitFigures {
   Overlap overlap;
   // Distances between the template and the frame's surface, both ways, where cameras see them.
   double distance_95_m = 0, distance_max_m = 0;
-  glm::vec3 farthest{0};         // of distance_max_m, world
-  double seen_share = 0;         // share of the template's area that a camera sees
-  uint32_t stretched_faces = 0;  // an edge over 2 times as long or below half as long as in the template
-  uint32_t flipped_faces = 0;    // normal turned by over 90 degrees against its vertices' rotations
-  double colour_error = 0;       // mean difference of vertices' grey from the anchor's in the same camera, 0 … 255
+  glm::vec3 farthest{0};                 // place with distance_max_m, world
+  double seen_share = 0;                 // share of the template's area that a camera sees
+  uint32_t stretched_faces = 0;          // an edge over 2 times as long or below half as long as in the template
+  uint32_t flipped_faces = 0;            // normal turned by over 90 degrees against its vertices' rotations
+  std::vector<float> vertex_distance_m;  // [vertex] from the surface; negative: no camera sees it
+  double colour_error = 0;  // mean difference of vertices' grey from the anchor's in the same camera, 0 … 255
 };
 
 // `anchor`: the template's own frame.

@@ -21,7 +21,7 @@ glm::vec3 normalAt(const std::vector<glm::uvec3>& faces, std::span<const glm::ve
 }
 
 constexpr double kLostLimb_m = 0.03;                         // mean distance of a limb's curve
-constexpr double kLimbSigma_m = 0.02, kTrunkSigma_m = 0.04;  // of vertices, when limbs are moved
+constexpr double kLimbSigma_m = 0.02, kTrunkSigma_m = 0.04;  // vertices' deviations while limbs are moved
 
 class Fit {
  public:
@@ -204,9 +204,12 @@ FittedFrame fitFrame(const Template& model, const FittedFrame& start, const Pose
     fit.poseGraph(4, 0.12, 0, rigid, 0);
     fit.match(parent, 2);
   }
-  fit.poseGraph(4, 0.12, 30, rigid, 0.02);
-  fit.poseGraph(4, 0.06, 20, rigid, 0.02);
-  fit.poseGraph(4, 0.03, 20, rigid, 0.02);
+  constexpr double kWideShare = 0.02;
+  if (options.wide) fit.poseGraph(4, 0.12, 30, rigid, kWideShare);
+  fit.poseGraph(4, 0.06, 20, rigid, options.wide ? kWideShare : 1);
+  if (options.wide) fit.poseGraph(4, 0.03, 20, rigid, kWideShare);
+  if (options.flow_from_parent) fit.match(parent, 1);
+  fit.poseGraph(3, 0.03, 10, rigid);
   if (options.flow_from_anchor) {
     fit.match(anchor, 2);
     fit.poseGraph(3, 0.03, 10, rigid);

@@ -16,7 +16,7 @@ namespace fourdvt::track {
 struct Limb {
   // Ring k holds the vertices at k to k + 1 steps from the tip along the surface, up to the trunk.
   struct Ring {
-    glm::dvec3 middle{0};  // of its vertices by their area, metres
+    glm::dvec3 middle{0};  // mean of its vertices by their area, metres
     double radius_m = 0;   // root mean square distance from the middle
     std::vector<uint32_t> vertices;
   };

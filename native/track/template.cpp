@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "base/robust.h"
+#include "base/text.h"
 #include "track/graph.h"
+#include "track/limbs.h"
 #include "track/mesh/atlas.h"
 #include "track/mesh/remesh.h"
 
@@ -13,9 +15,13 @@ namespace fourdvt::track {
 namespace {
 
 constexpr float kFitSeen = 0.5f;                    // cosine between normal and direction to the camera
-constexpr int kSmoothings = 12;                     // of curvature, along edges
+constexpr double kMinCovered = 0.7;                 // overlap of the surface and the mattes of its frame
+constexpr double kMaxOther = 0.25;                  // share of the volume in another part: a second person
+constexpr double kMinSight = 0.5;                   // share of the surface
+constexpr double kMaxCut = 0.0025;                  // share of the volume; more is a part in contact
+constexpr int kSmoothings = 12;                     // rounds over curvature, along edges
 constexpr float kMinSize = 0.55f, kMaxSize = 1.4f;  // edge lengths relative to the median's
-constexpr float kMinResolution = 0.4f;              // of places that no camera sees, relative to the median
+constexpr float kMinResolution = 0.4f;              // least, relative to the median; for places that no camera sees
 
 double areaOf(const TriangleMesh& mesh, const glm::uvec3& f) {
   const glm::dvec3 a = mesh.positions[f.x], b = mesh.positions[f.y], c = mesh.positions[f.z];
@@ -93,9 +99,33 @@ TemplateFitness fitnessOf(const TriangleMesh& surface, double cut_m3, double oth
     for (int k = 0; k < 3; ++k) corners += seen[f[k]] >= kFitSeen;
     out.seen_m2 += area * corners / 3;
   }
+  const LimbOptions limbs;
+  for (const Limb& limb : limbsOf(surface, limbs)) out.limbs_m += limbs.step_m * double(limb.rings.size());
   const double volume = volumeOf(surface) + cut_m3;
   if (volume > 0) out.cut_share = cut_m3 / volume, out.other_share = other_m3 / volume;
   return out;
+}
+
+std::string templateProblem(const TemplateFitness& f, double overlap, bool given) {
+  if (overlap < kMinCovered)
+    return printed(
+        "its surface covers the mattes by %.2f only (1 is perfect): it was not made of these pictures; run "
+        "`fourdvt reconstruct` on this capture",
+        overlap);
+  if (f.other_share > kMaxOther)
+    return printed(
+        "a second part has %.0f %% of the volume: track follows one performer; leave the others out of the "
+        "mattes",
+        100 * f.other_share);
+  if (f.seen_m2 < kMinSight * f.area_m2)
+    return printed("cameras see %.0f %% of the surface; tracking needs at least half. Film from more sides",
+                   100 * f.seen_m2 / f.area_m2);
+  if (f.cut_share > kMaxCut && given)
+    return printed(
+        "parts of the body touch each other there, hands on hips for example (%.1f %% of the volume); choose "
+        "a frame with limbs apart, or leave out --template",
+        100 * f.cut_share);
+  return {};
 }
 
 Result<TemplateMesh> templateMesh(const TriangleMesh& surface, const std::vector<View>& views,

@@ -2,7 +2,9 @@
 // Template for tracking: the surface of one frame as a mesh of even triangles with texture coordinates.
 #pragma once
 
+#include <cmath>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "base/mesh.h"
@@ -17,12 +19,17 @@ struct TemplateFitness {
   double area_m2 = 0;      // whole surface
   double cut_share = 0;    // share of the volume that is left out for genus 0, see genus_zero.h
   double other_share = 0;  // share of the volume in other parts, e.g. a second person
-  // Parts in contact hide surface, handles cost volume. Larger is better.
-  double score() const { return seen_m2 * (1 - 20 * cut_share); }
+  double limbs_m = 0;      // length of all limbs, see limbs.h; one that touches the trunk does not count
+  // Larger is better: limbs apart, surface in sight.
+  double score() const { return area_m2 > 0 ? limbs_m / std::sqrt(area_m2) + seen_m2 / area_m2 - 20 * cut_share : 0; }
 };
 
 // `surface`: closed; `views`: pictures of its frame, one per camera.
 TemplateFitness fitnessOf(const TriangleMesh& surface, double cut_m3, double other_m3, const std::vector<View>& views);
+
+// Reason why a frame's surface is no template, with a remedy; empty: it is one. `overlap`: of the surface with the
+// mattes of its frame. `given`: the user chose the frame, and may choose another.
+std::string templateProblem(const TemplateFitness& fitness, double overlap, bool given);
 
 struct TemplateOptions {
   uint32_t faces = 8000;

@@ -13,7 +13,7 @@ struct TimeOptions {
   double noise_m = 0.002;         // deviation of a fitted position from the true one
   double acceleration_m = 0.001;  // change of a vertex's displacement from frame to frame
   double motion_m = 0.004;        // changes well above this are motion, and are kept
-  int rounds = 5;                 // of reweighting
+  int rounds = 5;                 // rounds of reweighting
 };
 
 // Moves the positions of each vertex towards a course without change of velocity, robustly (Cauchy weights), so that

@@ -25,7 +25,7 @@ const kKinds = ['document', 'section', 'paper', 'part', 'file', 'identifier'];
 // Files that a build, a bake or a user makes, and headers of other projects.
 const kMade = new RegExp([
   /(^|\/)(build|dist|character|report|OUT|REPORT|FOLDER|CHARACTER)\//, /fourdvt[-\w]*\.js$/, /bench_\w+\.js$/,
-  /(^|\/)(report|reconstruct|mattes|calibrate)\.html$/, /^(\.\.\/)?docs\/\w+\.html$/, /(^|\/)abi\.(h|ts)$/, /^opencv2\//, /^three\.js$/, /(^|\/)(NAME|[a-z])(\.\w+)?$/,
+  /(^|\/)(report|reconstruct|mattes|calibrate|track)\.html$/, /^(\.\.\/)?docs\/\w+\.html$/, /(^|\/)abi\.(h|ts)$/, /^opencv2\//, /^three\.js$/, /(^|\/)(NAME|[a-z])(\.\w+)?$/,
 ].map((pattern) => pattern.source).join('|'));
 const kMonths = /^(January|February|March|April|May|June|July|August|September|October|November|December|Since|In|Of)$/;
 const kKeyShape = /^[A-Z][A-Za-z]*[A-Z][A-Za-z]*([6-9]\d|[01]\d|2[0-6])$/;  // authors' initials and a year: CTGH13

@@ -26,7 +26,7 @@ class MatteCounts {
  private:
   size_t index(int x, int y) const { return size_t(y) * (width_ + 1) + x; }
   int width_, height_;
-  std::vector<uint32_t> counts_;  // of the pixels above and left of each pixel corner
+  std::vector<uint32_t> counts_;  // sums over the pixels above and left of each pixel corner
 };
 
 struct SweptCamera {

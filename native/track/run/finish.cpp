@@ -14,7 +14,7 @@
 namespace fourdvt::track {
 namespace {
 
-constexpr double kMaxUnits = 32000;                                                // of packed positions
+constexpr double kMaxUnits = 32000;                                                // largest packed coordinate
 constexpr double kMinOverlap = 0.85, kMaxStretched = 0.05, kMaxDistance_m = 0.04;  // gates of a fit
 constexpr double kMaxFailed = 0.34;                                                // share of a sequence's frames
 

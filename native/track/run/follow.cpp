@@ -9,7 +9,7 @@
 namespace fourdvt::track {
 namespace {
 
-constexpr int kMaxTries = 4;  // of a bad fit
+constexpr int kMaxTries = 4;  // repairs tried for a bad fit
 
 // Each frame after its predecessor, outwards from the template's; the first of another sequence after the template.
 std::vector<TrackingStep> orderInTime(const FrameList& list, uint32_t root) {
@@ -61,9 +61,18 @@ Result<TrackedFrame> Follower::fitted(uint32_t frame, uint32_t parent) {
     const auto from = work_.tracked(parent);
     if (!from) return Error{ErrorId::Internal, work_.nameOf(frame) + ": its parent is not fitted"};
     FOURDVT_ASSIGN(const FramePictures there, work_.pictures(parent));
-    out.fit = fitFrame(model_, from->fit, {&there.views, &from->fit.positions}, anchor, target, job_.options.fit);
+    FitOptions options = job_.options.fit;
+    for (const bool wide : {false, true}) {
+      options.wide = wide;
+      FittedFrame fit = fitFrame(model_, from->fit, {&there.views, &from->fit.positions}, anchor, target, options);
+      FitFigures figures = figuresOf(model_, fit, anchor, target);
+      if (wide && misfit(figures) >= misfit(out.figures)) continue;
+      out.fit = std::move(fit), out.figures = std::move(figures);
+      if (misfit(out.figures) <= kMaxMisfit) break;
+    }
+  } else {
+    out.figures = figuresOf(model_, out.fit, anchor, target);
   }
-  out.figures = figuresOf(model_, out.fit, anchor, target);
   out.seconds = watch.seconds();
   return out;
 }

@@ -25,8 +25,8 @@ struct TrackOptions {
   std::vector<std::string> sequences;       // empty: all
   std::optional<FrameName> template_frame;  // none: chosen
   TemplateOptions mesh;
-  uint32_t nodes = 400;                        // of the deformation graph
-  std::vector<capture::CaptureClass> classes;  // of the new capture
+  uint32_t nodes = 400;                        // nodes in the deformation graph
+  std::vector<capture::CaptureClass> classes;  // written to the new capture
   FitOptions fit;
   bool by_similarity = true;  // false: each frame from its predecessor in time
   int jobs = 0;               // threads; 0: one per core

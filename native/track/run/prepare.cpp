@@ -20,12 +20,8 @@ constexpr const char* kVersion = "track 1";  // increment when the same options 
 
 constexpr int kCropMargin_px = 24;
 constexpr uint32_t kMaxJudged = 24;       // frames that are looked at for the template
-constexpr double kVoxel_m = 0.005;        // of a life-size template
-constexpr double kJudgedVoxel_m = 0.010;  // of candidates
-constexpr double kMaxCut = 0.002;         // share of the volume; more is a part in contact
-constexpr double kMaxOther = 0.25;        // share of the volume in another part: a second person
-constexpr double kMinSeen = 0.5;          // share of the surface
-constexpr double kMinCovered = 0.7;       // of the surface and the mattes of its frame
+constexpr double kVoxel_m = 0.005;        // grid for a life-size template
+constexpr double kJudgedVoxel_m = 0.010;  // grid for candidates
 
 // Surface of one frame, made closed, and its suitability.
 struct Candidate {
@@ -107,30 +103,10 @@ class TemplateChoice {
   }
 
   Status check(uint32_t frame, const Candidate& candidate) const {
-    const TemplateFitness& f = candidate.fitness;
-    const auto bad = [&](const std::string& what) {
-      return Error{ErrorId::InvalidArgument, job_.options.capture_folder + ", " + work_.nameOf(frame) + ": " + what};
-    };
-    const bool given = job_.options.template_frame.has_value();
-    if (candidate.overlap < kMinCovered)
-      return bad(
-          printed("its surface covers the mattes by %.2f only (1 is perfect): it was not made of these pictures; "
-                  "run `fourdvt reconstruct` on this capture",
-                  candidate.overlap));
-    if (f.other_share > kMaxOther)
-      return bad(
-          printed("a second part has %.0f %% of the volume: track follows one performer; leave the others out of "
-                  "the mattes",
-                  100 * f.other_share));
-    if (f.seen_m2 < kMinSeen * f.area_m2)
-      return bad(printed("cameras see %.0f %% of the surface; tracking needs at least half. Film from more sides",
-                         100 * f.seen_m2 / f.area_m2));
-    if (f.cut_share > kMaxCut && given)
-      return bad(
-          printed("parts of the body touch each other there (hands on hips, for example), %.1f %% of the volume; "
-                  "choose a frame with limbs apart, or leave out --template",
-                  100 * f.cut_share));
-    return {};
+    const std::string problem =
+        templateProblem(candidate.fitness, candidate.overlap, job_.options.template_frame.has_value());
+    if (problem.empty()) return {};
+    return Error{ErrorId::InvalidArgument, job_.options.capture_folder + ", " + work_.nameOf(frame) + ": " + problem};
   }
 
   const Prepared& job_;

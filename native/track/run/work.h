@@ -81,7 +81,7 @@ class Work {
   std::string path(const char* kind, uint32_t frame) const;
 
   std::string folder_;
-  std::vector<std::string> names_;  // of the sequences
+  std::vector<std::string> names_;  // [sequence]
   FrameList frames_;
 };
 

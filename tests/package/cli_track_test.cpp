@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tracking: one mesh through the surfaces of a person who stands and walks, an interrupted run, and surfaces that
+// cannot be tracked.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "capture/mesh_file.h"
+#include "command.h"
+#include "platform/files.h"
+
+namespace fourdvt::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kFaces = " --faces 2500";
+
+// Surfaces of five frames of the studio's actor, made once.
+const std::string& surfaces() {
+  static const std::string folder = [] {
+    const std::string out = scratch("track-surfaces");
+    const Outcome studio =
+        lab("studio procedural --sequences walk --frames 5 --no-truth --test-every 8 --mesh-cell-mm 45 --cameras 6 "
+            "--size 240x320 -o " +
+            out + "/capture");
+    EXPECT_EQ(studio.code, 0) << studio.output;
+    const Outcome made = fourdvt("reconstruct " + out + "/capture -o " + out +
+                                 "/surfaces --synchronise off --refine-cameras off --refine none --voxel-mm 10");
+    EXPECT_EQ(made.code, 0) << made.output;
+    return out;
+  }();
+  return folder;
+}
+
+// Copy of the surfaces whose meshes can be changed.
+std::string ownSurfaces(const std::string& name) {
+  const std::string copy = surfaces() + "/" + name;
+  fs::remove_all(copy);
+  fs::copy(surfaces() + "/surfaces", copy, fs::copy_options::recursive | fs::copy_options::copy_symlinks);
+  return copy;
+}
+
+// capture.json without its meshes.
+std::string withoutMeshKeys(const std::string& json) {
+  auto capture = nlohmann::json::parse(json);
+  for (auto& sequence : capture["sequences"]) sequence.erase("mesh");
+  return capture.dump();
+}
+
+template <class Change>
+void changeMeshes(const std::string& folder, size_t first, Change change) {
+  std::vector<std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder + "/walk/mesh")) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  for (size_t f = first; f < files.size(); ++f) {
+    auto mesh = capture::readMeshFile(files[f]);
+    ASSERT_TRUE(mesh.ok());
+    TriangleMesh changed = mesh.take();
+    change(changed);
+    ASSERT_TRUE(platform::writeFileAtomic(files[f], capture::plyBytes(changed)).ok());
+  }
+}
+
+void expectRefusal(const Outcome& outcome, const std::string& text, const std::string& folder) {
+  EXPECT_EQ(outcome.code, 1) << outcome.output;
+  EXPECT_NE(outcome.output.find(text), std::string::npos) << outcome.output;
+  EXPECT_FALSE(exists(folder));
+}
+
+TEST(Track, MakesACaptureThatBakesIntoLayers) {
+  const std::string out = surfaces() + "/tracked";
+  const Outcome tracked = fourdvt("track " + surfaces() + "/surfaces -o " + out + kFaces);
+  ASSERT_EQ(tracked.code, 0) << tracked.output;
+  for (const char* file : {"/mesh_topology.obj", "/walk/mesh/positions.i16", "/track.html", "/track-1.jpg"})
+    EXPECT_TRUE(exists(out + file)) << file;
+  EXPECT_FALSE(exists(out + ".work"));
+  const auto report = nlohmann::json::parse(readText(out + "/track.json"));
+  EXPECT_GT(report["mean_overlap"].get<double>(), 0.9);
+  EXPECT_NEAR(report["faces"].get<double>(), 2500, 50);
+
+  const Outcome drift =
+      lab("drift " + out + " --reference " + surfaces() + "/capture --within-mm 40 --json " + out + "/drift.json");
+  EXPECT_EQ(drift.code, 0) << drift.output;
+
+  const Outcome bake = fourdvt("bake " + out + " -o " + surfaces() +
+                               "/character --texture 128 --layers 2 --gop 4 --jobs 2 "
+                               "--align none --renditions highest --refine none --refine-cameras off");
+  EXPECT_EQ(bake.code, 0) << bake.output;
+  EXPECT_EQ(fourdvt("inspect " + surfaces() + "/character").code, 0);
+}
+
+TEST(Track, GoesOnAfterAnInterruption) {
+  const std::string out = scratch("track-interrupted"), options = "track " + surfaces() + "/surfaces " + kFaces;
+  ASSERT_EQ(fourdvt(options + " -o " + out + "/straight").code, 0);
+  const Outcome stop =
+      interrupted(FOURDVT_BIN, options + " -o " + out + "/stopped", out + "/stopped.work", out + "/log");
+  ASSERT_EQ(stop.code, 130) << stop.output;
+  EXPECT_NE(stop.output.find("--resume"), std::string::npos) << stop.output;
+  EXPECT_FALSE(exists(out + "/stopped"));
+  const Outcome resumed = fourdvt(options + " -o " + out + "/stopped --resume");
+  ASSERT_EQ(resumed.code, 0) << resumed.output;
+  EXPECT_EQ(differences(out + "/straight/walk/mesh", out + "/stopped/walk/mesh"), std::vector<std::string>{});
+}
+
+TEST(Track, RefusesWhatItCannotFollow) {
+  const std::string out = scratch("track-refused") + "/tracked", track = "track ", to = " -o " + out + kFaces;
+  std::string capture = surfaces() + "/meshless";
+  fs::copy(surfaces() + "/capture", capture, fs::copy_options::recursive);
+  fs::remove_all(capture + "/walk/mesh");
+  const std::string json = readText(capture + "/capture.json");
+  writeText(capture + "/capture.json", withoutMeshKeys(json));
+  expectRefusal(fourdvt(track + capture + to), "fourdvt reconstruct", out);
+  expectRefusal(fourdvt(track + surfaces() + "/surfaces --template walk:400" + to), "no such frame", out);
+
+  const std::string shifted = ownSurfaces("shifted");
+  changeMeshes(shifted, 0, [](TriangleMesh& mesh) {
+    for (glm::vec3& p : mesh.positions) p.x += 0.5f;
+  });
+  expectRefusal(fourdvt(track + shifted + to), "was not made of these pictures", out);
+
+  const std::string two = ownSurfaces("two");
+  changeMeshes(two, 0, [](TriangleMesh& mesh) {
+    const auto count = uint32_t(mesh.positions.size());
+    const size_t faces = mesh.faces.size();
+    for (uint32_t v = 0; v < count; ++v) mesh.positions.push_back(mesh.positions[v] + glm::vec3(1.5f, 0, 0));
+    for (size_t f = 0; f < faces; ++f) mesh.faces.push_back(mesh.faces[f] + count);
+  });
+  expectRefusal(fourdvt(track + two + to), "follows one performer", out);
+
+  // A part that was put down: the surfaces of later frames lie elsewhere.
+  const std::string changed = ownSurfaces("changed");
+  changeMeshes(changed, 2, [](TriangleMesh& mesh) {
+    for (glm::vec3& p : mesh.positions) p.y = 0.5f * p.y;
+  });
+  const Outcome outcome = fourdvt(track + changed + " --template walk:0" + to);
+  expectRefusal(outcome, "is another mesh", out);
+}
+
+}  // namespace
+}  // namespace fourdvt::test
