@@ -48,7 +48,7 @@ float pairCost(float weight, vec3 a, vec3 b, vec3 aa, vec3 bb, vec3 ab, float ma
   return min(CORRELATION_SHARE * min(1.0 - correlation, 1.0) + (1.0 - CORRELATION_SHARE) * colour + 0.5 * mattes / samples, kUnlike);
 }
 
-vec4 g_patch[kSide * kSide];  // of the reference, the first source: equal at all depths
+vec4 g_patch[kSide * kSide];  // patch of the reference, the first source: equal at all depths
 
 float costAt(vec2 pixel, float depth) {
   if (!insideHull(pixel, depth)) return 1.0;

@@ -71,7 +71,7 @@ class PlaneSweep {
   int layer_width_ = 0, layer_height_ = 0;
   gpu::Program front_program_, outside_program_;
   std::vector<gpu::Program> cost_programs_;  // [number of sources]
-  gpu::IndexBuffer corners_;                 // of all faces of the hull
+  gpu::IndexBuffer corners_;                 // the faces of the hull
   gpu::Texture pictures_, positions_, front_, cells_, costs_;
   gpu::Target front_target_, costs_target_;
   std::vector<MatteCounts> mattes_;  // [camera]
