@@ -38,6 +38,20 @@ Options rows(TrackOptions& o) {
   };
 }
 
+// Checks the classes against the input's sequences, before any work.
+Status checkClasses(const TrackOptions& options) {
+  if (options.classes.empty()) return {};
+  FOURDVT_ASSIGN(const auto capture,
+                 capture::openDescription(options.capture_folder, options.sequences, capture::MeshNeed::Nothing));
+  std::vector<std::string> names, loops;
+  for (const capture::CaptureSequence& sequence : capture.sequences) {
+    names.push_back(sequence.name);
+    if (sequence.loop) loops.push_back(sequence.name);
+  }
+  const std::string problem = capture::classProblem(options.classes, names, loops);
+  return problem.empty() ? Status() : Error{ErrorId::InvalidArgument, options.capture_folder + ": " + problem};
+}
+
 }  // namespace
 
 std::optional<int> readTrackCommand(int argc, char** argv, TrackOptions& o, TrackExtension extension) {
@@ -76,6 +90,7 @@ void printTrackSummary(const std::string& folder, const track::TrackSummary& s) 
 Result<int> trackCommand(int argc, char** argv, TrackExtension extension) {
   TrackOptions options;
   if (const auto code = readTrackCommand(argc, argv, options, extension)) return *code;
+  FOURDVT_TRY(checkClasses(options));
   ProgressLine line;
   FOURDVT_ASSIGN(const auto summary, track::track(options, trackEnvironment(line)));
   line.end();

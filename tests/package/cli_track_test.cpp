@@ -114,6 +114,8 @@ TEST(Track, RefusesWhatItCannotFollow) {
   expectRefusal(fourdvt(track + capture + to), "fourdvt reconstruct", out);
   expectRefusal(fourdvt(track + surfaces() + "/surfaces --template walk:400" + to), "no such frame", out);
 
+  expectRefusal(fourdvt(track + surfaces() + "/surfaces --class go:speed_mps=walk,nowhere" + to), "nowhere", out);
+
   const std::string shifted = ownSurfaces("shifted");
   changeMeshes(shifted, 0, [](TriangleMesh& mesh) {
     for (glm::vec3& p : mesh.positions) p.x += 0.5f;
