@@ -200,7 +200,7 @@ FittedFrame fitFrame(const Template& model, const FittedFrame& start, const Pose
     fit.match(parent, 1);
     fit.poseGraph(3, 0, 30, rigid);
   }
-  if (options.limbs && fit.poseLimbs(8) && options.flow_from_parent) {
+  if (options.wide && fit.poseLimbs(8) && options.flow_from_parent) {
     fit.poseGraph(4, 0.12, 0, rigid, 0);
     fit.match(parent, 2);
   }

@@ -36,8 +36,8 @@ FittedFrame restFrame(const Template& model);
 
 struct FitOptions {
   bool flow_from_parent = true, flow_from_anchor = true;
-  bool limbs = true;                  // leads limbs that flow has lost
-  bool wide = false;                  // surfaces farther away count, and lead rather than flow: after lost parts
+  // After lost parts: limbs are moved first, surfaces farther away count, and lead rather than flow.
+  bool wide = false;
   double surface_sigma_m = 0.004;     // noise of the surface along its normals
   double rigidity_sigma_m = 0.016;    // deviation of a link between nodes from a rotation
   double smoothness_sigma_m = 0.001;  // difference of neighbours' offsets
