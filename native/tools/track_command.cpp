@@ -70,7 +70,6 @@ track::TrackEnvironment trackEnvironment(ProgressLine& line) {
   track::TrackEnvironment environment;
   environment.open_video = videoOpener();
   environment.progress = [&line](const FrameProgress& p) { line.show(p); };
-  environment.note = [](const std::string& text) { note("%s", text.c_str()); };
   environment.stop = listenForStop();
   return environment;
 }

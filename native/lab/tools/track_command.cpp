@@ -16,7 +16,7 @@ tools::Options evidenceOptions(track::TrackOptions& o) {
        "similarity: along a tree of similar frames (default); time: each frame after its predecessor"},
       {"--nodes N", tools::number(o.nodes, 20, 5000), "nodes of the deformation graph, 20 to 5000 (default 400)"},
       {"--rigidity-mm X", tools::number(o.fit.rigidity_sigma_m, 0.01, 100, 1e-3),
-       "deviation of a link between nodes from a rotation (default 4)"},
+       "deviation of a link between nodes from a rotation (default 16)"},
       {"--surface-mm X", tools::number(o.fit.surface_sigma_m, 0.01, 100, 1e-3),
        "noise of the surfaces along their normals (default 4)"},
       {"--smooth-mm X", tools::number(o.fit.smoothness_sigma_m, 0.01, 100, 1e-3),

@@ -96,7 +96,6 @@ Result<TrackSummary> writeResult(const Prepared& job, const Work& work, const Ch
     FOURDVT_TRY(platform::writeFileAtomic(folder + "/" + capture::kPackedPositions, bytes));
   }
   summarise(sequences, out);
-  out.warnings.insert(out.warnings.begin(), job.warnings.begin(), job.warnings.end());
   FOURDVT_TRY(writeTrackReport(part, job, work, chosen, steps, sequences, out));
   return out;
 }

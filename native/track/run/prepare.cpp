@@ -146,7 +146,7 @@ std::string settingsKey(const TrackOptions& o, const capture::Capture& capture) 
 }
 
 Result<Prepared> prepare(const TrackOptions& given, const TrackEnvironment& environment) {
-  Prepared out{given, {}, {}, {}};
+  Prepared out{given, {}, {}};
   TrackOptions& options = out.options;
   FOURDVT_ASSIGN(options.folder, capture::checkedTarget(options.folder, options.capture_folder, kWriter));
   FOURDVT_ASSIGN(out.capture, mattes::openCapture(options.capture_folder, environment.open_video, options.sequences,

@@ -17,10 +17,9 @@ inline constexpr const char* kTrackJson = "track.json";
 capture::ResultFolder resultFolder(const TrackOptions& options);
 
 struct Prepared {
-  TrackOptions options;               // absolute folders, named sequences
-  capture::Capture capture;           // input, with surfaces
-  std::string settings_key;           // one line: settings that determine the result
-  std::vector<std::string> warnings;  // one line each
+  TrackOptions options;      // absolute folders, named sequences
+  capture::Capture capture;  // input, with surfaces
+  std::string settings_key;  // one line: settings that determine the result
 };
 
 // Settings that fits depend on, with names, sizes and times of the input's files.

@@ -2,7 +2,7 @@
 // Tracking of one mesh through all frames of a capture with surfaces of free topology:
 //   surfaces, pictures and mattes → template → order of the frames → fits → smooth motion → capture folder with links
 //   to the pictures, and report
-// Holds one frame at a time until the motion is smoothed, one sequence's positions then.
+// Holds the pictures of three frames, and of all frames thumbnails, then fits and smoothed positions.
 #pragma once
 
 #include <string>
