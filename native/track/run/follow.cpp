@@ -89,7 +89,7 @@ Result<bool> Follower::repair(uint32_t frame, uint32_t parent) {
   const auto before = work_.tracked(frame);
   if (before && misfit(before->figures) <= misfit(found.figures)) return false;
   if (before) found.seconds += before->seconds;
-  FOURDVT_TRY(work_.save(frame, found));
+  FOURDVT_TRY(work_.saveRepair(frame, found));
   return true;
 }
 

@@ -44,6 +44,7 @@ Result<TrackSummary> track(const TrackOptions& options, const TrackEnvironment& 
   const Watch watch;
   FOURDVT_ASSIGN(const Prepared job, prepare(options, environment));
   const Work work(resultFolder(job.options), job.capture, job.settings_key);
+  FOURDVT_TRY(work.dropRepairs());
   FOURDVT_TRY(storePictures(job, work, environment));
   FOURDVT_ASSIGN(const ChosenTemplate chosen, makeTemplateOf(job, work, environment));
   FOURDVT_ASSIGN(const auto thumbnails, thumbnailsOf(work));

@@ -55,6 +55,7 @@ namespace {
 
 constexpr const char* kPictures = "pictures";
 constexpr const char* kFits = "fits";
+constexpr const char* kRepairs = "repairs";
 
 }  // namespace
 
@@ -64,7 +65,7 @@ Work::Work(const capture::ResultFolder& folder, const capture::Capture& capture,
 }
 
 Status Work::makeFolders() const {
-  for (const char* kind : {kPictures, kFits})
+  for (const char* kind : {kPictures, kFits, kRepairs})
     for (const std::string& name : names_) FOURDVT_TRY(platform::makeFolder(folder_ + "/" + kind + "/" + name));
   return {};
 }
@@ -97,11 +98,20 @@ std::optional<ChosenTemplate> Work::chosenTemplate() const {
 Status Work::save(const ChosenTemplate& chosen) const { return store::save(folder_ + "/template.bin", chosen); }
 
 std::optional<TrackedFrame> Work::tracked(uint32_t frame) const {
-  auto found = store::load<TrackedFrame>(path(kFits, frame));
+  auto found = store::load<TrackedFrame>(path(kRepairs, frame));
+  if (!found) found = store::load<TrackedFrame>(path(kFits, frame));
   return found ? std::optional(found.take()) : std::nullopt;
 }
 Status Work::save(uint32_t frame, const TrackedFrame& tracked) const {
   return store::save(path(kFits, frame), tracked);
+}
+
+Status Work::saveRepair(uint32_t frame, const TrackedFrame& tracked) const {
+  return store::save(path(kRepairs, frame), tracked);
+}
+Status Work::dropRepairs() const {
+  platform::removeFolder(folder_ + "/" + kRepairs);
+  return makeFolders();
 }
 
 }  // namespace fourdvt::track

@@ -76,6 +76,10 @@ class Work {
 
   std::optional<TrackedFrame> tracked(uint32_t frame) const;
   Status save(uint32_t frame, const TrackedFrame& tracked) const;
+  // Repairs replace the fits of the tree in tracked(). They begin anew in each process, so that an interrupted run ends
+  // with the same bytes.
+  Status saveRepair(uint32_t frame, const TrackedFrame& tracked) const;
+  Status dropRepairs() const;
 
  private:
   std::string path(const char* kind, uint32_t frame) const;
