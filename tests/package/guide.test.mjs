@@ -18,7 +18,9 @@ const kQuick = {
   render: ['--size', '96x128'],
 };
 const chapter = readFileSync(join(kRoot, 'native/capture/CLASSES.md'), 'utf8');
-const commands = [...chapter.matchAll(/^ {4}fourdvt (.+)$/gm)].map(([, words]) => words.split(/ +/));
+const kUntracked = /^## Without a tracker\n[\s\S]*?(?=^## )/m;
+const commandsOf = (text) => [...text.matchAll(/^ {4}fourdvt (.+)$/gm)].map(([, words]) => words.split(/ +/));
+const commands = commandsOf(chapter.replace(kUntracked, ''));
 
 let folder;
 before(() => { folder = mkdtempSync(join(tmpdir(), 'fourdvt-guide-')); });
@@ -74,6 +76,16 @@ test('every command of the chapter does what it says', () => {
   const [, low, high] = /class locomotion: speed_mps ([\d.]+) to ([\d.]+)/.exec(printed[2]);
   assert.ok(Math.abs(low - 1.23) < 0.1 && Math.abs(high - 2.72) < 0.15, `${low} to ${high}`);
   for (const made of ['between.png', 'faster.mp4']) assert.ok(existsSync(join(folder, made)), made);
+});
+
+// cli_track runs these commands; their surfaces take too long to be made here.
+test('commands without a tracker are those of the tool', () => {
+  const untracked = commandsOf(kUntracked.exec(chapter)[0]);
+  assert.deepEqual(untracked.map(([name]) => name), ['reconstruct', 'track', 'bake']);
+  for (const [name, ...words] of untracked) {
+    const help = run([name, '--help']);
+    for (const option of words.filter((word) => word.startsWith('-'))) assert.match(help, new RegExp(`(^|\\s)${option}[ ,<]`, 'm'), `${name} ${option}`);
+  }
 });
 
 test('messages of the chapter that need no bake', () => {
