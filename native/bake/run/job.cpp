@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "capture/folder/archive.h"
 #include "refine/refine.h"
 #include "store/folder.h"
 
@@ -24,19 +25,6 @@ void pointers(Archive& a, bake::Job& job) {
 
 }  // namespace
 
-void fields(Archive& a, capture::CaptureCamera& c) { a(c.pinhole, c.distortion); }
-void fields(Archive& a, capture::CaptureSound& s) { a(s.path, s.offset_s); }
-void fields(Archive& a, capture::CaptureSequence& s) {
-  a(s.name, s.frame_count, s.loop, s.root_velocity_mps, s.folder, s.mesh_pattern, s.first_mesh, s.packed_positions,
-    s.packed_units_per_metre, s.test_frames, s.first_frame, s.offset_frames, s.sound);
-}
-void fields(Archive& a, capture::CaptureClass::MemberOf& m) { a(m.sequence, m.parameter); }
-void fields(Archive& a, capture::CaptureClass& c) { a(c.name, c.parameters, c.members, c.footstep); }
-// All fields except the offsets, which are part of the refinement.
-void fields(Archive& a, capture::Capture& c) {
-  a(c.folder, c.name, c.credit, c.fps, c.metres_per_unit, c.ground_y_m, c.cameras, c.sequences, c.classes,
-    c.cameras_folder, c.background_folder, c.background_kind, c.room, c.meshes, c.topology);
-}
 void fields(Archive& a, bake::LowerRendition& r) { a(r.size, r.crf, r.codec, r.preset); }
 void fields(Archive& a, bake::CameraOptions& o) { a(o.tile_scale, o.max_texels, o.faces, o.method, o.choice); }
 void fields(Archive& a, bake::BakeOptions& o) {
