@@ -2,6 +2,7 @@
 #include "jobs/plan.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -68,6 +69,17 @@ void Piece::addInput(uint64_t digest) { inputs = add(inputs, digest); }
 void Piece::setCost(double estimated_s, double max_mb) {
   seconds = std::round(10 * estimated_s) / 10;
   memory_mb = std::ceil(max_mb);
+}
+
+Status checkSequenceNames(const std::vector<std::string>& sequences, const std::string& capture_folder,
+                          const std::string& command) {
+  const auto fits = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; };
+  for (const std::string& name : sequences)
+    if (!std::all_of(name.begin(), name.end(), fits))
+      return Error{ErrorId::CaptureJson, capture_folder + "/capture.json: sequence name '" + name +
+                                             "' cannot be part of the name of a piece; use letters, digits, '_', '-' " +
+                                             "and '.', or run `fourdvt " + command + "`"};
+  return {};
 }
 
 Status settleHashes(const std::string& settings_key, Plan& plan) {

@@ -51,7 +51,7 @@ struct Piece {
 
 struct Plan {
   Tool tool = thisTool();
-  std::string command;                 // "bake" or "reconstruct"
+  std::string command;                 // "bake", "reconstruct" or "track"
   std::vector<std::string> arguments;  // the command's arguments
   std::string capture, result;         // absolute paths of folders
   uint32_t frames = 0;
@@ -60,6 +60,10 @@ struct Plan {
 
   const Piece* find(const std::string& id) const;
 };
+
+// Checks that sequence names are valid in ids of pieces. `command`: the remedy, without pieces. Errors: CaptureJson.
+Status checkSequenceNames(const std::vector<std::string>& sequences, const std::string& capture_folder,
+                          const std::string& command);
 
 // Sets the hashes of all pieces from their inputs, the settings and the build. Errors: Internal (a piece precedes one
 // that it needs).

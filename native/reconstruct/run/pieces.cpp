@@ -2,7 +2,6 @@
 #include "reconstruct/run/pieces.h"
 
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -97,17 +96,6 @@ std::vector<jobs::Piece> piecesOf(const JobFile& file, uint32_t frames) {
   return out;
 }
 
-// Checks that sequence names are valid in names of pieces.
-Status checkNames(const Prepared& job) {
-  const auto fits = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; };
-  for (const std::string& name : job.options.sequences)
-    if (!std::all_of(name.begin(), name.end(), fits))
-      return Error{ErrorId::CaptureJson, job.options.capture_folder + "/capture.json: sequence name '" + name +
-                                             "' cannot be part of the name of a piece; use letters, digits, '_', '-' " +
-                                             "and '.', or run `fourdvt reconstruct`"};
-  return {};
-}
-
 std::optional<Part> partOf(const jobs::Piece& piece) {
   if (piece.kind == kFirst) return Part{piece.id.substr(std::string(kFirst).size() + 1), true, 0};
   if (piece.kind != kFrames) return std::nullopt;
@@ -191,7 +179,7 @@ Result<jobs::Plan> planReconstruct(const ReconstructOptions& options, std::vecto
   FOURDVT_TRY(preparation.addMattes());
   JobFile file{preparation.take(), 0};
   const Prepared& job = file.job;
-  FOURDVT_TRY(checkNames(job));
+  FOURDVT_TRY(jobs::checkSequenceNames(job.options.sequences, job.options.capture_folder, "reconstruct"));
   const std::string job_folder = resultFolder(job.options).workFolder();
   addEarlierWarnings(job_folder, file.job);
   file.common_input_digest = capture::commonInputDigest(job.capture);

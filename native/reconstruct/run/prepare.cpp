@@ -7,6 +7,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "capture/folder/linked_capture.h"
+#include "jobs/job_file.h"
 #include "jobs/plan.h"
 #include "mattes/frame_reader.h"
 #include "mattes/run/matte_sources.h"
@@ -14,7 +15,6 @@
 #include "reconstruct/run/report.h"
 #include "reconstruct/run/sequence_frames.h"
 #include "refine/run/calibrate_capture.h"
-#include "store/folder.h"
 
 namespace fourdvt::reconstruct {
 namespace {
@@ -163,24 +163,9 @@ void fields(Archive& a, reconstruct::JobFile& f) {
 }  // namespace fourdvt::store
 
 namespace fourdvt::reconstruct {
-namespace {
 
-constexpr const char* kFile = "/job.bin";
+Status writeJobFile(const std::string& job_folder, const JobFile& file) { return jobs::writeJobFile(job_folder, file); }
 
-}  // namespace
-
-Status writeJobFile(const std::string& job_folder, const JobFile& file) {
-  return store::save(job_folder + kFile, file);
-}
-
-Result<JobFile> readJobFile(const std::string& job_folder) {
-  const std::string path = job_folder + kFile;
-  auto file = store::load<JobFile>(path);
-  if (file) return file;
-  if (file.error().id == ErrorId::FileMissing)
-    return Error{ErrorId::FileMissing, path + ": there is none; run `fourdvt plan` again"};
-  return Error{ErrorId::FileUnreadable,
-               path + ": damaged, or of another version; delete it and run `fourdvt plan` again"};
-}
+Result<JobFile> readJobFile(const std::string& job_folder) { return jobs::readJobFile<JobFile>(job_folder); }
 
 }  // namespace fourdvt::reconstruct
