@@ -7,6 +7,7 @@
 #include "base/hash.h"
 #include "base/text.h"
 #include "capture/folder/linked_capture.h"
+#include "jobs/plan.h"
 #include "platform/files.h"
 #include "platform/process.h"
 #include "store/folder.h"
@@ -15,6 +16,8 @@ namespace fourdvt::capture {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr int kPlacedAtOnce = 5;  // retries, where processes finish the same job at once
 
 // Names relative to `folder`, sizes and times of all files below it, except a sequence's meshes and held-out pictures.
 std::vector<std::string> filesOf(const std::string& folder, bool of_sequence) {
@@ -121,11 +124,39 @@ Status ResultFolder::open(const std::string& key, bool resume) const {
   return platform::makeFolder(partFolder());
 }
 
+ResultFolder ResultFolder::ofThisProcess() const {
+  ResultFolder out = *this;
+  out.part_ending_ += "." + platform::ownSuffix();
+  return out;
+}
+
+Result<std::string> ResultFolder::openFor(const std::string& settings, Earlier earlier,
+                                          const std::function<void(const std::string&)>& note) const {
+  const std::string work = workFolder();
+  const std::string key =
+      jobs::folderKey(settings, earlier == Earlier::KeptIfSame, [&](const std::string& k) { return holds(k); });
+  const bool other_build = jobs::holdsPlanOfAnotherBuild(work);
+  if (other_build && earlier == Earlier::Kept)
+    return Error{ErrorId::InvalidArgument, work +
+                                               ": holds work of another build of fourdvt, which does not fit together "
+                                               "with this one's; leave out --resume to begin anew"};
+  const bool same = holds(key) && !other_build;
+  std::error_code none;
+  if (earlier == Earlier::KeptIfSame && !same && note && fs::exists(work, none))
+    note(work + ": holds work of other settings, of another capture or of another build; all begins again");
+  FOURDVT_TRY(open(key, earlier == Earlier::Kept || (earlier == Earlier::KeptIfSame && same)));
+  return key;
+}
+
 bool ResultFolder::holds(const std::string& key) const { return store::keyOf(workFolder()) == key + signature(); }
 
 Status ResultFolder::place() const {
   const std::string previous = workFolder() + "/previous." + platform::ownSuffix();  // only this process removes it
-  FOURDVT_TRY(platform::replaceFolder(partFolder(), target_, previous));
+  std::error_code none;
+  Status placed = platform::replaceFolder(partFolder(), target_, previous);
+  for (int again = 0; again < kPlacedAtOnce && !placed.ok() && fs::exists(partFolder(), none); ++again)
+    placed = platform::replaceFolder(partFolder(), target_, previous);
+  FOURDVT_TRY(placed);
   platform::removeFolder(previous);
   return {};
 }

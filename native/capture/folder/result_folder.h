@@ -5,6 +5,7 @@
 // The target is unchanged until place() or finish().
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -31,19 +32,33 @@ std::string inputsKey(const Capture& capture);
 // Name of a frame's file without extension: "000012".
 std::string frameName(uint32_t frame);
 
+// Handling of an earlier run's work in the same folders.
+enum class Earlier {
+  Removed,
+  Kept,       // error if its settings differ
+  KeptIfSame  // for a plan: removed with a note if its settings differ
+};
+
 class ResultFolder {
  public:
   // `target`: see checkedTarget.
   ResultFolder(std::string target, FolderWriter writer) : target_(std::move(target)), writer_(std::move(writer)) {}
-  std::string partFolder() const { return target_ + ".part"; }
+  // Variant whose part this process alone writes, where several may write the same result at once.
+  ResultFolder ofThisProcess() const;
+  std::string partFolder() const { return target_ + part_ending_; }
   std::string workFolder() const { return target_ + ".work"; }
 
   // Keeps the work of an earlier run only with `resume`. `key`: text of the settings that frames depend on. Errors:
   // InvalidArgument (work of another key, or of another command), WriteFailed.
   Status open(const std::string& key, bool resume) const;
+  // Calls open() for a command that runs in one process or in pieces (jobs/plan.h), and returns the key: settings, and
+  // the build where machines share the work. `note` may be empty. Errors: those of open(); InvalidArgument (Kept: a
+  // plan of another build).
+  Result<std::string> openFor(const std::string& settings, Earlier earlier,
+                              const std::function<void(const std::string&)>& note) const;
   // Returns true where an earlier run left work with this key.
   bool holds(const std::string& key) const;
-  // Moves the part to the target; the work folder stays. On failure all work is kept.
+  // Moves the part to the target, also while other processes do so; the work folder stays. On failure all work is kept.
   Status place() const;
   // Calls place() and removes the work folder.
   Status finish() const;
@@ -51,7 +66,7 @@ class ResultFolder {
  private:
   std::string signature() const { return "by " + writer_.command + "\n"; }
 
-  std::string target_;
+  std::string target_, part_ending_ = ".part";
   FolderWriter writer_;
 };
 

@@ -8,7 +8,6 @@
 
 #include "capture/folder/linked_capture.h"
 #include "jobs/job_file.h"
-#include "jobs/plan.h"
 #include "mattes/frame_reader.h"
 #include "mattes/run/matte_sources.h"
 #include "mattes/run/mattes.h"
@@ -63,20 +62,7 @@ Status Preparation::openGiven() {
 Status Preparation::link(Earlier earlier) {
   FOURDVT_TRY(openGiven());
   const capture::ResultFolder folder = resultFolder(out_.options);
-  std::error_code none;
-  out_.settings_key = jobs::folderKey(out_.settings_key, earlier == Earlier::KeptIfSame,
-                                      [&](const std::string& key) { return folder.holds(key); });
-  const bool other_build = jobs::holdsPlanOfAnotherBuild(folder.workFolder());
-  if (other_build && earlier == Earlier::Kept)
-    return Error{ErrorId::InvalidArgument, folder.workFolder() +
-                                               ": holds work of another build of fourdvt, which does not fit together "
-                                               "with this one's; leave out --resume to begin anew"};
-  const bool same = folder.holds(out_.settings_key) && !other_build;
-  if (earlier == Earlier::KeptIfSame && !same && environment_.note &&
-      std::filesystem::exists(folder.workFolder(), none))
-    environment_.note(folder.workFolder() +
-                      ": holds work of other settings, of another capture or of another build; all begins again");
-  FOURDVT_TRY(folder.open(out_.settings_key, earlier == Earlier::Kept || (earlier == Earlier::KeptIfSame && same)));
+  FOURDVT_ASSIGN(out_.settings_key, folder.openFor(out_.settings_key, earlier, environment_.note));
   FOURDVT_TRY(linkFrames());
   FOURDVT_ASSIGN(out_.capture, mattes::openLinked(folder.partFolder(), out_.options.capture_folder,
                                                   out_.options.sequences, environment_.open_video));

@@ -75,12 +75,7 @@ struct Prepared {
 
 capture::ResultFolder resultFolder(const ReconstructOptions& options);
 
-// Handling of an earlier run's work in the same folders.
-enum class Earlier {
-  Removed,
-  Kept,       // error if its settings differ
-  KeptIfSame  // removed with a note if its settings differ
-};
+using capture::Earlier;
 
 class Preparation {
  public:
