@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "track/run/follow.h"
 
+#include <map>
 #include <queue>
 #include <tuple>
 
@@ -27,21 +28,16 @@ std::vector<TrackingStep> orderInTime(const FrameList& list, uint32_t root) {
 
 }  // namespace
 
-Result<std::vector<FrameThumbnails>> thumbnailsOf(const Work& work) {
-  std::vector<FrameThumbnails> out;
-  for (uint32_t frame = 0; frame < work.frames().count; ++frame) {
-    FOURDVT_ASSIGN(auto pictures, work.pictures(frame));
-    out.push_back(std::move(pictures.thumbnails));
+Result<std::vector<TrackingStep>> orderOf(const Prepared& job, const Work& work, const ChosenTemplate& chosen) {
+  if (!job.options.by_similarity) return orderInTime(work.frames(), chosen.frame);
+  std::vector<FrameThumbnails> thumbnails(work.frames().count);
+  for (uint32_t frame = 0; frame < thumbnails.size(); ++frame) {
+    FOURDVT_ASSIGN(thumbnails[frame], work.thumbnails(frame));
   }
-  return out;
+  return trackingOrder(thumbnails, chosen.frame);
 }
 
-std::vector<TrackingStep> orderOf(const Prepared& job, const Work& work, const ChosenTemplate& chosen,
-                                  std::span<const FrameThumbnails> thumbnails) {
-  return job.options.by_similarity ? trackingOrder(thumbnails, chosen.frame) : orderInTime(work.frames(), chosen.frame);
-}
-
-Result<Follower> Follower::create(const Prepared& job, const Work& work, const ChosenTemplate& chosen) {
+Result<Follower> Follower::create(const Prepared& job, Work& work, const ChosenTemplate& chosen) {
   FOURDVT_ASSIGN(const TriangleMesh surface, surfaceOf(job, work, chosen.frame));
   Follower out(job, work, chosen,
                makeTemplate(chosen.mesh.topology, chosen.mesh.positions, job.options.nodes, surface));
@@ -89,18 +85,21 @@ Result<bool> Follower::repair(uint32_t frame, uint32_t parent) {
   const auto before = work_.tracked(frame);
   if (before && misfit(before->figures) <= misfit(found.figures)) return false;
   if (before) found.seconds += before->seconds;
-  FOURDVT_TRY(work_.saveRepair(frame, found));
+  work_.setRepair(frame, std::move(found));
   return true;
 }
 
-Status repairFits(Follower& follower, const Work& work, std::span<const FrameThumbnails> thumbnails,
-                  const std::function<Status(uint32_t frame)>& progress) {
-  const auto count = uint32_t(thumbnails.size());
+Status repairFits(Follower& follower, const Prepared& job, const Work& work, const TrackEnvironment& environment) {
+  const uint32_t count = work.frames().count;
   std::vector<bool> good(count);
+  std::map<uint32_t, FrameThumbnails> bad;  // frames with bad fits
   for (uint32_t f = 0; f < count; ++f) {
-    const auto tracked = work.tracked(f);
-    good[f] = tracked && misfit(tracked->figures) <= kMaxMisfit;
+    FOURDVT_ASSIGN(const TrackedFrame tracked, work.requireTracked(f));
+    good[f] = misfit(tracked.figures) <= kMaxMisfit;
+    if (good[f]) continue;
+    FOURDVT_ASSIGN(bad[f], work.thumbnails(f));
   }
+  if (bad.empty()) return {};
   struct Try {
     double dissimilarity;
     uint32_t frame, parent;
@@ -109,23 +108,26 @@ Status repairFits(Follower& follower, const Work& work, std::span<const FrameThu
     }
   };
   std::priority_queue<Try, std::vector<Try>, std::greater<>> open;
-  const auto addParent = [&](uint32_t parent) {
-    for (uint32_t f = 0; f < count; ++f)
-      if (!good[f]) open.push({dissimilarity(thumbnails[f], thumbnails[parent]), f, parent});
+  const auto addParent = [&](uint32_t parent) -> Status {
+    FOURDVT_ASSIGN(const FrameThumbnails there, work.thumbnails(parent));
+    for (const auto& [f, thumbnails] : bad)
+      if (!good[f]) open.push({dissimilarity(thumbnails, there), f, parent});
+    return {};
   };
   for (uint32_t f = 0; f < count; ++f)
-    if (good[f]) addParent(f);
+    if (good[f]) FOURDVT_TRY(addParent(f));
   std::vector<int> tries(count, 0);
   while (!open.empty()) {
     const Try next = open.top();
     open.pop();
     if (good[next.frame] || tries[next.frame] >= kMaxTries) continue;
-    FOURDVT_TRY(progress(next.frame));
+    FOURDVT_TRY(stopped(job, environment));
+    if (environment.progress) environment.progress({"repairing " + work.nameOf(next.frame), count, count, 0, 0});
     ++tries[next.frame];
     FOURDVT_TRY(follower.repair(next.frame, next.parent));
     const auto tracked = work.tracked(next.frame);
     good[next.frame] = tracked && misfit(tracked->figures) <= kMaxMisfit;
-    if (good[next.frame]) addParent(next.frame);
+    if (good[next.frame]) FOURDVT_TRY(addParent(next.frame));
   }
   return {};
 }

@@ -180,8 +180,8 @@ Status storePictures(const Prepared& job, const Work& work, const TrackEnvironme
       }
       reader->skipTo(f);
       FOURDVT_ASSIGN(const auto captured, reader->next());
-      FOURDVT_TRY(work.save(first + f, FramePictures{thumbnailsOf(captured.pictures),
-                                                     viewsOf(cameras, captured.pictures, kCropMargin_px)}));
+      FOURDVT_TRY(work.save(first + f, FramePictures{viewsOf(cameras, captured.pictures, kCropMargin_px)},
+                            thumbnailsOf(captured.pictures)));
     }
   }
   return {};

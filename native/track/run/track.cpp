@@ -11,9 +11,8 @@ namespace fourdvt::track {
 namespace {
 
 // Fits all frames in order. Returns the number of earlier fits that were kept.
-Result<uint32_t> followAll(const Prepared& job, const Work& work, const ChosenTemplate& chosen,
-                           std::span<const TrackingStep> steps, std::span<const FrameThumbnails> thumbnails,
-                           const TrackEnvironment& environment) {
+Result<uint32_t> followAll(const Prepared& job, Work& work, const ChosenTemplate& chosen,
+                           std::span<const TrackingStep> steps, const TrackEnvironment& environment) {
   FOURDVT_ASSIGN(Follower follower, Follower::create(job, work, chosen));
   const Watch watch;
   uint32_t kept = 0, done = 0;
@@ -30,10 +29,7 @@ Result<uint32_t> followAll(const Prepared& job, const Work& work, const ChosenTe
     }
     environment.progress(p);
   }
-  FOURDVT_TRY(repairFits(follower, work, thumbnails, [&](uint32_t frame) -> Status {
-    if (environment.progress) environment.progress({"repairing " + work.nameOf(frame), done, done, 0, 0});
-    return stopped(job, environment);
-  }));
+  FOURDVT_TRY(repairFits(follower, job, work, environment));
   return kept;
 }
 
@@ -43,13 +39,11 @@ Result<TrackSummary> track(const TrackOptions& options, const TrackEnvironment& 
   if (options.jobs > 0) cv::setNumThreads(options.jobs);
   const Watch watch;
   FOURDVT_ASSIGN(const Prepared job, prepare(options, environment));
-  const Work work(resultFolder(job.options), job.capture, job.settings_key);
-  FOURDVT_TRY(work.dropRepairs());
+  Work work(resultFolder(job.options), job.capture, job.settings_key);
   FOURDVT_TRY(storePictures(job, work, environment));
   FOURDVT_ASSIGN(const ChosenTemplate chosen, makeTemplateOf(job, work, environment));
-  FOURDVT_ASSIGN(const auto thumbnails, thumbnailsOf(work));
-  const auto steps = orderOf(job, work, chosen, thumbnails);
-  FOURDVT_ASSIGN(const uint32_t kept, followAll(job, work, chosen, steps, thumbnails, environment));
+  FOURDVT_ASSIGN(const auto steps, orderOf(job, work, chosen));
+  FOURDVT_ASSIGN(const uint32_t kept, followAll(job, work, chosen, steps, environment));
   FOURDVT_ASSIGN(TrackSummary summary, writeResult(job, work, chosen, steps));
   summary.frames_kept = kept;
   summary.wall_s = watch.seconds();

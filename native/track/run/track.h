@@ -2,7 +2,7 @@
 // Tracking of one mesh through all frames of a capture with surfaces of free topology:
 //   surfaces, pictures and mattes → template → order of the frames → fits → smooth motion → capture folder with links
 //   to the pictures, and report
-// Holds the pictures of three frames, and of all frames thumbnails, then fits and smoothed positions.
+// Holds the pictures of three frames. Of all frames it holds thumbnails for the order, and positions at the end.
 #pragma once
 
 #include <string>

@@ -30,13 +30,13 @@ void fields(Archive& a, track::View& v) {
   fieldsOf(a, v.grey);
   fieldsOf(a, v.matte);
 }
-void fields(Archive& a, track::FramePictures& f) {
-  auto count = uint32_t(f.thumbnails.pictures.size());
+void fields(Archive& a, track::FrameThumbnails& t) {
+  auto count = uint32_t(t.pictures.size());
   a(count);
-  if (a.reads()) f.thumbnails.pictures.resize(std::min(count, 1024u));
-  for (cv::Mat& picture : f.thumbnails.pictures) fieldsOf(a, picture);
-  a(f.views);
+  if (a.reads()) t.pictures.resize(std::min(count, 1024u));
+  for (cv::Mat& picture : t.pictures) fieldsOf(a, picture);
 }
+void fields(Archive& a, track::FramePictures& f) { a(f.views); }
 void fields(Archive& a, track::ChosenTemplate& t) {
   a(t.frame, t.mesh.topology, t.mesh.positions, t.fitness, t.judged);
 }
@@ -54,8 +54,8 @@ namespace fourdvt::track {
 namespace {
 
 constexpr const char* kPictures = "pictures";
+constexpr const char* kThumbnails = "thumbnails";
 constexpr const char* kFits = "fits";
-constexpr const char* kRepairs = "repairs";
 
 }  // namespace
 
@@ -65,7 +65,7 @@ Work::Work(const capture::ResultFolder& folder, const capture::Capture& capture,
 }
 
 Status Work::makeFolders() const {
-  for (const char* kind : {kPictures, kFits, kRepairs})
+  for (const char* kind : {kPictures, kThumbnails, kFits})
     for (const std::string& name : names_) FOURDVT_TRY(platform::makeFolder(folder_ + "/" + kind + "/" + name));
   return {};
 }
@@ -82,10 +82,15 @@ std::string Work::path(const char* kind, uint32_t frame) const {
 
 bool Work::hasPictures(uint32_t frame) const {
   std::error_code none;
-  return std::filesystem::exists(path(kPictures, frame), none);
+  return std::filesystem::exists(path(kPictures, frame), none) &&
+         std::filesystem::exists(path(kThumbnails, frame), none);
 }
-Status Work::save(uint32_t frame, const FramePictures& pictures) const {
+Status Work::save(uint32_t frame, const FramePictures& pictures, const FrameThumbnails& thumbnails) const {
+  FOURDVT_TRY(store::save(path(kThumbnails, frame), thumbnails));
   return store::save(path(kPictures, frame), pictures);
+}
+Result<FrameThumbnails> Work::thumbnails(uint32_t frame) const {
+  return store::load<FrameThumbnails>(path(kThumbnails, frame));
 }
 Result<FramePictures> Work::pictures(uint32_t frame) const {
   return store::load<FramePictures>(path(kPictures, frame));
@@ -98,20 +103,17 @@ std::optional<ChosenTemplate> Work::chosenTemplate() const {
 Status Work::save(const ChosenTemplate& chosen) const { return store::save(folder_ + "/template.bin", chosen); }
 
 std::optional<TrackedFrame> Work::tracked(uint32_t frame) const {
-  auto found = store::load<TrackedFrame>(path(kRepairs, frame));
-  if (!found) found = store::load<TrackedFrame>(path(kFits, frame));
+  if (const auto repair = repairs_.find(frame); repair != repairs_.end()) return repair->second;
+  auto found = store::load<TrackedFrame>(path(kFits, frame));
   return found ? std::optional(found.take()) : std::nullopt;
+}
+Result<TrackedFrame> Work::requireTracked(uint32_t frame) const {
+  if (auto found = tracked(frame)) return std::move(*found);
+  return Error{ErrorId::InvalidArgument,
+               nameOf(frame) + ": is not fitted; run `fourdvt track --resume`, or `fourdvt plan` again"};
 }
 Status Work::save(uint32_t frame, const TrackedFrame& tracked) const {
   return store::save(path(kFits, frame), tracked);
-}
-
-Status Work::saveRepair(uint32_t frame, const TrackedFrame& tracked) const {
-  return store::save(path(kRepairs, frame), tracked);
-}
-Status Work::dropRepairs() const {
-  platform::removeFolder(folder_ + "/" + kRepairs);
-  return makeFolders();
 }
 
 }  // namespace fourdvt::track

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Work of a tracking run in its folder, in files that are written atomically: pictures of the frames, cropped once and
-// read often; the template; fitted frames. A file of other settings counts as absent.
+// read often; their thumbnails; the template; fitted frames. A file of other settings counts as absent.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,7 +35,6 @@ struct FrameList {
 };
 
 struct FramePictures {
-  FrameThumbnails thumbnails;
   std::vector<View> views;
 };
 
@@ -67,19 +67,21 @@ class Work {
   const FrameList& frames() const { return frames_; }
   std::string nameOf(uint32_t frame) const;  // "walk, frame 12"
 
-  bool hasPictures(uint32_t frame) const;
-  Status save(uint32_t frame, const FramePictures& pictures) const;
+  bool hasPictures(uint32_t frame) const;  // with thumbnails
+  Status save(uint32_t frame, const FramePictures& pictures, const FrameThumbnails& thumbnails) const;
   Result<FramePictures> pictures(uint32_t frame) const;
+  Result<FrameThumbnails> thumbnails(uint32_t frame) const;
 
   std::optional<ChosenTemplate> chosenTemplate() const;
   Status save(const ChosenTemplate& chosen) const;
 
   std::optional<TrackedFrame> tracked(uint32_t frame) const;
+  // Errors: InvalidArgument (not fitted).
+  Result<TrackedFrame> requireTracked(uint32_t frame) const;
   Status save(uint32_t frame, const TrackedFrame& tracked) const;
-  // Repairs replace the fits of the tree in tracked(). They begin anew in each process, so that an interrupted run ends
-  // with the same bytes.
-  Status saveRepair(uint32_t frame, const TrackedFrame& tracked) const;
-  Status dropRepairs() const;
+  // Repairs replace the fits of the tree in tracked(). They stay in memory: each process begins them anew, so that an
+  // interrupted run ends with the same bytes.
+  void setRepair(uint32_t frame, TrackedFrame tracked) { repairs_[frame] = std::move(tracked); }
 
  private:
   std::string path(const char* kind, uint32_t frame) const;
@@ -87,6 +89,7 @@ class Work {
   std::string folder_;
   std::vector<std::string> names_;  // [sequence]
   FrameList frames_;
+  std::map<uint32_t, TrackedFrame> repairs_;
 };
 
 }  // namespace fourdvt::track
