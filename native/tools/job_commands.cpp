@@ -32,8 +32,6 @@ Status recorded(const std::string& job_folder, const jobs::Plan& plan, const job
   return {};
 }
 
-bool isReconstruction(const jobs::Plan& plan) { return plan.command == "reconstruct"; }
-
 // Command environment of one process among several: with the job's cached time stamps of videos.
 bake::BakeEnvironment inJob(const std::string& job_folder, bake::BakeEnvironment environment) {
   environment.writer = platform::ownSuffix();
@@ -53,7 +51,8 @@ Status bakePieceOf(const std::string& job_folder, const jobs::Plan& plan, const 
   return bake::bakePiece(job_folder, plan, piece, threads, inJob(job_folder, bakeEnvironment(gpu, line)));
 }
 
-Status reconstructPieceOf(const std::string& job_folder, const jobs::Piece& piece, int threads, ProgressLine& line) {
+Status reconstructPieceOf(const std::string& job_folder, const jobs::Plan&, const jobs::Piece& piece, int threads,
+                          ProgressLine& line) {
   GpuSession gpu;
   FOURDVT_ASSIGN(const bool needs_gpu, reconstruct::piecesNeedDevice(job_folder));
   if (needs_gpu) {
@@ -61,16 +60,6 @@ Status reconstructPieceOf(const std::string& job_folder, const jobs::Piece& piec
   }
   return reconstruct::reconstructPiece(job_folder, piece, threads,
                                        inJob(job_folder, reconstructEnvironment(gpu, line)));
-}
-
-Status computePiece(const std::string& job_folder, const jobs::Plan& plan, const jobs::Piece& piece, int threads) {
-  return recorded(job_folder, plan, piece, [&] {
-    ProgressLine line;
-    const Status done = isReconstruction(plan) ? reconstructPieceOf(job_folder, piece, threads, line)
-                                               : bakePieceOf(job_folder, plan, piece, threads, line);
-    line.end();
-    return done;
-  });
 }
 
 Status finishBakeOf(const std::string& job_folder, const jobs::Plan& plan) {
@@ -93,10 +82,36 @@ Status finishReconstructOf(const std::string& job_folder, const jobs::Plan& plan
   return {};
 }
 
+// Functions of a command that runs in pieces.
+struct CommandInPieces {
+  const char* name;  // in the plan
+  Status (*compute)(const std::string& job_folder, const jobs::Plan& plan, const jobs::Piece& piece, int threads,
+                    ProgressLine& line);
+  Status (*finish)(const std::string& job_folder, const jobs::Plan& plan);
+};
+constexpr CommandInPieces kCommandsInPieces[] = {{"bake", bakePieceOf, finishBakeOf},
+                                                 {"reconstruct", reconstructPieceOf, finishReconstructOf}};
+
+Result<const CommandInPieces*> commandOf(const std::string& job_folder, const jobs::Plan& plan) {
+  for (const CommandInPieces& command : kCommandsInPieces)
+    if (plan.command == command.name) return &command;
+  return Error{ErrorId::FileUnreadable, job_folder + "/" + jobs::kPlanFile + ": has the command \"" + plan.command +
+                                            "\", which does not run in pieces; run `fourdvt plan` again"};
+}
+
+Status computePiece(const std::string& job_folder, const jobs::Plan& plan, const jobs::Piece& piece, int threads) {
+  FOURDVT_ASSIGN(const auto* command, commandOf(job_folder, plan));
+  return recorded(job_folder, plan, piece, [&] {
+    ProgressLine line;
+    const Status done = command->compute(job_folder, plan, piece, threads, line);
+    line.end();
+    return done;
+  });
+}
+
 Status finishJob(const std::string& job_folder, const jobs::Plan& plan, const jobs::Piece& piece) {
-  FOURDVT_TRY(recorded(job_folder, plan, piece, [&] {
-    return isReconstruction(plan) ? finishReconstructOf(job_folder, plan) : finishBakeOf(job_folder, plan);
-  }));
+  FOURDVT_ASSIGN(const auto* command, commandOf(job_folder, plan));
+  FOURDVT_TRY(recorded(job_folder, plan, piece, [&] { return command->finish(job_folder, plan); }));
   FOURDVT_TRY(jobs::writeReport(job_folder, plan, jobs::readProgress(job_folder, plan)));
   note("cost of the pieces: %s/%s", job_folder.c_str(), jobs::kReportHtml);
   return {};
