@@ -8,6 +8,7 @@
 #include "reconstruct/run/pieces.h"
 #include "tools/planned_commands.h"
 #include "tools/terminal.h"
+#include "track/run/pieces.h"
 
 namespace fourdvt::tools {
 namespace {
@@ -62,6 +63,11 @@ Status reconstructPieceOf(const std::string& job_folder, const jobs::Plan&, cons
                                        inJob(job_folder, reconstructEnvironment(gpu, line)));
 }
 
+Status trackPieceOf(const std::string& job_folder, const jobs::Plan&, const jobs::Piece& piece, int threads,
+                    ProgressLine& line) {
+  return track::trackPiece(job_folder, piece, threads, trackEnvironment(line));
+}
+
 Status finishBakeOf(const std::string& job_folder, const jobs::Plan& plan) {
   FOURDVT_ASSIGN(const auto gpu, openGpu());
   ProgressLine line;
@@ -82,6 +88,14 @@ Status finishReconstructOf(const std::string& job_folder, const jobs::Plan& plan
   return {};
 }
 
+Status finishTrackOf(const std::string& job_folder, const jobs::Plan& plan) {
+  ProgressLine line;
+  FOURDVT_ASSIGN(const auto summary, track::finishTrack(job_folder, trackEnvironment(line)));
+  line.end();
+  printTrackSummary(plan.result, summary);
+  return {};
+}
+
 // Functions of a command that runs in pieces.
 struct CommandInPieces {
   const char* name;  // in the plan
@@ -90,7 +104,8 @@ struct CommandInPieces {
   Status (*finish)(const std::string& job_folder, const jobs::Plan& plan);
 };
 constexpr CommandInPieces kCommandsInPieces[] = {{"bake", bakePieceOf, finishBakeOf},
-                                                 {"reconstruct", reconstructPieceOf, finishReconstructOf}};
+                                                 {"reconstruct", reconstructPieceOf, finishReconstructOf},
+                                                 {"track", trackPieceOf, finishTrackOf}};
 
 Result<const CommandInPieces*> commandOf(const std::string& job_folder, const jobs::Plan& plan) {
   for (const CommandInPieces& command : kCommandsInPieces)

@@ -19,7 +19,7 @@ constexpr Command kCommands[] = {
      more([](int argc, char** argv) { return trackCommand(argc, argv); })},
     {"bake", "turn a capture folder into a character folder",
      [](int argc, char** argv) { return bakeCommand(argc, argv); }},
-    {"plan", "cut a bake or a reconstruction into pieces", more(planCommand)},
+    {"plan", "cut a bake, a reconstruction or tracking into pieces", more(planCommand)},
     {"piece", "compute one piece of a plan", more(pieceCommand)},
     {"finish", "write the result of a plan whose pieces are done", more(finishCommand)},
     {"job", "show how far a plan is, and what its pieces cost", more(jobCommand)},

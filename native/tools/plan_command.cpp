@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// plan: cuts a bake or a reconstruction into pieces for a job engine on many machines.
+// plan: cuts a bake, a reconstruction or tracking into pieces for a job engine on many machines.
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
@@ -10,21 +10,25 @@
 #include "reconstruct/run/pieces.h"
 #include "tools/planned_commands.h"
 #include "tools/terminal.h"
+#include "track/run/pieces.h"
 
 namespace fourdvt::tools {
 namespace {
 
 constexpr const char* kPlanUsage =
     "usage: fourdvt plan bake CAPTURE -o CHARACTER [options of `fourdvt bake`]\n"
-    "       fourdvt plan reconstruct CAPTURE -o CAPTURE2 [options of `fourdvt reconstruct`]\n\n"
-    "Cuts a bake or a reconstruction into pieces that many machines can compute, and writes the plan, with a "
-    "Snakefile\n"
-    "and profiles for this machine and for Slurm, into the job folder CHARACTER.work or CAPTURE2.work. What that "
-    "folder\n"
-    "has of the same capture and settings stays. Capture and job folder must have the same paths on all machines.\n\n"
+    "       fourdvt plan reconstruct CAPTURE -o CAPTURE2 [options of `fourdvt reconstruct`]\n"
+    "       fourdvt plan track SURFACES -o CAPTURE2 [options of `fourdvt track`]\n\n"
+    "Cuts a command into pieces that many machines can compute, and writes the plan, with a Snakefile and profiles "
+    "for\n"
+    "this machine and for Slurm, into the job folder CHARACTER.work or CAPTURE2.work. What that folder has of the "
+    "same\n"
+    "capture and settings stays. Capture and job folder must have the same paths on all machines.\n\n"
     "Whatever all pieces need is made here, in one process: of a bake the refinement; of a reconstruction, which "
     "needs\n"
-    "no GPU until its pieces run, the calibration and mattes that the capture lacks.\n";
+    "no GPU until its pieces run, the calibration and mattes that the capture lacks; of tracking the cropped "
+    "pictures,\n"
+    "the template and the order of the frames.\n";
 
 // File of tools/cluster/, written into a job folder.
 struct ClusterFile {
@@ -102,14 +106,30 @@ Result<int> planReconstructCommand(int argc, char** argv) {
   return planned(line, [&] { return reconstruct::planReconstruct(options, {argv, argv + argc}, environment); });
 }
 
+Result<int> planTrackCommand(int argc, char** argv) {
+  track::TrackOptions options;
+  FOURDVT_ASSIGN(const auto code, readTrackCommand(argc, argv, options));
+  if (code) return *code;
+  ProgressLine line;
+  const auto environment = trackEnvironment(line);
+  return planned(line, [&] { return track::planTrack(options, {argv, argv + argc}, environment); });
+}
+
+struct PlannedCommand {
+  const char* name;
+  Result<int> (*plan)(int argc, char** argv);
+};
+constexpr PlannedCommand kPlannedCommands[] = {
+    {"bake", planBakeCommand}, {"reconstruct", planReconstructCommand}, {"track", planTrackCommand}};
+
 }  // namespace
 
 Result<int> planCommand(int argc, char** argv) {
   const char* command = argc > 0 ? argv[0] : "";
-  if (std::strcmp(command, "bake") == 0) return planBakeCommand(argc - 1, argv + 1);
-  if (std::strcmp(command, "reconstruct") == 0) return planReconstructCommand(argc - 1, argv + 1);
+  for (const PlannedCommand& known : kPlannedCommands)
+    if (std::strcmp(command, known.name) == 0) return known.plan(argc - 1, argv + 1);
   const bool help = std::strcmp(command, "--help") == 0 || std::strcmp(command, "-h") == 0;
-  if (!help) std::fprintf(stderr, "%s: plan needs a command line of bake or of reconstruct\n", programName());
+  if (!help) std::fprintf(stderr, "%s: plan needs a command line of bake, reconstruct or track\n", programName());
   std::fputs(kPlanUsage, help ? stdout : stderr);
   return help ? kOk : kUsage;
 }

@@ -27,8 +27,9 @@ std::optional<int> readReconstructCommand(int argc, char** argv, reconstruct::Re
 reconstruct::ReconstructEnvironment reconstructEnvironment(const GpuSession& gpu, ProgressLine& line);
 void printReconstructSummary(const std::string& folder, const reconstruct::ReconstructSummary& summary);
 
-std::optional<int> readTrackCommand(int argc, char** argv, track::TrackOptions& options,
-                                    TrackExtension extension = nullptr);
+// Checks the classes against the input's sequences, too.
+Result<std::optional<int>> readTrackCommand(int argc, char** argv, track::TrackOptions& options,
+                                            TrackExtension extension = nullptr);
 // Borrows the line; installs the Ctrl-C handler.
 track::TrackEnvironment trackEnvironment(ProgressLine& line);
 void printTrackSummary(const std::string& folder, const track::TrackSummary& summary);

@@ -54,7 +54,7 @@ Status checkClasses(const TrackOptions& options) {
 
 }  // namespace
 
-std::optional<int> readTrackCommand(int argc, char** argv, TrackOptions& o, TrackExtension extension) {
+Result<std::optional<int>> readTrackCommand(int argc, char** argv, TrackOptions& o, TrackExtension extension) {
   Args args({"track SURFACES -o CAPTURE2 [options]",
              "Makes one mesh with texture coordinates, and moves it through all frames of a capture with a surface per "
              "frame, such as `fourdvt reconstruct` writes. The new capture folder is one that bake takes for texture "
@@ -63,13 +63,16 @@ std::optional<int> readTrackCommand(int argc, char** argv, TrackOptions& o, Trac
              {&o.capture_folder},
              extension ? join({rows(o), extension(o)}) : rows(o)},
             argc, argv);
-  return args.helpOrProblem();
+  if (const auto code = args.helpOrProblem()) return code;
+  FOURDVT_TRY(checkClasses(o));
+  return std::optional<int>();
 }
 
 track::TrackEnvironment trackEnvironment(ProgressLine& line) {
   track::TrackEnvironment environment;
   environment.open_video = videoOpener();
   environment.progress = [&line](const FrameProgress& p) { line.show(p); };
+  environment.note = [](const std::string& text) { note("%s", text.c_str()); };
   environment.stop = listenForStop();
   return environment;
 }
@@ -88,8 +91,8 @@ void printTrackSummary(const std::string& folder, const track::TrackSummary& s) 
 
 Result<int> trackCommand(int argc, char** argv, TrackExtension extension) {
   TrackOptions options;
-  if (const auto code = readTrackCommand(argc, argv, options, extension)) return *code;
-  FOURDVT_TRY(checkClasses(options));
+  FOURDVT_ASSIGN(const auto code, readTrackCommand(argc, argv, options, extension));
+  if (code) return *code;
   ProgressLine line;
   FOURDVT_ASSIGN(const auto summary, track::track(options, trackEnvironment(line)));
   line.end();

@@ -49,6 +49,12 @@ std::string withoutMeshKeys(const std::string& json) {
   return capture.dump();
 }
 
+// The report has the seconds of each run.
+std::vector<std::string> without(const std::string& name, std::vector<std::string> names) {
+  std::erase(names, name);
+  return names;
+}
+
 template <class Change>
 void changeMeshes(const std::string& folder, size_t first, Change change) {
   std::vector<std::string> files;
@@ -102,6 +108,63 @@ TEST(Track, GoesOnAfterAnInterruption) {
   const Outcome resumed = fourdvt(options + " -o " + out + "/stopped --resume");
   ASSERT_EQ(resumed.code, 0) << resumed.output;
   EXPECT_EQ(differences(out + "/straight/walk/mesh", out + "/stopped/walk/mesh"), std::vector<std::string>{});
+}
+
+nlohmann::json piecesOf(const std::string& job) {
+  return nlohmann::json::parse(readText(job + "/plan.json"))["pieces"];
+}
+
+// Two branches begin at the template's frame. One piece is killed, one computed twice at once, as is the result.
+TEST(Track, InPiecesGivesTheBytesOfOneRun) {
+  const std::string given = ownSurfaces("in-pieces"), out = scratch("track-pieces");
+  const std::string options = given + kFaces + " --template walk:2 -o " + out;
+  const std::string target = out + "/target", job = target + ".work";
+  const Outcome planned = fourdvt("plan track " + options + "/target");
+  ASSERT_EQ(planned.code, 0) << planned.output;
+  const nlohmann::json pieces = piecesOf(job);
+  std::vector<std::string> ids;
+  for (const auto& piece : pieces) ids.push_back(piece["id"]);
+  ASSERT_EQ(ids.size(), 3u);
+  EXPECT_EQ(ids[0], "fits-walk-2");
+  EXPECT_EQ(ids[2], "finish");
+  const Outcome early = fourdvt("piece " + job + " " + ids[1]);
+  EXPECT_EQ(early.code, 1);
+  EXPECT_NE(early.output.find("needs fits-walk-2"), std::string::npos) << early.output;
+
+  const std::string piece = std::string(FOURDVT_BIN) + " piece " + job + " ";
+  const std::string fits = job + "/*/fits/walk";
+  shell(piece + ids[0] + " & piece=$!; while ! ls " + fits + " | grep -q bin; do :; done; kill -9 $piece; wait $piece");
+  EXPECT_FALSE(exists(job + "/" + pieces[0]["done"].get<std::string>()));
+  ASSERT_EQ(fourdvt("piece " + job + " " + ids[0]).code, 0);
+
+  const std::string mesh = given + "/walk/mesh/" + (ids[1] == "fits-walk-1" ? "000001.ply" : "000003.ply");
+  const auto time = fs::last_write_time(mesh);
+  fs::last_write_time(mesh, time + std::chrono::seconds(5));
+  const Outcome changed = fourdvt("piece " + job + " " + ids[1]);
+  EXPECT_TRUE(isOneLineWith(changed, given + "/walk: files of frame " + ids[1].back() + " have changed since the plan"))
+      << changed.output;
+  fs::last_write_time(mesh, time);
+  const Outcome both =
+      shell(piece + ids[1] + " & first=$!; " + piece + ids[1] + "; second=$?; wait $first && exit $second");
+  ASSERT_EQ(both.code, 0) << both.output;
+
+  const std::string finish = std::string(FOURDVT_BIN) + " finish " + job;
+  const Outcome finished = shell(finish + " & first=$!; " + finish + "; second=$?; wait $first && exit $second");
+  ASSERT_EQ(finished.code, 0) << finished.output;
+  EXPECT_TRUE(exists(target + "/track.html") && exists(job + "/job.html"));
+  for (const auto& entry : fs::directory_iterator(out))
+    EXPECT_EQ(entry.path().filename().string().find(".part"), std::string::npos) << entry.path();
+  EXPECT_EQ(nlohmann::json::parse(readText(job + "/job.json"))["over_memory"], nlohmann::json::array());
+  const std::string result = out + "/result";
+  fs::rename(target, result);
+
+  // The single process continues from the finished pieces; then it begins anew.
+  const Outcome resumed = fourdvt("track " + options + "/target --resume");
+  ASSERT_EQ(resumed.code, 0) << resumed.output;
+  EXPECT_FALSE(exists(job));
+  EXPECT_EQ(without("track.html", differences(result, target)), std::vector<std::string>{});
+  ASSERT_EQ(fourdvt("track " + options + "/straight").code, 0);
+  EXPECT_EQ(without("track.html", differences(result, out + "/straight")), std::vector<std::string>{});
 }
 
 TEST(Track, RefusesWhatItCannotFollow) {

@@ -33,7 +33,7 @@ std::string failureOf(const TrackedFrame& frame, uint32_t faces) {
 }  // namespace
 
 Result<TrackSummary> writeResult(const Prepared& job, const Work& work, const ChosenTemplate& chosen,
-                                 std::span<const TrackingStep> steps) {
+                                 std::span<const TrackingStep> steps, const std::string& part) {
   const FrameList& list = work.frames();
   TrackSummary out;
   out.faces = chosen.mesh.topology.faceCount();
@@ -49,16 +49,14 @@ Result<TrackSummary> writeResult(const Prepared& job, const Work& work, const Ch
     tracked.name = sequence.name;
     std::vector<double> trust;
     for (uint32_t f = 0; f < sequence.frame_count; ++f) {
-      auto frame = work.tracked(list.starts[s] + f);
-      if (!frame)
-        return Error{ErrorId::InvalidArgument,
-                     work.nameOf(list.starts[s] + f) + ": is not fitted; run `fourdvt track --resume`"};
-      const std::string failure = failureOf(*frame, out.faces);
+      FOURDVT_ASSIGN(TrackedFrame frame, work.requireTracked(list.starts[s] + f));
+      const std::string failure = failureOf(frame, out.faces);
       if (!failure.empty()) tracked.failures[f] = failure;
       trust.push_back(failure.empty() ? 1 : 0);
-      tracked.figures.push_back(frame->figures);
-      tracked.seconds.push_back(frame->seconds);
-      tracked.positions.push_back(std::move(frame->fit.positions));
+      out.wall_s += frame.seconds;
+      tracked.figures.push_back(std::move(frame.figures));
+      tracked.seconds.push_back(frame.seconds);
+      tracked.positions.push_back(std::move(frame.fit.positions));
     }
     if (double(tracked.failures.size()) > kMaxFailed * sequence.frame_count)
       return Error{ErrorId::InvalidArgument,
@@ -73,7 +71,6 @@ Result<TrackSummary> writeResult(const Prepared& job, const Work& work, const Ch
       for (const glm::vec3& p : positions) farthest = std::max({farthest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   }
 
-  const std::string part = resultFolder(job.options).partFolder();
   capture::LinkOptions link;
   link.sequences = job.options.sequences;
   link.meshes = capture::LinkedMeshes::Packed;

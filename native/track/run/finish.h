@@ -11,9 +11,9 @@
 
 namespace fourdvt::track {
 
-// Errors: InvalidArgument (a frame is not fitted; too many fits failed: the first one is named with the place that the
-// template does not explain); WriteFailed; those of linkCapture.
+// Writes into the existing folder `part`. Errors: InvalidArgument (a frame is not fitted; too many fits failed: the
+// first one is named with the place that the template does not explain); WriteFailed; those of linkCapture.
 Result<TrackSummary> writeResult(const Prepared& job, const Work& work, const ChosenTemplate& chosen,
-                                 std::span<const TrackingStep> steps);
+                                 std::span<const TrackingStep> steps, const std::string& part);
 
 }  // namespace fourdvt::track

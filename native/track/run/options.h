@@ -36,7 +36,8 @@ struct TrackOptions {
 struct TrackEnvironment {
   OpenVideo open_video;
   std::function<void(const FrameProgress&)> progress;
-  const std::atomic<bool>* stop = nullptr;  // set by Ctrl-C: ends after the current frame, keeping finished frames
+  std::function<void(const std::string&)> note;  // receives one line of information; may be empty
+  const std::atomic<bool>* stop = nullptr;       // set by Ctrl-C: ends after the current frame, keeping finished frames
 };
 
 }  // namespace fourdvt::track

@@ -7,7 +7,6 @@
 #include "base/text.h"
 #include "capture/folder/linked_capture.h"
 #include "capture/input_files.h"
-#include "jobs/plan.h"
 #include "mattes/frame_reader.h"
 #include "track/mesh/genus_zero.h"
 #include "track/mesh/nearest.h"
@@ -145,7 +144,7 @@ std::string settingsKey(const TrackOptions& o, const capture::Capture& capture) 
   return key + "\n";
 }
 
-Result<Prepared> prepare(const TrackOptions& given, const TrackEnvironment& environment) {
+Result<Prepared> prepare(const TrackOptions& given, capture::Earlier earlier, const TrackEnvironment& environment) {
   Prepared out{given, {}, {}};
   TrackOptions& options = out.options;
   FOURDVT_ASSIGN(options.folder, capture::checkedTarget(options.folder, options.capture_folder, kWriter));
@@ -154,11 +153,8 @@ Result<Prepared> prepare(const TrackOptions& given, const TrackEnvironment& envi
   options.capture_folder = out.capture.folder;
   options.sequences.clear();
   for (const capture::CaptureSequence& sequence : out.capture.sequences) options.sequences.push_back(sequence.name);
-  out.settings_key = settingsKey(options, out.capture);
-  const capture::ResultFolder folder = resultFolder(options);
-  out.settings_key =
-      jobs::folderKey(out.settings_key, false, [&](const std::string& key) { return folder.holds(key); });
-  FOURDVT_TRY(folder.open(out.settings_key, options.resume));
+  FOURDVT_ASSIGN(out.settings_key,
+                 resultFolder(options).openFor(settingsKey(options, out.capture), earlier, environment.note));
   return out;
 }
 

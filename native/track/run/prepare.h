@@ -27,7 +27,7 @@ std::string settingsKey(const TrackOptions& options, const capture::Capture& cap
 
 // Opens and checks the input, and prepares the folders. Errors: those of openCapture (no surfaces, with a remedy);
 // InvalidArgument (folders, classes, the template's frame, work of other settings); WriteFailed.
-Result<Prepared> prepare(const TrackOptions& options, const TrackEnvironment& environment);
+Result<Prepared> prepare(const TrackOptions& options, capture::Earlier earlier, const TrackEnvironment& environment);
 
 // Interrupted, once the user stopped the run.
 Status stopped(const Prepared& job, const TrackEnvironment& environment);

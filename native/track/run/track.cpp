@@ -38,16 +38,18 @@ Result<uint32_t> followAll(const Prepared& job, Work& work, const ChosenTemplate
 Result<TrackSummary> track(const TrackOptions& options, const TrackEnvironment& environment) {
   if (options.jobs > 0) cv::setNumThreads(options.jobs);
   const Watch watch;
-  FOURDVT_ASSIGN(const Prepared job, prepare(options, environment));
-  Work work(resultFolder(job.options), job.capture, job.settings_key);
+  FOURDVT_ASSIGN(const Prepared job,
+                 prepare(options, options.resume ? capture::Earlier::Kept : capture::Earlier::Removed, environment));
+  const capture::ResultFolder folder = resultFolder(job.options);
+  Work work(folder, job.capture, job.settings_key);
   FOURDVT_TRY(storePictures(job, work, environment));
   FOURDVT_ASSIGN(const ChosenTemplate chosen, makeTemplateOf(job, work, environment));
   FOURDVT_ASSIGN(const auto steps, orderOf(job, work, chosen));
   FOURDVT_ASSIGN(const uint32_t kept, followAll(job, work, chosen, steps, environment));
-  FOURDVT_ASSIGN(TrackSummary summary, writeResult(job, work, chosen, steps));
+  FOURDVT_ASSIGN(TrackSummary summary, writeResult(job, work, chosen, steps, folder.partFolder()));
   summary.frames_kept = kept;
   summary.wall_s = watch.seconds();
-  FOURDVT_TRY(resultFolder(job.options).finish());
+  FOURDVT_TRY(folder.finish());
   return summary;
 }
 

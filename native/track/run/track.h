@@ -17,7 +17,7 @@ struct TrackSummary {
   uint32_t frames = 0, frames_kept = 0;  // kept: fitted by an earlier run
   uint32_t faces = 0, vertices = 0;
   FrameName template_frame;
-  double wall_s = 0;
+  double wall_s = 0;  // run; of pieces the sum of all fits
   double mean_overlap = 0, lowest_overlap = 1;
   double distance_95_m = 0;           // mean over the frames
   uint32_t interpolated = 0;          // frames whose fit failed
