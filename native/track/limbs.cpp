@@ -101,14 +101,17 @@ std::vector<Limb::Ring> ringsOf(const TriangleMesh& surface, std::span<const dou
   return rings;
 }
 
+// Mean distance and difference in thickness near the trunk, which holds a limb in its place: tips swing past each
+// other.
 double costOf(const Limb& a, const Limb& b) {
-  const size_t rings = std::min(a.rings.size(), b.rings.size());
+  const size_t rings = std::min(a.rings.size(), b.rings.size()), count = std::max<size_t>(2, rings / 4);
+  const size_t first = rings - std::min(rings, count);
   double apart = 0, thicker = 0;
-  for (size_t k = 0; k < rings; ++k) {
+  for (size_t k = first; k < rings; ++k) {
     apart += glm::distance(a.rings[k].middle, b.rings[k].middle);
     thicker += std::abs(a.rings[k].radius_m - b.rings[k].radius_m);
   }
-  return (apart + kThickness * thicker) / double(rings);
+  return (apart + kThickness * thicker) / double(rings - first);
 }
 
 // Best assignment of the limbs from `first` on; few enough to try all.

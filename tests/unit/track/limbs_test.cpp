@@ -16,13 +16,14 @@ using track::pairedLimbs;
 
 struct Arms {
   glm::vec3 left{0.6f, 1.2f, 0}, right{-0.6f, 1.2f, 0};  // hands
+  float stride_m = 0;                                    // of the left foot to the front, the right one to the back
 };
 
 // Trunk, two legs and two arms; the shoulders are at (±0.15, 1.2, 0).
 TriangleMesh figureWith(const Arms& arms) {
   const auto trunk = capsule({0, 0.8f, 0}, {0, 1.2f, 0}, 0.16f);
-  const auto legs =
-      joint(capsule({0.08f, 0.8f, 0}, {0.15f, 0.06f, 0}, 0.06f), capsule({-0.08f, 0.8f, 0}, {-0.15f, 0.06f, 0}, 0.06f));
+  const auto legs = joint(capsule({0.08f, 0.8f, 0}, {0.15f, 0.06f, arms.stride_m}, 0.06f),
+                          capsule({-0.08f, 0.8f, 0}, {-0.15f, 0.06f, -arms.stride_m}, 0.06f));
   const auto both = joint(capsule({0.15f, 1.2f, 0}, arms.left, 0.05f), capsule({-0.15f, 1.2f, 0}, arms.right, 0.05f));
   return meshOf(joint(trunk, joint(legs, both)), {-0.8f, -0.1f, -0.8f}, {0.8f, 2.1f, 0.8f}, 0.025f);
 }
@@ -74,6 +75,17 @@ TEST(Limbs, KeepTheirRingsAsTheyMove) {
       EXPECT_LT(glm::distance(from[pair.from].rings[k].middle, to[pair.to].rings[k].middle),
                 track::LimbOptions{}.step_m);
   }
+}
+
+TEST(Limbs, KeepTheirSideWhenFeetHaveSwungPastEachOther) {
+  Arms forward, back;
+  forward.stride_m = 0.35f, back.stride_m = -0.35f;
+  const TriangleMesh before = figureWith(forward), after = figureWith(back);
+  const auto from = limbsOf(before, {}), to = limbsOf(after, {});
+  const auto pairs = pairedLimbs(from, to);
+  ASSERT_EQ(pairs.size(), 4u);
+  for (const LimbPair& pair : pairs)
+    EXPECT_GT(before.positions[from[pair.from].tip].x * after.positions[to[pair.to].tip].x, 0);
 }
 
 TEST(Limbs, WithoutCounterpartStayAlone) {
