@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Order in which frames are tracked: a minimum spanning tree over the similarity of their pictures. Drift grows with
-// the depth of a frame in the tree, not with time. Source: Budd, Huang, Klaudiny, Hilton: Global Non-rigid Alignment of
+// Order in which frames are tracked: a tree over the similarity of their pictures. Drift grows with the depth of a
+// frame in the tree, not with time. Source: Budd, Huang, Klaudiny, Hilton: Global Non-rigid Alignment of
 // Surface Sequences. International Journal of Computer Vision 102, 2013.
 #pragma once
 
@@ -28,8 +28,9 @@ struct TrackingStep {
   double dissimilarity = 0;
   uint32_t depth = 0;
 };
-// Steps from the root to all frames, parents before their children. Edges are weighted by the square of the
-// dissimilarity, which favours several short steps over a long one.
+// Steps from the root to all frames, parents before their children: shortest paths along edges between frames that are
+// neighbours, and those of a minimum spanning tree. An edge counts the square of its dissimilarity. A loop is followed
+// in both directions; a leap to a pose that only looks alike, such as the mirrored one half a stride later, is no edge.
 std::vector<TrackingStep> trackingOrder(std::span<const FrameThumbnails> frames, uint32_t root);
 
 }  // namespace fourdvt::track

@@ -4,16 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace fourdvt::track {
 namespace {
 
 // A disc at `x` in one camera.
-FrameThumbnails frameAt(int x) {
+FrameThumbnails frameAt(int x, int y_middle = 50) {
   Image picture(200, 100, 4);
   for (int y = 0; y < 100; ++y)
     for (int column = 0; column < 200; ++column)
-      if ((column - x) * (column - x) + (y - 50) * (y - 50) < 30 * 30)
+      if ((column - x) * (column - x) + (y - y_middle) * (y - y_middle) < 30 * 30)
         for (int c = 0; c < 4; ++c) picture.at(column, y)[c] = c == 3 ? 255 : 200;
   return thumbnailsOf(std::vector<Image>{picture});
 }
@@ -45,6 +46,20 @@ TEST(TrackingOrder, FramesAreReachedInShortSteps) {
   }
   std::sort(done.begin(), done.end());
   EXPECT_EQ(done, (std::vector<uint32_t>{0, 1, 2, 3, 4, 5, 6}));
+}
+
+TEST(TrackingOrder, LoopsAreFollowedInBothDirections) {
+  std::vector<FrameThumbnails> frames;
+  constexpr uint32_t kFrames = 16;
+  for (uint32_t f = 0; f < kFrames; ++f) {
+    const double angle = 6.283185 * f / kFrames;
+    frames.push_back(frameAt(100 + int(60 * std::sin(angle)), 50 + int(18 * std::cos(angle))));
+  }
+  for (const uint32_t root : {0u, 5u})
+    for (const TrackingStep& step : trackingOrder(frames, root)) {
+      const uint32_t away = (step.frame + kFrames - root) % kFrames;
+      EXPECT_LE(step.depth, std::min(away, kFrames - away) + 1);
+    }
 }
 
 }  // namespace
