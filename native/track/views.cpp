@@ -14,17 +14,8 @@ namespace fourdvt::track {
 namespace {
 
 constexpr uint8_t kBackground = 128;      // grey that hides what is not the performer
+constexpr int kStructureSide = 9;         // pixels of the structure tensor's window
 constexpr float kDepthMargin_m = 0.015f;  // tolerance of the visibility test
-
-// Direction of the position's motion per pixel of the picture's axes: pixel = gradient · displacement.
-struct PixelGradients {
-  glm::dvec3 x, y;
-};
-PixelGradients gradientsAt(const PinholeCamera& camera, const glm::dvec3& point) {
-  const glm::dvec3 p = glm::dvec3(camera.cam_from_world * glm::dvec4(point, 1));
-  const glm::dmat3 rows = glm::transpose(glm::dmat3(camera.cam_from_world));
-  return {(camera.fx / p.z) * (rows[0] - (p.x / p.z) * rows[2]), (camera.fy / p.z) * (rows[1] - (p.y / p.z) * rows[2])};
-}
 
 bool sees(const FaceBuffer& buffer, const glm::dvec3& projected) {
   const int x = int(std::floor(projected.x)), y = int(std::floor(projected.y));
@@ -94,6 +85,24 @@ cv::Vec2f flowAt(const cv::Mat& flow, double x, double y) {
   return flow.at<cv::Vec2f>(row, column);
 }
 
+// Structure tensor of a picture: xx, xy, yy, squared levels per pixel².
+cv::Mat structureOf(const cv::Mat& grey) {
+  cv::Mat x, y, products[3], out;
+  cv::Sobel(grey, x, CV_32F, 1, 0, 3, 1.0 / 8);
+  cv::Sobel(grey, y, CV_32F, 0, 1, 3, 1.0 / 8);
+  products[0] = x.mul(x), products[1] = x.mul(y), products[2] = y.mul(y);
+  cv::merge(products, 3, out);
+  cv::blur(out, out, {kStructureSide, kStructureSide});
+  return out;
+}
+
+// Share of a match's weight by direction: T (T + n²)⁻¹ for the structure tensor T, 0 along edges and where nothing is
+// drawn, 1 across strong edges.
+glm::dmat2 certaintyOf(const cv::Vec3f& tensor, double noise) {
+  const glm::dmat2 structure(tensor[0], tensor[1], tensor[1], tensor[2]);
+  return structure * glm::inverse(structure + glm::dmat2(noise * noise));
+}
+
 std::vector<PixelMatch> matchesOf(std::span<const glm::uvec3> faces, const View& source,
                                   const Positions& source_positions, const View& target, const Positions& positions,
                                   std::span<const glm::vec3> normals, const FlowMatchOptions& options) {
@@ -103,6 +112,7 @@ std::vector<PixelMatch> matchesOf(std::span<const glm::uvec3> faces, const View&
   const FaceBuffer buffer = rasterise(target.camera, list, positions, 1);
   const Synthesis seen = synthesise(source, source_buffer, source_positions, target, buffer, positions, faces);
   const cv::Mat forward = flowOf(seen.grey, target.grey), backward = flowOf(target.grey, seen.grey);
+  const cv::Mat structure = structureOf(target.grey);
   const glm::dvec3 centre = target.camera.centreInWorld();
   for (uint32_t v = 0; v < positions.size(); ++v) {
     const glm::dvec3 position = positions[v];
@@ -122,7 +132,8 @@ std::vector<PixelMatch> matchesOf(std::span<const glm::uvec3> faces, const View&
     const double trust = 1 - error / options.consistency_px;
     const double sigma_px = options.sigma_px * options.reduction;
     out.push_back({0, v, glm::dvec2(to_x, to_y) / glm::dvec2(target.camera.width, target.camera.height),
-                   cosine * trust / (sigma_px * sigma_px)});
+                   cosine * trust / (sigma_px * sigma_px) *
+                       certaintyOf(structure.at<cv::Vec3f>(int(to_y), int(to_x)), options.noise_per_px)});
   }
   return out;
 }
@@ -138,6 +149,12 @@ View reducedView(const View& view, int factor) {
 }
 
 }  // namespace
+
+glm::dmat2x3 pixelGradients(const PinholeCamera& camera, const glm::dvec3& point) {
+  const glm::dvec3 p = glm::dvec3(camera.cam_from_world * glm::dvec4(point, 1));
+  const glm::dmat3 rows = glm::transpose(glm::dmat3(camera.cam_from_world));
+  return {(camera.fx / p.z) * (rows[0] - (p.x / p.z) * rows[2]), (camera.fy / p.z) * (rows[1] - (p.y / p.z) * rows[2])};
+}
 
 std::vector<View> viewsOf(std::span<const PinholeCamera> cameras, std::span<const Image> pictures, int margin_px) {
   std::vector<View> out(cameras.size());
@@ -217,11 +234,12 @@ void addPulls(std::span<const PixelMatch> matches, const std::vector<View>& targ
     const glm::dvec3 position = positions[match.vertex], at = camera.project(position);
     if (at.z <= 0) continue;
     const glm::dvec2 residual = match.pixel - glm::dvec2(at);
-    const double weight = match.weight * tukeyWeight(4.685 * glm::length(residual) / reach_px);
-    if (weight <= 0) continue;
-    const PixelGradients gradients = gradientsAt(camera, position);
-    pulls[match.vertex].add(gradients.x, residual.x, weight);
-    pulls[match.vertex].add(gradients.y, residual.y, weight);
+    const double robust = tukeyWeight(4.685 * glm::length(residual) / reach_px);
+    if (robust <= 0) continue;
+    const glm::dmat2x3 jacobian = pixelGradients(camera, position);
+    const glm::dmat2x3 weighted = jacobian * match.information * robust;
+    pulls[match.vertex].matrix += weighted * glm::transpose(jacobian);
+    pulls[match.vertex].vector += weighted * residual;
   }
 }
 

@@ -29,6 +29,9 @@ struct PosedViews {
   const Positions* positions = nullptr;
 };
 
+// Gradients of a pixel's x and y by a point's position in the world, pixels per metre.
+glm::dmat2x3 pixelGradients(const PinholeCamera& camera, const glm::dvec3& point);
+
 // Unit vertex normals.
 std::vector<glm::vec3> normalsOf(const std::vector<glm::uvec3>& faces, const Positions& positions);
 
@@ -36,6 +39,7 @@ struct FlowMatchOptions {
   double sigma_px = 1;          // noise of a match
   double consistency_px = 1.5;  // forward and backward flow
   double min_cosine = 0.35;     // between a vertex's normal and the direction to the camera
+  double noise_per_px = 3;      // noise of the picture's gradient, levels of 255: matches do not count along an edge
   int reduction = 1;
 };
 
@@ -47,7 +51,7 @@ std::vector<float> visibilityOf(const std::vector<View>& views, const std::vecto
 struct PixelMatch {
   uint32_t camera = 0, vertex = 0;
   glm::dvec2 pixel{0};
-  double weight = 0;  // 1 / variance, per pixel²
+  glm::dmat2 information{0.0};  // inverse covariance, per pixel²
 };
 
 // Matches vertices at `positions` by optical flow in each camera: from the appearance of `source` on the mesh in that
