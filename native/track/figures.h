@@ -36,6 +36,6 @@ FitFigures figuresOf(const Template& model, const FittedFrame& fitted, const Pos
 inline double misfit(const FitFigures& f) {
   return (1 - f.overlap.mean) / 0.02 + f.distance_95_m / 0.010 + f.colour_error / 20;
 }
-inline constexpr double kMaxMisfit = 5;  // more: parts of the body lie elsewhere
+inline constexpr double kMaxMisfit = 3.5;  // more: parts of the body lie elsewhere
 
 }  // namespace fourdvt::track
