@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "base/opencv_image.h"
 #include "base/parallel.h"
 #include "base/robust.h"
 
@@ -23,6 +24,12 @@ glm::vec3 normalAt(const std::vector<glm::uvec3>& faces, std::span<const glm::ve
 constexpr double kLostLimb_m = 0.03;                         // mean distance of a limb's curve
 constexpr double kLimbSigma_m = 0.02, kTrunkSigma_m = 0.04;  // vertices' deviations while limbs are moved
 
+Image imageOf(const cv::Mat& grey) {
+  Image out(grey.cols, grey.rows, 1);
+  grey.copyTo(matrixOf(out));
+  return out;
+}
+
 class Fit {
  public:
   Fit(const Template& model, const TargetFrame& target, const FitOptions& options, FittedFrame start)
@@ -37,19 +44,30 @@ class Fit {
     seen_ = visibilityOf(*target_.views, faces_, out_.positions, normalsOf(faces_, out_.positions));
   }
 
-  // Replaces the matches by those with a frame that is fitted already, in pictures reduced by a factor.
-  void match(const PosedViews& source, int reduction) {
+  // Replaces the matches by those with frames that are fitted already, in pictures reduced by a factor. Of a vertex in
+  // a camera, the first source with a match counts.
+  void match(std::span<const PosedViews> sources, int reduction) {
     FlowMatchOptions flow;
     flow.reduction = reduction;
+    const size_t count = out_.positions.size();
     const std::vector<glm::vec3> normals = normalsOf(faces_, out_.positions);
-    matches_ = matchByFlow(faces_, source, *target_.views, out_.positions, normals, flow);
+    matches_.clear();
+    std::vector<bool> matched(count * target_.views->size(), false);
+    for (const PosedViews& source : sources) {
+      const size_t before = matches_.size();
+      for (const PixelMatch& m : matchByFlow(faces_, source, *target_.views, out_.positions, normals, flow))
+        if (!matched[m.camera * count + m.vertex]) matches_.push_back(m);
+      for (size_t i = before; i < matches_.size(); ++i) matched[matches_[i].camera * count + matches_[i].vertex] = true;
+    }
     seen_ = visibilityOf(*target_.views, faces_, out_.positions, normals);
   }
   // Gauss-Newton steps of the graph; surface points farther than `reach_m` do not count.
-  void poseGraph(int steps, double reach_m, double reach_px, double rigidity_sigma_m, double flow_share = 1) {
+  void poseGraph(int steps, double reach_m, double reach_px, double rigidity_sigma_m, double flow_share = 1,
+                 double outline_px = 0) {
     for (int i = 0; i < steps; ++i) {
       const GraphWeights weights{1 / (rigidity_sigma_m * rigidity_sigma_m), 1e-4};
-      const std::vector<Pull> pulls = pullsHere(reach_m, reach_px, flow_share);
+      std::vector<Pull> pulls = pullsHere(reach_m, reach_px, flow_share);
+      addOutlinePulls(outline_px, pulls);
       fitGraph(model_.graph, model_.node_positions, rest_, pulls, weights, out_.pose);
       place();
     }
@@ -94,8 +112,9 @@ class Fit {
   }
 
   // Moves single vertices.
-  void moveVertices(double reach_m, double reach_px) {
+  void moveVertices(double reach_m, double reach_px, double outline_px) {
     std::vector<Pull> pulls = pullsHere(reach_m, reach_px);
+    addOutlinePulls(outline_px, pulls);
     const std::vector<glm::dmat3> rotations = vertexRotations(model_.graph, out_.pose);
     const double keep = 1 / (options_.offset_sigma_m * options_.offset_sigma_m);
     const double stiffness = 1 / (options_.smoothness_sigma_m * options_.smoothness_sigma_m);
@@ -125,6 +144,30 @@ class Fit {
     for (Pull& pull : pulls) pull.matrix *= flow_share, pull.vector *= flow_share;
     if (reach_m > 0) addSurfacePulls(reach_m, pulls);
     return pulls;
+  }
+
+  // Moves outlines to the mattes' edges within `reach_px`.
+  void addOutlinePulls(double reach_px, std::vector<Pull>& pulls) const {
+    if (!(options_.outline_sigma_px > 0) || !(reach_px > 0)) return;
+    refine::OutlineOptions outline;
+    outline.reach_pixels = float(reach_px);
+    const double weight = 1 / (options_.outline_sigma_px * options_.outline_sigma_px);
+    const std::vector<glm::vec3> normals = normalsOf(faces_, out_.positions);
+    const std::vector<View>& views = *target_.views;
+    std::vector<std::vector<refine::OutlinePoint>> points(views.size());
+    inParallel(views.size(), [&](size_t c) {
+      if (!views[c].empty())
+        points[c] = refine::outlinePoints(views[c].camera, faces_, model_.inner_edges, out_.positions, normals,
+                                          {imageOf(views[c].matte), 0, 0}, outline);
+    });
+    for (size_t c = 0; c < views.size(); ++c)
+      for (const refine::OutlinePoint& point : points[c]) {
+        const glm::vec3 place = glm::mix(out_.positions[point.from], out_.positions[point.to], point.to_share);
+        const glm::dvec3 direction = pixelGradients(views[c].camera, place) * glm::dvec2(point.outward);
+        const double robust = tukeyWeight(4.685 * std::abs(point.residual_pixels) / reach_px);
+        pulls[point.from].add(direction, point.residual_pixels, weight * robust * (1 - point.to_share));
+        pulls[point.to].add(direction, point.residual_pixels, weight * robust * point.to_share);
+      }
   }
 
   // Point to plane, from the template to the surface and back.
@@ -174,10 +217,11 @@ class Fit {
 }  // namespace
 
 Template makeTemplate(MeshTopology topology, Positions positions, uint32_t node_count, const TriangleMesh& surface) {
-  Template out{std::move(topology), std::move(positions), {}, {}, {}, {}};
+  Template out{std::move(topology), std::move(positions), {}, {}, {}, {}, {}};
   out.graph = makeGraph(out.topology.face_vertices, out.positions, node_count);
   for (const uint32_t v : out.graph.nodes) out.node_positions.push_back(out.positions[v]);
   out.edges = edgesOf(out.topology.face_vertices);
+  out.inner_edges = refine::innerEdges(out.topology.face_vertices);
   out.limbs = limbsOn(out.positions, surface, limbsOf(surface, LimbOptions{}));
   return out;
 }
@@ -191,33 +235,42 @@ FittedFrame fitFrame(const Template& model, const FittedFrame& start, const Pose
                      const PosedViews& anchor, const TargetFrame& target, const FitOptions& options) {
   Fit fit(model, target, options, start);
   const double rigid = options.rigidity_sigma_m;
+  const std::span<const PosedViews> from_parent(&parent, options.flow_from_parent ? 1 : 0);
+  std::vector<PosedViews> both{anchor};
+  both.insert(both.end(), from_parent.begin(), from_parent.end());
   if (options.flow_from_parent) {
     // Flow alone leads first: where parts move farther than they are thick, the nearest surface is another part's.
     for (int i = 0; i < 2; ++i) {
-      fit.match(parent, 2);
+      fit.match(from_parent, 2);
       fit.poseGraph(3, 0, 60, 2 * rigid);
     }
-    fit.match(parent, 1);
+    fit.match(from_parent, 1);
     fit.poseGraph(3, 0, 30, rigid);
   }
   if (options.wide && fit.poseLimbs(8) && options.flow_from_parent) {
     fit.poseGraph(4, 0.12, 0, rigid, 0);
-    fit.match(parent, 2);
+    fit.match(from_parent, 2);
   }
   constexpr double kWideShare = 0.02;
   if (options.wide) fit.poseGraph(4, 0.12, 30, rigid, kWideShare);
   fit.poseGraph(4, 0.06, 20, rigid, options.wide ? kWideShare : 1);
   if (options.wide) fit.poseGraph(4, 0.03, 20, rigid, kWideShare);
-  if (options.flow_from_parent) fit.match(parent, 1);
+  fit.match(from_parent, 1);
   fit.poseGraph(3, 0.03, 10, rigid);
   if (options.flow_from_anchor) {
-    fit.match(anchor, 2);
+    fit.match(both, 2);
     fit.poseGraph(3, 0.03, 10, rigid);
-    fit.match(anchor, 1);
+    fit.match(both, 1);
   }
-  fit.poseGraph(3, 0.02, 8, rigid);
-  fit.moveVertices(0.015, 6);
+  fit.poseGraph(3, 0.02, 8, rigid, 1, 12);
+  for (const double reach_m : {0.04, 0.03, 0.02}) fit.moveVertices(reach_m, 6, 8);
   return fit.frame();
+}
+
+Positions refined(const Template& model, const TargetFrame& target, const FitOptions& options) {
+  Fit fit(model, target, options, restFrame(model));
+  for (int i = 0; i < 3; ++i) fit.moveVertices(0.015, 0, 8);
+  return fit.frame().positions;
 }
 
 }  // namespace fourdvt::track

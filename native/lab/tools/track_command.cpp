@@ -20,7 +20,9 @@ tools::Options evidenceOptions(track::TrackOptions& o) {
       {"--surface-mm X", tools::number(o.fit.surface_sigma_m, 0.01, 100, 1e-3),
        "noise of the surfaces along their normals (default 4)"},
       {"--smooth-mm X", tools::number(o.fit.smoothness_sigma_m, 0.01, 100, 1e-3),
-       "difference of neighbours' offsets (default 1)"},
+       "difference of neighbours' offsets (default 2)"},
+      {"--outline-px X", tools::number(o.fit.outline_sigma_px, 0, 100),
+       "noise of the mattes' edges (default 0.5); 0: outlines do not count"},
   };
 }
 

@@ -58,6 +58,9 @@ class TemplateChoice {
     FOURDVT_ASSIGN(out.mesh, templateMesh(candidate.closed.mesh, pictures.views, job_.options.mesh));
     FOURDVT_ASSIGN(const TriangleMesh surface, surfaceOf(job_, work_, out.frame));
     out.mesh.positions = drawnTo(surface, out.mesh, float(kVoxel_m));
+    const NearestSurface nearest(surface);
+    out.mesh.positions = refined(makeTemplate(out.mesh.topology, out.mesh.positions, job_.options.nodes, surface),
+                                 {&surface, &nearest, &pictures.views}, job_.options.fit);
     FOURDVT_TRY(work_.save(out));
     return out;
   }
@@ -135,10 +138,10 @@ std::string settingsKey(const TrackOptions& o, const capture::Capture& capture) 
     key += " " + hexDigits(capture::meshDigest(sequence));
   key += printed(
       " %s faces %u texels %d gutter %d nodes %u flow %d %d surface %.9g rigid %.9g smooth %.9g offset %.9g "
-      "similarity %d",
+      "outline %.9g similarity %d",
       kVersion, o.mesh.faces, o.mesh.texels, o.mesh.gutter_texels, o.nodes, int(o.fit.flow_from_parent),
       int(o.fit.flow_from_anchor), o.fit.surface_sigma_m, o.fit.rigidity_sigma_m, o.fit.smoothness_sigma_m,
-      o.fit.offset_sigma_m, int(o.by_similarity));
+      o.fit.offset_sigma_m, o.fit.outline_sigma_px, int(o.by_similarity));
   if (o.template_frame)
     key += " template " + o.template_frame->sequence + " " + std::to_string(o.template_frame->frame);
   return key + "\n";

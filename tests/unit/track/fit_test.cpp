@@ -65,6 +65,45 @@ TEST_F(FitTest, FlowMatchesAreWithinHalfAPixel) {
   EXPECT_LT(quantile(errors, 0.9), 1);
 }
 
+TEST_F(FitTest, MatchesDoNotCountAlongStripes) {
+  std::vector<View> striped = rest_views;
+  for (View& view : striped)
+    for (int y = 0; y < view.grey.rows; ++y)
+      for (int x = 0; x < view.grey.cols; ++x)
+        if (view.matte.at<uint8_t>(y, x) >= 128) view.grey.at<uint8_t>(y, x) = uint8_t(128 + 60 * std::sin(0.7 * x));
+  std::vector<glm::vec3> normals;
+  computeVertexNormals(scene.faces, scene.rest.data(), scene.rest.size(), normals);
+  std::vector<double> along, across;
+  for (const PixelMatch& m : matchByFlow(scene.faces, {&striped, &scene.rest}, striped, scene.rest, normals, {})) {
+    if (std::abs(scene.rest[m.vertex].y) > 0.2f) continue;
+    across.push_back(m.information[0][0]);
+    along.push_back(m.information[1][1]);
+  }
+  ASSERT_GT(across.size(), 100u);
+  EXPECT_GT(quantile(across, 0.5), 0.3);
+  EXPECT_LT(quantile(along, 0.5), 0.02);
+}
+
+TEST_F(FitTest, OutlinesCorrectATemplateThatIsTooThin) {
+  const Positions thin = scene.moved([](const glm::dvec3& p) { return p * glm::dvec3(0.96, 1, 0.96); });
+  const TriangleMesh surface{thin, scene.faces};
+  const NearestSurface nearest(surface);
+  const Template thin_model = makeTemplate({uint32_t(thin.size()), {}, scene.faces, {}}, thin, 40, surface);
+  const auto radiusWith = [&](double sigma_px) {
+    FitOptions options;
+    options.surface_sigma_m = 0.05;
+    options.outline_sigma_px = sigma_px;
+    const Positions found = refined(thin_model, {&surface, &nearest, &rest_views}, options);
+    double sum = 0;
+    int count = 0;
+    for (const glm::vec3& p : found)
+      if (std::abs(p.y) < 0.2f) sum += std::hypot(p.x, p.z), ++count;
+    return sum / count;
+  };
+  EXPECT_NEAR(radiusWith(0), 0.096, 2e-4);
+  EXPECT_NEAR(radiusWith(0.5), 0.1, 1.8e-3);
+}
+
 TEST_F(FitTest, VisibilityIsThatOfTheRing) {
   std::vector<glm::vec3> normals;
   computeVertexNormals(scene.faces, scene.rest.data(), scene.rest.size(), normals);
