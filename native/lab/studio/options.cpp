@@ -31,6 +31,9 @@ std::string StudioOptions::check() const {
   if (!(scale >= 0.001 && scale <= 1000)) return "the scale must be 0.001 to 1000";
   if (frames < 0) return "counts must not be negative";
   if (frames > 0 && !classes.empty()) return "a class needs its whole motions; leave out --frames or --class";
+  if (!(strides >= 0 && strides <= 100)) return "a gait has at most 100 strides";
+  if (strides > 0 && !classes.empty()) return "a class needs loops; leave out --strides or --class";
+  if (travel && strides == 0) return "a loop stays in its place; give the number of --strides that travel";
   if (plates < 0 || plates > 99) return "plates must be 0 (none) to 99";
   if (plates != 1 && !room) return "only the room has several plates, or none; choose --room as well";
   if (room_size_m != 0 && !room) return "only the room has a size; choose --room as well";

@@ -60,9 +60,10 @@ StudioSet::StudioSet(const StudioOptions& options, std::unique_ptr<Actor> actor)
 
 Result<std::unique_ptr<StudioSet>> StudioSet::open(const StudioOptions& options, gpu::Device& device) {
   FOURDVT_ASSIGN(auto actor, openActor(options));
+  if (options.strides > 0) actor = withStrides(std::move(actor), options.strides, options.travel);
   std::unique_ptr<StudioSet> set(new StudioSet(options, std::move(actor)));
   FOURDVT_TRY(set->chooseClasses(options));
-  set->measure();
+  set->measure(options);
   set->rig_ = makeRig(set->bounds_, options.cameras, options.width, options.height);
   set->texture_ = options.knobs.plain ? meanTexel(set->actor().texture()) : set->actor().texture();
   FOURDVT_ASSIGN(auto renderer,
@@ -88,7 +89,7 @@ Status StudioSet::openFilm(const StudioOptions& options, gpu::Device& device) {
 Status StudioSet::chooseClasses(const StudioOptions& options) {
   const auto& motions = actor_->motions();
   classes_ = options.classes;
-  if (classes_.empty() && options.frames == 0 && options.actor == "procedural") {
+  if (classes_.empty() && options.frames == 0 && options.strides == 0 && options.actor == "procedural") {
     StudioClass locomotion{"locomotion", "speed_mps", {}};
     for (const Motion& motion : motions)
       if (motion.is_gait) locomotion.members.push_back(motion.name);
@@ -112,14 +113,15 @@ Status StudioSet::chooseClasses(const StudioOptions& options) {
   return {};
 }
 
-void StudioSet::measure() {
+void StudioSet::measure(const StudioOptions& options) {
   bounds_ = {glm::vec3(1e9f), glm::vec3(-1e9f)};
   Positions pose;
   std::vector<double> shares(actor_->motions().size(), 0);
   for (double& share : shares) {
     share = 1;
-    for (int i = 0; i < kBoundsPhases; ++i) {
-      actor_->pose(shares, double(i) / kBoundsPhases, pose);
+    const int phases = kBoundsPhases * std::max(1, int(std::ceil(options.strides)));
+    for (int i = 0; i < phases; ++i) {
+      actor_->pose(shares, double(i) / (options.strides > 0 ? phases - 1 : phases), pose);
       bounds_.grow(pose);
     }
     share = 0;

@@ -54,7 +54,7 @@ class StudioSet {
  private:
   StudioSet(const StudioOptions& options, std::unique_ptr<Actor> actor);
   Status chooseClasses(const StudioOptions& options);
-  void measure();
+  void measure(const StudioOptions& options);
   Status openFilm(const StudioOptions& options, gpu::Device& device);
 
   std::unique_ptr<Actor> actor_;

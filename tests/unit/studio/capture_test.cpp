@@ -186,6 +186,34 @@ TEST(StudioGait, FeetDoNotSlide) {
   }
 }
 
+// Strides continue through a clip's frames, and lead through the middle of the stage.
+TEST(StudioGait, StridesTravelByTheirSpeed) {
+  const auto striding = [](bool travel) {
+    return withStrides(createProceduralActor({"walk", "stand"}, 0.045).take(), 2.5, travel);
+  };
+  const auto one = createProceduralActor({"walk", "stand"}, 0.045).take(), here = striding(false),
+             there = striding(true);
+  const Motion &stride = one->motions()[0], &walk = there->motions()[0];
+  EXPECT_FALSE(walk.loop);
+  EXPECT_EQ(walk.duration_s, 2.5 * stride.duration_s);
+  EXPECT_EQ(walk.root_velocity_mps, glm::dvec3(0));
+  EXPECT_EQ(here->motions()[0].root_velocity_mps, stride.root_velocity_mps);
+  EXPECT_TRUE(there->motions()[1].loop);
+  const std::vector<double> shares{1, 0};
+  for (const double strides : {0.0, 0.7, 1.25, 2.5}) {
+    const double phase = strides / 2.5;
+    Positions wanted, standing, going;
+    one->pose(shares, strides - std::floor(strides), wanted);
+    here->pose(shares, phase, standing);
+    there->pose(shares, phase, going);
+    const glm::dvec3 way = (strides - 1.25) * stride.duration_s * stride.root_velocity_mps;
+    for (size_t v = 0; v < wanted.size(); v += 97) {
+      EXPECT_LT(glm::distance(standing[v], wanted[v]), 1e-5);
+      EXPECT_LT(glm::distance(glm::dvec3(going[v]), glm::dvec3(wanted[v]) + way), 1e-5);
+    }
+  }
+}
+
 // Mid-stance is at the same phase for every parameter: the foot is then below the body.
 TEST(StudioGait, OnePhaseIsOnePoseOfTheStride) {
   Actor& actor = walkJogRun();
@@ -606,7 +634,15 @@ TEST(StudioOptions, AreChecked) {
   EXPECT_EQ(o.check(), "");
   o.classes = {{"c", "p", {"a", "b"}}};
   EXPECT_NE(o.check().find("--frames"), std::string::npos);
+  o.frames = 0;
+  o.strides = 2;
+  EXPECT_NE(o.check().find("--strides"), std::string::npos);
   o.classes.clear();
+  o.travel = true;
+  EXPECT_EQ(o.check(), "");
+  o.strides = 0;
+  EXPECT_NE(o.check().find("--strides"), std::string::npos);
+  o.travel = false;
   o.knobs.plain_clothes = true;
   EXPECT_EQ(o.check(), "");
   o.actor = "model.glb";

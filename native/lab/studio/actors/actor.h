@@ -55,4 +55,8 @@ Result<std::unique_ptr<Actor>> createProceduralActor(const std::vector<std::stri
 // MeshNoUvs, MeshUvRange, InvalidArgument (no animation of a name).
 Result<std::unique_ptr<Actor>> openGltfActor(const std::string& path, const std::vector<std::string>& motions);
 
+// Actor whose gaits are clips with an end, of that many strides. `travel`: they lead by the root velocity through the
+// place at which the given actor walks, which is reached at half of the clip.
+std::unique_ptr<Actor> withStrides(std::unique_ptr<Actor> actor, double strides, bool travel);
+
 }  // namespace fourdvt::studio
