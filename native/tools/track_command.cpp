@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <charconv>
 
+#include "base/text.h"
 #include "capture/import/import_capture.h"
 #include "tools/args.h"
 #include "tools/commands.h"
@@ -32,21 +33,34 @@ Options rows(TrackOptions& o) {
       {"--template SEQUENCE:FRAME", parsed(o.template_frame, frameNamed, "SEQUENCE:FRAME, such as walk:12"),
        "frame whose surface becomes the mesh (default: the one with the most surface in sight and no parts in "
        "contact)"},
+      {"--loop A,B", list(o.loops),
+       "sequences of which one cycle, such as a stride, becomes a loop (default: none; loops of the input stay)"},
       classOption(o.classes),
       jobsOption(o.jobs),
       resumeOption(o.resume),
   };
 }
 
-// Checks the classes against the input's sequences, before any work.
-Status checkClasses(const TrackOptions& options) {
-  if (options.classes.empty()) return {};
+// Checks loops and classes against the input's sequences, before any work.
+Status checkMotions(const TrackOptions& options) {
+  if (options.classes.empty() && options.loops.empty()) return {};
   FOURDVT_ASSIGN(const auto capture,
                  capture::openDescription(options.capture_folder, options.sequences, capture::MeshNeed::Nothing));
   std::vector<std::string> names, loops;
   for (const capture::CaptureSequence& sequence : capture.sequences) {
     names.push_back(sequence.name);
     if (sequence.loop) loops.push_back(sequence.name);
+  }
+  for (const std::string& name : options.loops) {
+    const std::string where = options.capture_folder + ": --loop: ";
+    const capture::CaptureSequence* sequence = capture.find(name);
+    if (!sequence)
+      return Error{ErrorId::InvalidArgument,
+                   where + "no sequence \"" + name + "\"; choose among: " + joined(names, ", ")};
+    if (!sequence->loop && sequence->frame_count <= track::kMinCycle_s * capture.fps)
+      return Error{ErrorId::InvalidArgument, where + "the " + std::to_string(sequence->frame_count) + " frames of \"" +
+                                                 name + "\" are too few for a cycle; film at least one whole stride"};
+    loops.push_back(name);
   }
   const std::string problem = capture::classProblem(options.classes, names, loops);
   return problem.empty() ? Status() : Error{ErrorId::InvalidArgument, options.capture_folder + ": " + problem};
@@ -64,7 +78,7 @@ Result<std::optional<int>> readTrackCommand(int argc, char** argv, TrackOptions&
              extension ? join({rows(o), extension(o)}) : rows(o)},
             argc, argv);
   if (const auto code = args.helpOrProblem()) return code;
-  FOURDVT_TRY(checkClasses(o));
+  FOURDVT_TRY(checkMotions(o));
   return std::optional<int>();
 }
 
@@ -79,6 +93,7 @@ track::TrackEnvironment trackEnvironment(ProgressLine& line) {
 
 void printTrackSummary(const std::string& folder, const track::TrackSummary& s) {
   for (const std::string& warning : s.warnings) warn("%s", warning.c_str());
+  for (const std::string& loop : s.loops) note("%s", loop.c_str());
   const uint32_t made = s.frames - s.frames_kept;
   note(
       "%s: %u frames, %.1f s (%.2f s per frame), a mesh of %u triangles from %s, frame %u; it covers the mattes by "

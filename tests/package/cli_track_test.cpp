@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "base/mesh.h"
+#include "capture/capture.h"
 #include "capture/mesh_file.h"
 #include "command.h"
 #include "platform/files.h"
@@ -97,6 +99,37 @@ TEST(Track, MakesACaptureThatBakesIntoLayers) {
   EXPECT_EQ(fourdvt("inspect " + surfaces() + "/character").code, 0);
 }
 
+// A clip of more than one stride becomes a loop of one: pictures, mattes and positions stay in step.
+TEST(Track, MakesALoopOfOneStride) {
+  const std::string out = scratch("track-loop");
+  const Outcome studio =
+      lab("studio procedural --sequences walk --strides 1.2 --fps 8 --no-truth --test-every 4 --mesh-cell-mm 45 "
+          "--cameras 6 --size 240x320 -o " +
+          out + "/capture");
+  ASSERT_EQ(studio.code, 0) << studio.output;
+  const Outcome tracked = fourdvt("track " + out + "/capture -o " + out + "/tracked --loop walk" + kFaces);
+  ASSERT_EQ(tracked.code, 0) << tracked.output;
+  EXPECT_NE(tracked.output.find("are a loop"), std::string::npos) << tracked.output;
+  const auto walk = nlohmann::json::parse(readText(out + "/tracked/capture.json"))["sequences"][0];
+  EXPECT_EQ(walk["frames"], 9);  // 1.12 s at 8 frames a second
+  EXPECT_TRUE(walk["loop"].get<bool>());
+  const auto report = nlohmann::json::parse(readText(out + "/tracked/track.json"))["loops"]["walk"];
+  const uint32_t first = walk.value("first_frame", 0u);
+  EXPECT_EQ(report["first_frame"], first);
+  EXPECT_LT(report["misfit_share"].get<double>(), 0.2);
+
+  const auto loop = capture::openDescription(out + "/tracked", {}, capture::MeshNeed::ConstantTopology);
+  const auto given = capture::openDescription(out + "/capture", {}, capture::MeshNeed::ConstantTopology);
+  ASSERT_TRUE(loop.ok() && given.ok());
+  for (uint32_t f = 0; f < 9; ++f) {
+    const auto mesh = capture::readMeshFrame(loop.value(), loop.value().sequences[0], f);
+    const auto shown = capture::readMeshFrame(given.value(), given.value().sequences[0], first + f);
+    ASSERT_TRUE(mesh.ok() && shown.ok());
+    const BoundingBox box = boundsOf(mesh.value()), wanted = boundsOf(shown.value());
+    EXPECT_LT(glm::distance(box.min, wanted.min) + glm::distance(box.max, wanted.max), 0.08) << f;
+  }
+}
+
 TEST(Track, GoesOnAfterAnInterruption) {
   const std::string out = scratch("track-interrupted"), options = "track " + surfaces() + "/surfaces " + kFaces;
   ASSERT_EQ(fourdvt(options + " -o " + out + "/straight").code, 0);
@@ -177,6 +210,8 @@ TEST(Track, RefusesWhatItCannotFollow) {
   expectRefusal(fourdvt(track + capture + to), "fourdvt reconstruct", out);
   expectRefusal(fourdvt(track + surfaces() + "/surfaces --template walk:400" + to), "no such frame", out);
 
+  expectRefusal(fourdvt(track + surfaces() + "/surfaces --loop nowhere" + to), "no sequence \"nowhere\"", out);
+  expectRefusal(fourdvt(track + surfaces() + "/surfaces --loop walk" + to), "too few for a cycle", out);
   expectRefusal(fourdvt(track + surfaces() + "/surfaces --class go:speed_mps=walk,nowhere" + to), "nowhere", out);
 
   const std::string shifted = ownSurfaces("shifted");

@@ -18,6 +18,59 @@ constexpr double kMaxUnits = 32000;                                             
 constexpr double kMinOverlap = 0.85, kMaxStretched = 0.05, kMaxDistance_m = 0.04;  // gates of a fit
 constexpr double kMaxFailed = 0.34;                                                // share of a sequence's frames
 
+constexpr double kMaxMisfitShare = 0.3;  // Cycle::error_share of a loop
+constexpr double kMaxStay_m = 0.05;      // way of one pass that counts as staying in place
+constexpr double kBlend_s = 0.2;         // fade at a loop's end
+
+// Finds a cycle of a sequence and closes it. Errors: InvalidArgument.
+Result<CycleOfSequence> cycleOf(const Prepared& job, const capture::CaptureSequence& sequence,
+                                std::span<const Positions> frames) {
+  const std::string where = job.options.capture_folder + "/" + sequence.name + ": ",
+                    keep = ", or leave out --loop " + sequence.name + " (--resume keeps all fits)";
+  const double fps = job.capture.fps;
+  const auto cycle = findCycle(frames, uint32_t(std::ceil(kMinCycle_s * fps)), uint32_t(kMaxCycle_s * fps));
+  if (!cycle)
+    return Error{ErrorId::InvalidArgument,
+                 where +
+                     printed("no cycle of %.1f to %.0f s is found in %zu frames; film two whole strides or more",
+                             kMinCycle_s, kMaxCycle_s, frames.size()) +
+                     keep};
+  if (cycle->error_share > kMaxMisfitShare)
+    return Error{ErrorId::InvalidArgument,
+                 where +
+                     printed("no motion repeats: frame %u resembles frame %u most and differs by %.0f mm, %.0f %% "
+                             "of what changes in between; film two even strides or more",
+                             cycle->last, cycle->first, 1e3 * cycle->error_m, 100 * cycle->error_share) +
+                     keep};
+  glm::dvec3 sum(0);
+  for (const glm::vec3& p : frames[cycle->first]) sum += glm::dvec3(p);
+  const glm::dvec3 middle = sum / double(frames[cycle->first].size());
+  const double way_m = glm::distance(cycle->travel(middle), middle);
+  if (way_m > kMaxStay_m)
+    return Error{ErrorId::InvalidArgument,
+                 where + printed("a cycle leads on by %.2f m; film on the spot", way_m) + keep};
+  const uint32_t beyond = std::max(cycle->first, uint32_t(frames.size()) - cycle->last);
+  return CycleOfSequence{*cycle, closeCycle(frames, *cycle, std::min(beyond, uint32_t(std::lround(kBlend_s * fps))))};
+}
+
+// Frames that the new capture shows.
+const std::vector<Positions>& shownFrames(const TrackedSequence& s) {
+  return s.cycle ? s.cycle->loop.frames : s.positions;
+}
+
+// The capture with its loops' frames alone. Cameras show them where they are.
+capture::Capture shownCapture(const capture::Capture& given, std::span<const TrackedSequence> sequences) {
+  capture::Capture out = given;
+  for (size_t s = 0; s < sequences.size(); ++s) {
+    if (!sequences[s].cycle) continue;
+    const Cycle& cycle = sequences[s].cycle->cycle;
+    out.sequences[s].first_frame += cycle.first;
+    out.sequences[s].frame_count = cycle.last - cycle.first;
+    out.sequences[s].loop = true;
+  }
+  return out;
+}
+
 // Reason why a fit failed; empty: it holds.
 std::string failureOf(const TrackedFrame& frame, uint32_t faces) {
   const FitFigures& f = frame.figures;
@@ -67,7 +120,11 @@ Result<TrackSummary> writeResult(const Prepared& job, const Work& work, const Ch
                        ". A coat taken off or a prop put down is another mesh: leave out or split the sequence there, "
                        "or give a --template frame that shows all parts"};
     smoothInTime(tracked.positions, trust, sequence.loop, TimeOptions{});
-    for (const Positions& positions : tracked.positions)
+    const auto& loops = job.options.loops;
+    if (!sequence.loop && std::find(loops.begin(), loops.end(), sequence.name) != loops.end()) {
+      FOURDVT_ASSIGN(tracked.cycle, cycleOf(job, sequence, tracked.positions));
+    }
+    for (const Positions& positions : shownFrames(tracked))
       for (const glm::vec3& p : positions) farthest = std::max({farthest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   }
 
@@ -77,16 +134,17 @@ Result<TrackSummary> writeResult(const Prepared& job, const Work& work, const Ch
   link.units_per_metre = std::min(10'000.0, std::floor(kMaxUnits / std::max(farthest, 0.001f)));
   link.classes = job.options.classes;
   link.own_calibration = link.own_times = link.own_motion = true;
-  FOURDVT_TRY(capture::linkCapture(job.capture, part, link));
+  const capture::Capture shown = shownCapture(job.capture, sequences);
+  FOURDVT_TRY(capture::linkCapture(shown, part, link));
   FOURDVT_TRY(platform::writeFileAtomic(
       part + "/" + capture::kMeshTopology,
       capture::objText(chosen.mesh.topology, chosen.mesh.positions, 1 / job.capture.metres_per_unit)));
   for (uint32_t s = 0; s < sequences.size(); ++s) {
-    const capture::CaptureSequence& sequence = job.capture.sequences[s];
+    const capture::CaptureSequence& sequence = shown.sequences[s];
     std::vector<uint8_t> bytes;
     for (uint32_t i = 0; i < sequence.first_frame; ++i)
-      capture::appendPacked(sequences[s].positions[0], link.units_per_metre, bytes);
-    for (const Positions& positions : sequences[s].positions)
+      capture::appendPacked(shownFrames(sequences[s])[0], link.units_per_metre, bytes);
+    for (const Positions& positions : shownFrames(sequences[s]))
       capture::appendPacked(positions, link.units_per_metre, bytes);
     const std::string folder = part + "/" + sequence.name + "/" + capture::kMeshFolder;
     FOURDVT_TRY(platform::makeFolder(folder));

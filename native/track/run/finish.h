@@ -12,7 +12,8 @@
 namespace fourdvt::track {
 
 // Writes into the existing folder `part`. Errors: InvalidArgument (a frame is not fitted; too many fits failed: the
-// first one is named with the place that the template does not explain); WriteFailed; those of linkCapture.
+// first one is named with the place that the template does not explain; a sequence that is to be a loop shows no
+// cycle); WriteFailed; those of linkCapture.
 Result<TrackSummary> writeResult(const Prepared& job, const Work& work, const ChosenTemplate& chosen,
                                  std::span<const TrackingStep> steps, const std::string& part);
 

@@ -15,6 +15,8 @@
 
 namespace fourdvt::track {
 
+constexpr double kMinCycle_s = 0.4, kMaxCycle_s = 4;  // length of a loop that is searched
+
 struct FrameName {
   std::string sequence;
   uint32_t frame = 0;
@@ -26,6 +28,7 @@ struct TrackOptions {
   std::optional<FrameName> template_frame;  // none: chosen
   TemplateOptions mesh;
   uint32_t nodes = 400;                        // nodes in the deformation graph
+  std::vector<std::string> loops;              // sequences of which one cycle becomes a loop; loops stay whole
   std::vector<capture::CaptureClass> classes;  // written to the new capture
   FitOptions fit;
   bool by_similarity = true;  // false: each frame from its predecessor in time

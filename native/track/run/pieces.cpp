@@ -30,7 +30,8 @@ namespace fourdvt::store {
 void fields(Archive& a, track::FrameName& n) { a(n.sequence, n.frame); }
 // Options that determine the result.
 void fields(Archive& a, track::TrackOptions& o) {
-  a(o.capture_folder, o.folder, o.sequences, o.template_frame, o.mesh, o.nodes, o.classes, o.fit, o.by_similarity);
+  a(o.capture_folder, o.folder, o.sequences, o.template_frame, o.mesh, o.nodes, o.loops, o.classes, o.fit,
+    o.by_similarity);
 }
 void fields(Archive& a, track::TrackJob& j) {
   a(j.prepared.options, j.prepared.capture, j.prepared.settings_key, j.steps, j.common_input_digest, j.frame_digests);

@@ -79,6 +79,19 @@ report::Plot depthPlot(const Work& work, std::span<const TrackedSequence> sequen
   return plot;
 }
 
+Json loopsJson(std::span<const TrackedSequence> sequences) {
+  Json out = Json::object();
+  for (const TrackedSequence& s : sequences) {
+    if (!s.cycle) continue;
+    const Cycle& cycle = s.cycle->cycle;
+    out[s.name] = {{"first_frame", cycle.first},
+                   {"frames", cycle.last - cycle.first},
+                   {"misfit_mm", 1e3 * cycle.error_m},
+                   {"misfit_share", cycle.error_share}};
+  }
+  return out;
+}
+
 Values sequenceValues(const TrackedSequence& s) {
   double seconds = 0;
   for (const double t : s.seconds) seconds += t;
@@ -137,6 +150,9 @@ class Pictures {
 
 void summarise(std::span<const TrackedSequence> sequences, TrackSummary& out) {
   for (const TrackedSequence& s : sequences) {
+    if (s.cycle)
+      out.loops.push_back(printed("%s: frames %u to %u are a loop; its ends differ by %.1f mm", s.name.c_str(),
+                                  s.cycle->cycle.first, s.cycle->cycle.last - 1, 1e3 * s.cycle->cycle.error_m));
     out.frames += uint32_t(s.figures.size());
     out.interpolated += uint32_t(s.failures.size());
     for (const FitFigures& f : s.figures) {
@@ -166,13 +182,15 @@ Status writeTrackReport(const std::string& folder, const Prepared& job, const Wo
       {"lowest_overlap", "lowest overlap of a frame", summary.lowest_overlap, 4},
       {"distance_95_mm", "mm: 95 % of the mesh lies nearer to the surfaces", 1e3 * summary.distance_95_m, 1},
       {"interpolated", "frames interpolated", summary.interpolated},
+      {"loops", loopsJson(sequences)},
       {"warnings", summary.warnings}};
   report::Document page{
       job.capture.name + ", tracked",
       std::to_string(summary.faces) + " triangles from " + origin.sequence + ", frame " + std::to_string(origin.frame)};
   page.credit = job.capture.credit;
   report::Section overview{.id = "overview", .title = "Overview"};
-  for (const std::string& warning : summary.warnings) overview.text += warning + ".\n\n";
+  for (const auto* lines : {&summary.warnings, &summary.loops})
+    for (const std::string& line : *lines) overview.text += line + ".\n\n";
   overview.tiles = report::tilesOf(values);
   overview.tables = {report::tableOf("Sequences",
                                      "Colour: mean difference of vertices' grey from the template's frame.",

@@ -3,19 +3,28 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "track/cycle.h"
 #include "track/order.h"
 #include "track/run/prepare.h"
 #include "track/run/track.h"
 
 namespace fourdvt::track {
 
+// Cycle of a sequence that becomes a loop.
+struct CycleOfSequence {
+  Cycle cycle;
+  Loop loop;
+};
+
 struct TrackedSequence {
   std::string name;
   std::vector<Positions> positions;          // [frame] smoothed
+  std::optional<CycleOfSequence> cycle;      // the new capture has its frames alone
   std::vector<FitFigures> figures;           // [frame] of the fits
   std::vector<double> seconds;               // [frame]
   std::map<uint32_t, std::string> failures;  // frame → why its fit failed; it is interpolated

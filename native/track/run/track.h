@@ -21,6 +21,7 @@ struct TrackSummary {
   double mean_overlap = 0, lowest_overlap = 1;
   double distance_95_m = 0;           // mean over the frames
   uint32_t interpolated = 0;          // frames whose fit failed
+  std::vector<std::string> loops;     // one line each
   std::vector<std::string> warnings;  // one line each
 };
 
