@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/camera.h"
+#include "base/ground_motion.h"
 #include "base/image.h"
 #include "base/mesh.h"
 #include "base/result.h"
@@ -77,11 +78,19 @@ struct CaptureSound {
   double offset_s = 0;  // delay of its beginning relative to picture 0; of a video: relative to its own picture 0
 };
 
+// Way of a performer through the room while a sequence plays, at a constant rate.
+struct CaptureTravel {
+  GroundMotion motion;    // from frame 0 to the frame after the last one
+  glm::dvec2 place_m{0};  // where the performer is half way, along x and z
+};
+
 struct CaptureSequence {
   std::string name;
   uint32_t frame_count = 0;
   bool loop = false;
-  glm::dvec3 root_velocity_mps{0};
+  glm::dvec3 root_velocity_mps{0};  // over the ground, of positions in place
+  // Motion in the room, which pictures and meshes have and players do not show; a loop closes up to it.
+  std::optional<CaptureTravel> travel;
   std::string folder;  // absolute
   // Meshes are one file per frame, one animated glTF file, or one packed int16 file with a declared scale; or none.
   std::string mesh_pattern;      // absolute, with one %d or %0Nd (none for a single file); empty if packed
@@ -96,7 +105,7 @@ struct CaptureSequence {
   std::map<std::string, double> offset_frames;
   std::optional<CaptureSound> sound;
   double offsetOf(const std::string& camera) const;
-  // Number of a camera's picture for a frame; a loop wraps around to its first picture.
+  // Number of a camera's picture for a frame; a loop that does not travel wraps around to its first picture.
   uint32_t pictureOf(const std::string& camera, uint32_t frame) const;
 };
 
@@ -173,6 +182,12 @@ Result<Capture> openDescription(const std::string& folder, const std::vector<std
 // Positions of one frame of a capture of constant topology, with the capture's offsets. Errors: FileMissing,
 // MeshTopology (names the file, or the capture has no constant topology), MeshNotFinite, MeshIndex.
 Result<Positions> readMeshFrame(const Capture& capture, const CaptureSequence& sequence, uint32_t frame);
+
+// The same as players show it: without the sequence's travel, in the heading that it has half way, and with the place
+// that it has there at the origin. Pictures do not fit these positions.
+Result<Positions> readMeshFrameInPlace(const Capture& capture, const CaptureSequence& sequence, uint32_t frame);
+// Moves positions of a frame, as readMeshFrame returns them, to these.
+void putInPlace(const CaptureSequence& sequence, uint32_t frame, Positions& positions);
 
 // Surface of one frame, for any kind of meshes. Errors: those of readMeshFrame and readMeshFile (mesh_file.h);
 // FileMissing without meshes.

@@ -15,6 +15,7 @@ namespace {
 
 using Json = nlohmann::json;
 constexpr double kMaxFrames = 10'000'000, kMaxUnits = 1e6, kMinUnitsPerMetre = 1e-3, kMaxOffset_ms = 1e8;
+constexpr double kMaxTurn_deg = 359;
 
 class Parser {
  public:
@@ -192,6 +193,7 @@ class Parser {
     sequence.offset_frames = offset_frames_;
     FOURDVT_TRY(offsets(jsonMember(node, "offset_frames"), sequence.offset_frames));
     FOURDVT_TRY(rootVelocity(node, sequence));
+    FOURDVT_TRY(travel(jsonMember(node, "travel"), sequence));
     FOURDVT_TRY(testFrames(node, sequence));
     FOURDVT_ASSIGN(sequence.sound, sound("\"audio\" of \"" + sequence.name + "\"", jsonMember(node, "audio")));
     if (node.contains("mesh")) FOURDVT_TRY(mesh(node["mesh"], declared));
@@ -229,6 +231,24 @@ class Parser {
     if (!jsonNumbers(velocity, 3, &sequence.root_velocity_mps[0], kMaxUnits))
       return error("\"root_velocity\" of \"" + sequence.name + "\" must be three numbers");
     sequence.root_velocity_mps *= out_.capture.metres_per_unit;
+    return {};
+  }
+
+  // Travel, {"shift": [x, z], "turn_deg": number, "place": [x, z]}; requires the units.
+  Status travel(const Json& node, CaptureSequence& sequence) const {
+    if (node.is_null()) return {};
+    CaptureTravel out;
+    const Json &turn = jsonMember(node, "turn_deg"), &place = jsonMember(node, "place");
+    const bool valid = jsonNumbers(jsonMember(node, "shift"), 2, &out.motion.shift_m[0], kMaxUnits) &&
+                       (turn.is_null() || jsonNumbers(Json::array({turn}), 1, &out.motion.turn_rad, kMaxTurn_deg)) &&
+                       (place.is_null() || jsonNumbers(place, 2, &out.place_m[0], kMaxUnits));
+    if (!valid)
+      return error("\"travel\" of \"" + sequence.name +
+                   "\" must be {\"shift\": [x, z], \"turn_deg\": 0, \"place\": [x, z]}, with less than a whole turn");
+    out.motion.turn_rad = glm::radians(out.motion.turn_rad);
+    out.motion.shift_m *= out_.capture.metres_per_unit;
+    out.place_m *= out_.capture.metres_per_unit;
+    sequence.travel = out;
     return {};
   }
 

@@ -217,6 +217,19 @@ Result<Positions> readMeshFrame(const Capture& capture, const CaptureSequence& s
   return positions;
 }
 
+Result<Positions> readMeshFrameInPlace(const Capture& capture, const CaptureSequence& sequence, uint32_t frame) {
+  FOURDVT_ASSIGN(auto positions, readMeshFrame(capture, sequence, frame));
+  putInPlace(sequence, frame, positions);
+  return positions;
+}
+
+void putInPlace(const CaptureSequence& sequence, uint32_t frame, Positions& positions) {
+  if (!sequence.travel) return;
+  const auto& [motion, place_m] = *sequence.travel;
+  const GroundMotion back = shareOf(motion, 0.5 - double(frame) / sequence.frame_count);
+  for (glm::vec3& p : positions) p = glm::vec3(back(p) - glm::dvec3(place_m.x, 0, place_m.y));
+}
+
 Result<TriangleMesh> readSurfaceFrame(const Capture& capture, const CaptureSequence& sequence, uint32_t frame) {
   FOURDVT_TRY(checkFrame(sequence, frame));
   switch (capture.meshes) {

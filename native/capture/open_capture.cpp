@@ -172,7 +172,7 @@ Status checkOffsets(const Capture& capture, const CaptureSequence& sequence) {
                                              " frames; correct it, or leave the camera out"};
     }
     const int64_t here = -(int64_t(sequence.first_frame) + std::llround(frames));
-    if (!sequence.loop && here > lacking) lacking = here, of_first = of_camera;
+    if ((!sequence.loop || sequence.travel) && here > lacking) lacking = here, of_first = of_camera;
   }
   if (lacking == 0) return {};
   return Error{ErrorId::CaptureJson, of_first + "leaves no picture for frame 0; set \"first_frame\" to " +
@@ -190,7 +190,7 @@ double CaptureSequence::offsetOf(const std::string& camera) const {
 uint32_t CaptureSequence::pictureOf(const std::string& camera, uint32_t frame) const {
   const int64_t count = frame_count;
   int64_t at = int64_t(frame) + std::llround(offsetOf(camera));
-  if (loop && count > 0) at = (at % count + count) % count;
+  if (loop && !travel && count > 0) at = (at % count + count) % count;
   return uint32_t(std::max<int64_t>(0, first_frame + at));
 }
 

@@ -144,6 +144,13 @@ void writeMotion(const CaptureSequence& sequence, double metres_per_unit, Json& 
   const glm::dvec3 v = sequence.root_velocity_mps / metres_per_unit;
   json.erase("root_velocity");
   if (v != glm::dvec3(0)) json["root_velocity"] = {v.x, v.y, v.z};
+  json.erase("travel");
+  if (!sequence.travel) return;
+  const glm::dvec2 shift = sequence.travel->motion.shift_m / metres_per_unit,
+                   place = sequence.travel->place_m / metres_per_unit;
+  json["travel"] = {{"shift", {shift.x, shift.y}},
+                    {"turn_deg", glm::degrees(sequence.travel->motion.turn_rad)},
+                    {"place", {place.x, place.y}}};
 }
 
 void writeMeshes(const LinkOptions& options, Json& sequence) {

@@ -31,7 +31,7 @@ struct LinkOptions {
   std::vector<std::string> leave_out;  // cameras to remove; the new capture has its own calibration without them
   bool own_calibration = false;        // cameras as in `capture`, rather than as in its folder
   bool own_times = false;              // frames, first_frame and offset_frames as in `capture`
-  bool own_motion = false;             // loop and root_velocity as in `capture`
+  bool own_motion = false;             // loop, root_velocity and travel as in `capture`
 };
 
 // Links the contents of `capture`'s folder into `to`, which exists: everything but capture.json, reports, excluded

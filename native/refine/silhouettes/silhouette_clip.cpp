@@ -125,7 +125,7 @@ Result<SilhouetteClip> readSilhouetteClip(const capture::Capture& capture, const
   std::vector<PinholeCamera> cameras;
   for (const auto& camera : capture.cameras) cameras.push_back(reducedCamera(camera.pinhole, reduction));
   const uint32_t first = (sequence.frame_count - count) / 2;
-  SilhouetteClip clip(cameras, sequence.loop && count == sequence.frame_count);
+  SilhouetteClip clip(cameras, sequence.loop && !sequence.travel && count == sequence.frame_count);
   clip.first_frame = first;
   FOURDVT_ASSIGN(auto reader, mattes::FrameReader::open(capture, sequence, open_video, first));
   for (uint32_t f = 0; f < count; ++f) {

@@ -68,6 +68,7 @@ class PackedCapture : public ::testing::Test {
     for (CaptureSequence& sequence : capture.value().sequences) {
       sequence.loop = sequence.name != "leap";
       sequence.root_velocity_mps = glm::dvec3(sequence.name == "walk" ? 1.5 : 0, 0, 0);
+      if (sequence.name == "walk") sequence.travel = CaptureTravel{{glm::radians(90.0), {0, 1.25}}, {-0.5, 0}};
     }
     const Status linked = linkCapture(capture.value(), to_.string(), options);
     ASSERT_TRUE(linked.ok()) << linked.error().message;
@@ -159,6 +160,9 @@ TEST_F(PackedCapture, HasTheLoopsAndVelocitiesOfTheCapture) {
   EXPECT_EQ(sequences[3]["loop"], false);
   EXPECT_EQ(sequences[0]["root_velocity"], nlohmann::json::array({150.0, 0.0, 0.0}));  // centimetres
   EXPECT_FALSE(sequences[1].contains("root_velocity"));
+  EXPECT_EQ(sequences[0]["travel"],
+            (nlohmann::json{{"shift", {0.0, 125.0}}, {"turn_deg", 90.0}, {"place", {-50.0, 0.0}}}));
+  EXPECT_FALSE(sequences[1].contains("travel"));
   link(packed());
   EXPECT_FALSE(json()["sequences"][0].contains("loop"));
   EXPECT_EQ(json()["sequences"][1]["root_velocity"], nlohmann::json::array({0, 0, 100}));
