@@ -27,7 +27,9 @@ Result<PreparedFrame> StreamReader::read(uint32_t frame) {
     out.members.push_back(std::move(member));
   }
   if (!plan_.isClass()) {
-    out.geometry = {{out.members[0].fresh->pose}, {}, {plan_.motion.members[0].root[frame]}};
+    Positions pose = out.members[0].fresh->pose;
+    capture::putInPlace(*plan_.motion.members[0].source, out.members[0].source_frame, pose);
+    out.geometry = {{std::move(pose)}, {}, {plan_.motion.members[0].root[frame]}};
     return out;
   }
   FOURDVT_ASSIGN(out.geometry, blendGeometry(frame));
@@ -90,7 +92,7 @@ Result<Positions> MeshReader::read(const capture::CaptureSequence& sequence, uin
     entries_.splice(entries_.begin(), entries_, known);
     return entries_.front().positions;
   }
-  FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(job_->capture, sequence, frame));
+  FOURDVT_ASSIGN(auto positions, capture::readMeshFrameInPlace(job_->capture, sequence, frame));
   entries_.push_front({&sequence, frame, reordered(job_->mesh, positions)});
   if (entries_.size() > kKept) entries_.pop_back();
   return entries_.front().positions;

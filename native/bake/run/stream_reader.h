@@ -14,12 +14,12 @@
 
 namespace fourdvt::bake {
 
-// Reads captured meshes in the decoded mesh's order and caches the latest ones, because interpolation between frames
-// reads each of them several times. Not thread-safe.
+// Reads captured meshes in place (readMeshFrameInPlace), in the decoded mesh's order, and caches the latest ones,
+// because interpolation between frames reads each of them several times. Not thread-safe.
 class MeshReader {
  public:
   explicit MeshReader(const Job& job) : job_(&job) {}
-  // Errors: those of capture::readMeshFrame.
+  // Errors: those of readMeshFrameInPlace.
   Result<Positions> read(const capture::CaptureSequence& sequence, uint32_t frame);
   // Reader as a function, which borrows it.
   ReadPositions function() {
@@ -46,7 +46,7 @@ struct FrameGeometry {
 
 // A captured frame, decoded mesh's order.
 struct SourceFrame {
-  Positions pose;
+  Positions pose;                  // in the room, where pictures show it
   std::vector<PictureCrop> crops;  // [camera]
 };
 

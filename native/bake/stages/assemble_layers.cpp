@@ -152,7 +152,7 @@ Result<std::string> drawLayeredStills(const BakeRun& run, const package::Charact
   const Job& job = run.job;
   FOURDVT_ASSIGN(auto still, run.work.load<StillArtefact>(kStillFile));
   FOURDVT_TRY(platform::writeFileAtomic(job.reportFolder() + "/" + kTiles, still.tile_jpeg));
-  FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(job.capture, job.capture.sequences[0], 0));
+  FOURDVT_ASSIGN(auto positions, capture::readMeshFrameInPlace(job.capture, job.capture.sequences[0], 0));
   FOURDVT_ASSIGN(auto poster,
                  renderPoster(run.device(), character, job.mesh.decoded, describeStream(job.streams[0]).renditions[0],
                               still, reordered(job.mesh, positions)));

@@ -180,6 +180,12 @@ Status openCapture(Job& job, const BakeEnvironment& environment) {
   const bool chosen = !o.appearance;
   if (chosen) o.appearance = constant ? package::AppearanceKind::Layers : package::AppearanceKind::Cameras;
   if (!job.fromCameras()) return {};
+  for (const capture::CaptureSequence& sequence : job.capture.sequences)
+    if (sequence.travel)
+      return bad(o.capture_folder + "/capture.json: \"travel\" of \"" + sequence.name +
+                 "\": a character from cameras stays where its pictures show it, and does not play on the spot; bake " +
+                 (constant ? "from layers (--appearance layers)" : "one mesh that moves (fourdvt track)") +
+                 ", or take \"travel\" out");
   if (!constant && o.refine_asked && o.refine.any())
     return bad(o.capture_folder +
                ": its meshes have another topology in every frame, and --refine moves one mesh; leave out --refine, "
@@ -206,7 +212,7 @@ Status findBounds(Job& job, const BakeEnvironment& environment) {
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
     for (uint32_t f = 0; f < sequence.frame_count; ++f) {
       if (environment.stop && *environment.stop) return Error{ErrorId::Interrupted, "stopped; nothing was written"};
-      FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(job.capture, sequence, f));
+      FOURDVT_ASSIGN(auto positions, capture::readMeshFrameInPlace(job.capture, sequence, f));
       if (first) job.bounds = {positions[0], positions[0]};
       first = false;
       sides_m.push_back(longestSide(positions));
@@ -219,7 +225,7 @@ Status findBounds(Job& job, const BakeEnvironment& environment) {
 Status planMesh(Job& job) {
   const MeshTopology& topology = job.capture.topology;
   FOURDVT_TRY(checkLayeredMesh(meshFile(job.capture.sequences[0], 0), topology.vertex_count, topology.faceCount()));
-  FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(job.capture, job.capture.sequences[0], 0));
+  FOURDVT_ASSIGN(auto positions, capture::readMeshFrameInPlace(job.capture, job.capture.sequences[0], 0));
   FOURDVT_ASSIGN(job.mesh, package::encodeBaseMesh(job.capture.topology, positions));
   return {};
 }
