@@ -16,16 +16,9 @@ constexpr double kFloor_m = 1e-4;      // error below which cycles are equally g
 constexpr double kAsGood = 1.2;        // factor to the least error up to which a shorter cycle is preferred
 
 using Ground = std::complex<double>;
-constexpr Ground kI(0, 1);
 
 Ground groundOf(const glm::dvec3& p) { return {p.z, p.x}; }
-Ground shiftOf(const GroundMotion& motion) { return {motion.shift_m.y, motion.shift_m.x}; }
 GroundMotion motionOf(double turn_rad, const Ground& shift) { return {turn_rad, {shift.imag(), shift.real()}}; }
-
-// Mean direction of a turn at a constant rate, as a share of its length: ∫ exp(i t turn) dt over 0…1.
-Ground arcOf(double turn_rad) {
-  return std::abs(turn_rad) < 1e-9 ? Ground(1) : (std::polar(1.0, turn_rad) - 1.0) / (kI * turn_rad);
-}
 
 // Least squares of b − motion(a) over pairs of points.
 class Alignment {
@@ -99,16 +92,6 @@ double eased(double x) { return x * x * (3 - 2 * x); }
 
 }  // namespace
 
-glm::dvec3 GroundMotion::operator()(const glm::dvec3& p) const {
-  const Ground at = std::polar(1.0, turn_rad) * groundOf(p) + shiftOf(*this);
-  return {at.imag(), p.y, at.real()};
-}
-
-GroundMotion shareOf(const GroundMotion& motion, double share) {
-  const double turn = share * motion.turn_rad;
-  return motionOf(turn, share * arcOf(turn) / arcOf(motion.turn_rad) * shiftOf(motion));
-}
-
 std::optional<Cycle> findCycle(std::span<const Positions> frames, uint32_t min_frames, uint32_t max_frames) {
   const uint32_t count = uint32_t(frames.size());
   min_frames = std::max(min_frames, 1u);
@@ -169,39 +152,15 @@ Loop closeCycle(std::span<const Positions> frames, const Cycle& cycle, uint32_t 
   return loop;
 }
 
-namespace {
-
-Travel travelAt(std::span<const Positions> frames, double fps, const GroundMotion& per_frame) {
-  Ground centre(0);  // mean over the frames, in the heading of frame 0
-  for (size_t f = 0; f < frames.size(); ++f) {
-    const GroundMotion back = shareOf(per_frame, -double(f));
-    glm::dvec3 sum(0);
-    for (const glm::vec3& p : frames[f]) sum += glm::dvec3(p);
-    centre += groundOf(back(sum / double(frames[f].size()))) / double(frames.size());
-  }
-  const double turn = per_frame.turn_rad;
-  const Ground velocity = fps * (kI * turn * centre + shiftOf(per_frame) / arcOf(turn));
-  return {per_frame, {velocity.imag(), 0, velocity.real()}};
-}
-
-}  // namespace
-
-Travel travelOf(std::span<const Positions> frames, double fps, uint32_t period_frames) {
-  Alignment alignment;
-  for (size_t f = 0; f + period_frames < frames.size(); ++f) alignment.add(frames[f], frames[f + period_frames]);
-  return travelAt(frames, fps, shareOf(alignment.solve(), 1.0 / period_frames));
-}
-
 Travel travelOf(const Loop& loop, double fps) {
-  return travelAt(loop.frames, fps, shareOf(loop.travel, 1 / double(loop.frames.size())));
-}
-
-std::vector<Positions> onTheSpot(std::span<const Positions> frames, const GroundMotion& per_frame) {
-  std::vector<Positions> out(frames.begin(), frames.end());
-  for (size_t f = 0; f < out.size(); ++f) {
-    const GroundMotion back = shareOf(per_frame, -double(f));
-    for (glm::vec3& p : out[f]) p = glm::vec3(back(p));
+  const double count = double(loop.frames.size());
+  Travel out;
+  for (size_t f = 0; f < loop.frames.size(); ++f) {
+    glm::dvec3 sum(0);
+    for (const glm::vec3& p : loop.frames[f]) sum += glm::dvec3(p);
+    out.place_m += shareOf(loop.travel, 0.5 - double(f) / count)(sum / double(loop.frames[f].size())) / count;
   }
+  out.velocity_mps = fps / count * velocityAt(loop.travel, out.place_m);
   return out;
 }
 

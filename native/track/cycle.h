@@ -1,26 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loops from clips of a tracked mesh, and the travel of the body over the ground (algorithms/tracking.md). The ground
-// is the xz plane and y is up, as in captures.
+// Loops from clips of a tracked mesh, and the travel of the body over the ground (algorithms/tracking.md).
 #pragma once
 
-#include <glm/glm.hpp>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "base/ground_motion.h"
 #include "base/mesh.h"
 
 namespace fourdvt::track {
-
-// Rigid motion over the ground: a turn about the y axis, then a shift.
-struct GroundMotion {
-  double turn_rad = 0;    // positive from +z towards +x
-  glm::dvec2 shift_m{0};  // along x and z
-  glm::dvec3 operator()(const glm::dvec3& p) const;
-};
-// The share of a motion that a constant rate reaches after that share of its time; negative ones lead back, -1 is the
-// inverse. Requires a turn of less than a whole one.
-GroundMotion shareOf(const GroundMotion& motion, double share);
 
 struct Cycle {
   uint32_t first = 0, last = 0;  // frame `last` repeats frame `first`
@@ -44,19 +33,11 @@ struct Loop {
 // misfit is spread evenly over the loop, half of it at each end.
 Loop closeCycle(std::span<const Positions> frames, const Cycle& cycle, uint32_t blend_frames);
 
+// The body half way through a loop, in its heading there: its travel at a constant rate taken out of all frames.
 struct Travel {
-  GroundMotion per_frame;
-  glm::dvec3 velocity_mps{0};  // at the body's centroid, in its heading at frame 0; y is 0
+  glm::dvec3 place_m{0};       // mean over vertices and frames
+  glm::dvec3 velocity_mps{0};  // at that place; y is 0
 };
-// Travel at a constant rate over the ground: the motion that leads best (least squares over all vertices) from every
-// frame to the one a period later. `period_frames`: of a cycle, whose swing then does not count, or else half of the
-// clip; below the number of frames.
-Travel travelOf(std::span<const Positions> frames, double fps, uint32_t period_frames);
 Travel travelOf(const Loop& loop, double fps);
-
-// Positions with the travel taken out, in place and heading of frame 0; bob and sway stay. This is the convention of
-// captures on a treadmill, whose `root_velocity` is Travel::velocity_mps. Pictures of the room do not fit such
-// positions: cameras stand still.
-std::vector<Positions> onTheSpot(std::span<const Positions> frames, const GroundMotion& per_frame);
 
 }  // namespace fourdvt::track

@@ -99,13 +99,14 @@ TEST(Track, MakesACaptureThatBakesIntoLayers) {
   EXPECT_EQ(fourdvt("inspect " + surfaces() + "/character").code, 0);
 }
 
-// A clip of more than one stride becomes a loop of one: pictures, mattes and positions stay in step.
+// A clip of more than one stride through the room becomes a loop of one: pictures, mattes and positions stay in step,
+// and the bake shows it on the spot.
 TEST(Track, MakesALoopOfOneStride) {
   const std::string out = scratch("track-loop");
-  const Outcome studio =
-      lab("studio procedural --sequences walk --strides 1.2 --fps 8 --no-truth --test-every 4 --mesh-cell-mm 45 "
-          "--cameras 6 --size 240x320 -o " +
-          out + "/capture");
+  const Outcome studio = lab(
+      "studio procedural --sequences walk --strides 1.2 --travel --fps 8 --no-truth --test-every 4 --mesh-cell-mm 45 "
+      "--cameras 6 --size 240x320 -o " +
+      out + "/capture");
   ASSERT_EQ(studio.code, 0) << studio.output;
   const Outcome tracked = fourdvt("track " + out + "/capture -o " + out + "/tracked --loop walk" + kFaces);
   ASSERT_EQ(tracked.code, 0) << tracked.output;
@@ -127,6 +128,20 @@ TEST(Track, MakesALoopOfOneStride) {
     ASSERT_TRUE(mesh.ok() && shown.ok());
     const BoundingBox box = boundsOf(mesh.value()), wanted = boundsOf(shown.value());
     EXPECT_LT(glm::distance(box.min, wanted.min) + glm::distance(box.max, wanted.max), 0.08) << f;
+  }
+  EXPECT_NEAR(walk["root_velocity"][2].get<double>(), 0.95, 0.03);  // the studio's walk
+  EXPECT_NEAR(walk["travel"]["shift"][1].get<double>(), 0.95 * 9 / 8, 0.04);
+
+  const std::string bake = "bake " + out + "/tracked -o " + out + "/character";
+  expectRefusal(fourdvt(bake + " --appearance cameras"), "\"travel\" of \"walk\"", out + "/character");
+  const Outcome baked = fourdvt(bake + " --quality draft --texture 128 --layers 2 --jobs 2 --refine none");
+  ASSERT_EQ(baked.code, 0) << baked.output;
+  EXPECT_EQ(fourdvt("inspect " + out + "/character").code, 0);
+  for (uint32_t f = 0; f < 9; ++f) {
+    const auto placed = capture::readMeshFrameInPlace(loop.value(), loop.value().sequences[0], f);
+    ASSERT_TRUE(placed.ok());
+    const BoundingBox box = boundsOf(placed.value());
+    EXPECT_LT(std::max(std::abs(box.min.z), std::abs(box.max.z)), 0.6) << f;  // half a step of the feet
   }
 }
 

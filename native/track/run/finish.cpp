@@ -20,6 +20,8 @@ constexpr double kMaxFailed = 0.34;                                             
 
 constexpr double kMaxMisfitShare = 0.3;  // Cycle::error_share of a loop
 constexpr double kMaxStay_m = 0.05;      // way of one pass that counts as staying in place
+constexpr double kMinAlike = 0.9;        // cosine between the directions in which a class's members travel
+constexpr double kSlow_mps = 0.1;        // speed below which a direction means nothing
 constexpr double kBlend_s = 0.2;         // fade at a loop's end
 
 // Finds a cycle of a sequence and closes it. Errors: InvalidArgument.
@@ -42,15 +44,10 @@ Result<CycleOfSequence> cycleOf(const Prepared& job, const capture::CaptureSeque
                              "of what changes in between; film two even strides or more",
                              cycle->last, cycle->first, 1e3 * cycle->error_m, 100 * cycle->error_share) +
                      keep};
-  glm::dvec3 sum(0);
-  for (const glm::vec3& p : frames[cycle->first]) sum += glm::dvec3(p);
-  const glm::dvec3 middle = sum / double(frames[cycle->first].size());
-  const double way_m = glm::distance(cycle->travel(middle), middle);
-  if (way_m > kMaxStay_m)
-    return Error{ErrorId::InvalidArgument,
-                 where + printed("a cycle leads on by %.2f m; film on the spot", way_m) + keep};
   const uint32_t beyond = std::max(cycle->first, uint32_t(frames.size()) - cycle->last);
-  return CycleOfSequence{*cycle, closeCycle(frames, *cycle, std::min(beyond, uint32_t(std::lround(kBlend_s * fps))))};
+  CycleOfSequence out{*cycle, closeCycle(frames, *cycle, std::min(beyond, uint32_t(std::lround(kBlend_s * fps)))), {}};
+  out.travel = travelOf(out.loop, fps);
+  return out;
 }
 
 // Frames that the new capture shows.
@@ -58,7 +55,7 @@ const std::vector<Positions>& shownFrames(const TrackedSequence& s) {
   return s.cycle ? s.cycle->loop.frames : s.positions;
 }
 
-// The capture with its loops' frames alone. Cameras show them where they are.
+// The capture with its loops' frames alone, and their travel, which positions keep. A velocity of a belt adds to it.
 capture::Capture shownCapture(const capture::Capture& given, std::span<const TrackedSequence> sequences) {
   capture::Capture out = given;
   for (size_t s = 0; s < sequences.size(); ++s) {
@@ -67,6 +64,32 @@ capture::Capture shownCapture(const capture::Capture& given, std::span<const Tra
     out.sequences[s].first_frame += cycle.first;
     out.sequences[s].frame_count = cycle.last - cycle.first;
     out.sequences[s].loop = true;
+    const Travel& travel = sequences[s].cycle->travel;
+    capture::CaptureTravel& written =
+        out.sequences[s].travel.emplace(capture::CaptureTravel{sequences[s].cycle->loop.travel, {}});
+    if (glm::length(travel.velocity_mps) * out.sequences[s].frame_count / given.fps <= kMaxStay_m) continue;
+    written.place_m = {travel.place_m.x, travel.place_m.z};
+    out.sequences[s].root_velocity_mps += travel.velocity_mps;
+  }
+  return out;
+}
+
+// One line for every class whose members travel in different directions: blends mix poses in their own headings.
+std::vector<std::string> directionWarnings(std::span<const capture::CaptureClass> classes,
+                                           std::span<const TrackedSequence> sequences) {
+  std::vector<std::string> out;
+  for (const capture::CaptureClass& c : classes) {
+    const TrackedSequence* first = nullptr;
+    for (const TrackedSequence& s : sequences) {
+      const auto isMember = [&](const auto& member) { return member.sequence == s.name; };
+      if (!s.cycle || std::none_of(c.members.begin(), c.members.end(), isMember)) continue;
+      if (!first) first = &s;
+      const glm::dvec3 &a = first->cycle->travel.velocity_mps, &b = s.cycle->travel.velocity_mps;
+      if (glm::dot(a, b) < kMinAlike * glm::length(a) * glm::length(b) &&
+          std::min(glm::length(a), glm::length(b)) > kSlow_mps)
+        out.push_back("class " + c.name + ": " + first->name + " and " + s.name +
+                      " travel in different directions, so that their blends turn; film both in one direction");
+    }
   }
   return out;
 }
@@ -119,7 +142,7 @@ Result<TrackSummary> writeResult(const Prepared& job, const Work& work, const Ch
                        std::to_string(tracked.failures.begin()->first) + " it " + tracked.failures.begin()->second +
                        ". A coat taken off or a prop put down is another mesh: leave out or split the sequence there, "
                        "or give a --template frame that shows all parts"};
-    smoothInTime(tracked.positions, trust, sequence.loop, TimeOptions{});
+    smoothInTime(tracked.positions, trust, sequence.loop && !sequence.travel, TimeOptions{});
     const auto& loops = job.options.loops;
     if (!sequence.loop && std::find(loops.begin(), loops.end(), sequence.name) != loops.end()) {
       FOURDVT_ASSIGN(tracked.cycle, cycleOf(job, sequence, tracked.positions));
@@ -150,6 +173,7 @@ Result<TrackSummary> writeResult(const Prepared& job, const Work& work, const Ch
     FOURDVT_TRY(platform::makeFolder(folder));
     FOURDVT_TRY(platform::writeFileAtomic(folder + "/" + capture::kPackedPositions, bytes));
   }
+  out.warnings = directionWarnings(job.options.classes, sequences);
   summarise(sequences, out);
   FOURDVT_TRY(writeTrackReport(part, job, work, chosen, steps, sequences, out));
   return out;

@@ -87,7 +87,8 @@ Json loopsJson(std::span<const TrackedSequence> sequences) {
     out[s.name] = {{"first_frame", cycle.first},
                    {"frames", cycle.last - cycle.first},
                    {"misfit_mm", 1e3 * cycle.error_m},
-                   {"misfit_share", cycle.error_share}};
+                   {"misfit_share", cycle.error_share},
+                   {"travel_mps", glm::length(s.cycle->travel.velocity_mps)}};
   }
   return out;
 }
@@ -151,8 +152,10 @@ class Pictures {
 void summarise(std::span<const TrackedSequence> sequences, TrackSummary& out) {
   for (const TrackedSequence& s : sequences) {
     if (s.cycle)
-      out.loops.push_back(printed("%s: frames %u to %u are a loop; its ends differ by %.1f mm", s.name.c_str(),
-                                  s.cycle->cycle.first, s.cycle->cycle.last - 1, 1e3 * s.cycle->cycle.error_m));
+      out.loops.push_back(
+          printed("%s: frames %u to %u are a loop, whose ends differ by %.1f mm; it travels at %.2f m/s",
+                  s.name.c_str(), s.cycle->cycle.first, s.cycle->cycle.last - 1, 1e3 * s.cycle->cycle.error_m,
+                  glm::length(s.cycle->travel.velocity_mps)));
     out.frames += uint32_t(s.figures.size());
     out.interpolated += uint32_t(s.failures.size());
     for (const FitFigures& f : s.figures) {

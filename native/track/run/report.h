@@ -19,6 +19,7 @@ namespace fourdvt::track {
 struct CycleOfSequence {
   Cycle cycle;
   Loop loop;
+  Travel travel;
 };
 
 struct TrackedSequence {
