@@ -85,13 +85,18 @@ const crossRows = crossKeys.map((text) => {
 });
 const passes = ofTable('stage').map((row) => rounded({ table: 'pass', pass: row.keys.get('pass'), method: row.method, frame_ms: row.value }));
 
-// Means over all held-out views of the streamed characters, by character and method.
-const names = characters ? readdirSync(characters, { withFileTypes: true }).filter((entry) => entry.isDirectory()).map(({ name }) => name) : [];
+// Means over all held-out views of the streamed characters from cameras, by character and method.
+const names = characters ? readdirSync(characters, { withFileTypes: true }).filter((entry) => entry.isDirectory()).map(({ name }) => name).filter(isFromCameras) : [];
 const methods = distinct(places.map(({ method }) => method));
 const streamed = methods.flatMap((method) => names.map((character) => ({
   table: 'streamed', character, method,
   ...kept(out, `streamed ${character} ${method}`, () => characterScores(lab, capture, join(characters, character), join(out, 'scores'), ['--method', method])),
 })));
+
+function isFromCameras(character) {
+  const { extensions } = JSON.parse(readFileSync(join(characters, character, 'character.gltf'), 'utf8'));
+  return extensions.FOURDVT_layered_video_texture.appearance === 'cameras';
+}
 
 const facts = Object.fromEntries(all.filter((row) => row.table === 'about').map((row) => [row.quantity, row.keys.get('text')]));
 writeRows(out, facts, [...places.map(conditionRow), ...chosenRows(all), ...choices, ...promises, ...crossRows, ...passes, ...streamed]);
