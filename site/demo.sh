@@ -105,7 +105,8 @@ fi
 step "Finishing the player (wasm and JavaScript)"
 finish_beside
 
-# The sample's run from cameras alone: its hull, the hull refined by stereo, and the tracked mesh, for cameras.html.
+# The sample from cameras alone: its run on the hull, on the hull refined by stereo and on the tracked mesh, for cameras.html and
+# methods.html; its walk and run on a mesh tracked from the cameras, for slider.html.
 cameras=$root/build/cameras
 make_cameras() { bash site/cameras.sh $tool "$source_capture" "$cameras" "$stamp"; }
 cameras_made() { bash site/cameras.sh --is-made "$cameras" "$stamp"; }
