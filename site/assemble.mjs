@@ -6,8 +6,8 @@
 // node site/assemble.mjs --pages OUT DIST CHARACTER [CAMERAS]: copies only files of site/ and web/examples (web/develop.mjs).
 // OUT/{index,steer}.html, their scripts, styles and pictures, OUT/live (the console of fourdvt live), OUT/measured (the page of
 // figures), OUT/docs (the documents), OUT/examples, OUT/fourdvt-viewer (DIST, the built web package), OUT/character (a baked
-// one), OUT/character.report (its report, if it lies beside it), OUT/{cameras,methods}.html and OUT/cameras (characters from
-// cameras: hull, refined, tracked).
+// one), OUT/character.report (its report, if it lies beside it), OUT/{cameras,methods,slider}.html and OUT/cameras (characters
+// from cameras: hull, refined, tracked, steered).
 // An element of a page with data-needs="FILE", on a line of its own, is left out where DIST has no such file; with
 // data-needs="cameras", where CAMERAS is not given, with data-needs="report", where there is none.
 // Replaces only what it makes. Refuses links inside CHARACTER and CAMERAS, which may come from elsewhere.
@@ -20,7 +20,7 @@ import { renderDocs } from './docs/render.mjs';
 const kPageFiles = ['index.html', 'site.css', 'site.js', 'sound.js', 'steer.html', 'steer.js', 'place.js', 'layers.jpg', 'live/index.html', 'live/live.css', 'live/live.js',
   'measured/index.html', 'measured/measured.css', 'measured/figures.json'];
 
-const kCameraFiles = ['cameras.html', 'cameras.js', 'methods.html', 'methods.js', 'together.js'];
+const kCameraFiles = ['cameras.html', 'cameras.js', 'methods.html', 'methods.js', 'slider.html', 'slider.js', 'together.js'];
 
 function fail(message) {
   console.error(`assemble: ${message}`);

@@ -54,11 +54,11 @@ test('pages begin the downloads that the player\'s build lists', () => {
 
 test('the pages with characters from cameras are linked where there are any', () => {
   const withCameras = indexWith([]);
-  for (const page of ['cameras.html', 'methods.html']) {
+  for (const page of ['cameras.html', 'methods.html', 'slider.html']) {
     assert.ok(withCameras.includes(`href="${page}"`), page);
     assert.ok(existsSync(join(folder, 'out', page)), page);
   }
-  assert.doesNotMatch(indexWith([], false), /(cameras|methods)\.html/);
+  assert.doesNotMatch(indexWith([], false), /(cameras|methods|slider)\.html/);
   assert.ok(!existsSync(join(folder, 'out', 'cameras.html')));
 });
 

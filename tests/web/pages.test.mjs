@@ -21,7 +21,7 @@ const kWindows = {
 // Pages with viewers. below: the page is longer than the window by design, its later viewers may begin below it; they fill its
 // width. world: the scene fills the window, and words lie over it. steady: what keeps its place when the player begins.
 const kPages = {
-  'index.html': { steady: 'h1, #play, #scrub, #looks, .stage nav a' }, 'steer.html': { world: true }, 'cameras.html': { needs: 'cameras' }, 'methods.html': { needs: 'cameras' }, 'live/index.html': { live: true },
+  'index.html': { steady: 'h1, #play, #scrub, #looks, .stage nav a' }, 'steer.html': { world: true }, 'cameras.html': { needs: 'cameras' }, 'methods.html': { needs: 'cameras' }, 'slider.html': { needs: 'cameras' }, 'live/index.html': { live: true },
   'examples/embed.html': {}, 'examples/gallery.html': { below: true }, 'examples/own-controls.html': {}, 'examples/steer.html': { world: true },
 };
 const kStatus = {
