@@ -15,6 +15,7 @@ namespace {
 constexpr float kComparedSeen = 0.2f;    // visibilityOf of places that are compared
 constexpr float kFar_m = 0.3f;           // longest distance that is looked for
 constexpr float kComparedCosine = 0.4f;  // between normals of corresponding places
+constexpr double kLost_m = 0.03;         // distance of parts that lie elsewhere
 constexpr size_t kMinPixels = 200;       // smallest silhouette that counts
 
 // Intersection over union of the mesh and the matte in a crop; negative: too small to count.
@@ -153,6 +154,8 @@ FitFigures figuresOf(const Template& model, const FittedFrame& fitted, const Pos
                std::max<size_t>(1, surface.positions.size() / fitted.positions.size()),
                NearestSurface({fitted.positions, faces}), distances, out);
   out.distance_95_m = quantile(distances, 0.95);
+  const auto lost = std::count_if(distances.begin(), distances.end(), [](double d) { return d > kLost_m; });
+  out.lost_share = distances.empty() ? 0 : double(lost) / double(distances.size());
   countBadFaces(model, fitted, out);
   out.colour_error = colourError(model, fitted.positions, anchor, views);
   return out;

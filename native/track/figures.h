@@ -20,6 +20,7 @@ struct FitFigures {
   Overlap overlap;
   // Distances between the template and the frame's surface, both ways, where cameras see them.
   double distance_95_m = 0, distance_max_m = 0;
+  double lost_share = 0;                 // share of these distances over 30 mm, such as those of a lost hand
   glm::vec3 farthest{0};                 // place with distance_max_m, world
   double seen_share = 0;                 // share of the template's area that a camera sees
   uint32_t stretched_faces = 0;          // an edge over 2 times as long or below half as long as in the template
@@ -34,8 +35,8 @@ FitFigures figuresOf(const Template& model, const FittedFrame& fitted, const Pos
 
 // One number for a fit, smaller is better: each part is about 1 for a usual one.
 inline double misfit(const FitFigures& f) {
-  return (1 - f.overlap.mean) / 0.02 + f.distance_95_m / 0.010 + f.colour_error / 20;
+  return (1 - f.overlap.mean) / 0.02 + f.distance_95_m / 0.010 + f.lost_share / 0.02 + f.colour_error / 20;
 }
-inline constexpr double kMaxMisfit = 3.5;  // more: parts of the body lie elsewhere
+inline constexpr double kMaxMisfit = 4;  // more: parts of the body lie elsewhere
 
 }  // namespace fourdvt::track

@@ -21,7 +21,7 @@ glm::vec3 normalAt(const std::vector<glm::uvec3>& faces, std::span<const glm::ve
                         hit.barycentric.z * normals[f.z] + glm::vec3(0, 1e-12f, 0));
 }
 
-constexpr double kLostLimb_m = 0.03;                         // mean distance of a limb's curve
+constexpr double kLostLimb_m = 0.03, kLostHand_m = 0.06;     // distances of a limb's curve, mean and largest
 constexpr double kLimbSigma_m = 0.02, kTrunkSigma_m = 0.04;  // vertices' deviations while limbs are moved
 
 Image imageOf(const cv::Mat& grey) {
@@ -83,10 +83,13 @@ class Fit {
     bool moved = false;
     for (const auto& [from, to] : pairedLimbs(limbs, there)) {
       const size_t rings = std::min(limbs[from].rings.size(), there[to].rings.size());
-      double apart = 0;
-      for (size_t k = 0; k < rings; ++k)
-        apart += glm::distance(limbs[from].rings[k].middle, there[to].rings[k].middle) / double(rings);
-      if (apart < kLostLimb_m) continue;
+      double apart = 0, farthest = 0;
+      for (size_t k = 0; k < rings; ++k) {
+        const double distance = glm::distance(limbs[from].rings[k].middle, there[to].rings[k].middle);
+        apart += distance / double(rings);
+        farthest = std::max(farthest, distance);
+      }
+      if (apart < kLostLimb_m && farthest < kLostHand_m) continue;
       moved = true;
       for (size_t k = 0; k < rings; ++k)
         for (const uint32_t v : limbs[from].rings[k].vertices) {

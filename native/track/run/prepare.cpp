@@ -15,7 +15,7 @@ namespace fourdvt::track {
 namespace {
 
 const capture::FolderWriter kWriter{"track", kTrackJson, ""};
-constexpr const char* kVersion = "track 1";  // increment when the same options give other meshes
+constexpr const char* kVersion = "track 2";  // increment when the same options give other meshes
 
 constexpr int kCropMargin_px = 24;
 constexpr uint32_t kMaxJudged = 24;       // frames that are looked at for the template

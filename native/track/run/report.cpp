@@ -32,6 +32,7 @@ Json jsonOf(const FitFigures& f) {
           {"seen_share", f.seen_share},
           {"stretched_faces", f.stretched_faces},
           {"flipped_faces", f.flipped_faces},
+          {"lost_share", f.lost_share},
           {"colour_error", f.colour_error}};
 }
 

@@ -42,7 +42,7 @@ void fields(Archive& a, track::ChosenTemplate& t) {
 }
 void fields(Archive& a, track::FitFigures& f) {
   a(f.overlap, f.distance_95_m, f.distance_max_m, f.farthest, f.seen_share, f.stretched_faces, f.flipped_faces,
-    f.vertex_distance_m, f.colour_error);
+    f.vertex_distance_m, f.lost_share, f.colour_error);
 }
 void fields(Archive& a, track::TrackedFrame& f) {
   a(f.fit.pose.rotations, f.fit.pose.shifts, f.fit.offsets, f.fit.positions, f.figures, f.seconds);
