@@ -59,9 +59,9 @@ struct StudioOptions {
   std::vector<StudioClass> classes;  // empty: the procedural actor with two or more gaits makes locomotion by speed_mps
   int cameras = 8;                   // on the ring
   int frames = 0;                    // per sequence, from its start, then without loops and classes; 0: all
-  double strides = 0;                // of gaits, which are then clips with an end and in no class; 0: one, a loop
-  bool travel = false;               // these strides lead through the middle of the stage
-  int width = 480, height = 640;     // pixels, both even
+  double strides = 0;             // strides of a gait, which is then a clip with an end and in no class; 0: one, a loop
+  bool travel = false;            // these strides lead through the middle of the stage
+  int width = 480, height = 640;  // pixels, both even
   double fps = 25;
   int test_every = 8;  // held-out pictures at each Nth frame
   std::vector<double> truth_at{0,   0.2, 0.4,

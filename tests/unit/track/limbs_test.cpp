@@ -16,7 +16,7 @@ using track::pairedLimbs;
 
 struct Arms {
   glm::vec3 left{0.6f, 1.2f, 0}, right{-0.6f, 1.2f, 0};  // hands
-  float stride_m = 0;                                    // of the left foot to the front, the right one to the back
+  float stride_m = 0;                                    // left foot to the front, right foot to the back
 };
 
 // Trunk, two legs and two arms; the shoulders are at (±0.15, 1.2, 0).
