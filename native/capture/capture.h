@@ -81,7 +81,7 @@ struct CaptureSound {
 // Way of a performer through the room while a sequence plays, at a constant rate.
 struct CaptureTravel {
   GroundMotion motion;    // from frame 0 to the frame after the last one
-  glm::dvec2 place_m{0};  // where the performer is half way, along x and z
+  glm::dvec2 place_m{0};  // place of the performer half way, along x and z
 };
 
 struct CaptureSequence {
