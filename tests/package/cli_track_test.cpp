@@ -134,7 +134,9 @@ TEST(Track, MakesALoopOfOneStride) {
 
   const std::string bake = "bake " + out + "/tracked -o " + out + "/character";
   expectRefusal(fourdvt(bake + " --appearance cameras"), "\"travel\" of \"walk\"", out + "/character");
-  const Outcome baked = fourdvt(bake + " --quality draft --texture 128 --layers 2 --jobs 2 --refine none");
+  const Outcome baked = fourdvt(bake +
+                                " --texture 128 --layers 2 --gop 4 --jobs 2 --align none --renditions highest "
+                                "--refine none --refine-cameras off");
   ASSERT_EQ(baked.code, 0) << baked.output;
   EXPECT_EQ(fourdvt("inspect " + out + "/character").code, 0);
   for (uint32_t f = 0; f < 9; ++f) {
