@@ -81,7 +81,7 @@ test('every command of the chapter does what it says', () => {
 // cli_track runs these commands; their surfaces take too long to be made here.
 test('commands without a tracker are those of the tool', () => {
   const untracked = commandsOf(kUntracked.exec(chapter)[0]);
-  assert.deepEqual(untracked.map(([name]) => name), ['reconstruct', 'track', 'bake']);
+  assert.deepEqual(untracked.map(([name]) => name), ['import', 'reconstruct', 'track', 'bake']);
   for (const [name, ...words] of untracked) {
     const help = run([name, '--help']);
     for (const option of words.filter((word) => word.startsWith('-'))) assert.match(help, new RegExp(`(^|\\s)${option}[ ,<]`, 'm'), `${name} ${option}`);
