@@ -10,7 +10,7 @@
 namespace fourdvt::track {
 namespace {
 
-constexpr int kMaxTries = 4;  // repairs tried for a bad fit
+constexpr int kMaxTries = 2;  // repairs tried for a bad fit
 
 // Each frame after its predecessor, outwards from the template's; the first of another sequence after the template.
 std::vector<TrackingStep> orderInTime(const FrameList& list, uint32_t root) {
