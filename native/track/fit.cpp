@@ -40,6 +40,7 @@ class Fit {
         faces_(model.topology.face_vertices),
         surface_normals_(normalsOf(target.surface->faces, target.surface->positions)),
         surface_seen_(visibilityOf(*target.views, target.surface->faces, target.surface->positions, surface_normals_)) {
+    for (const View& view : *target.views) mattes_.push_back({imageOf(view.matte), 0, 0});
     place();
     seen_ = visibilityOf(*target_.views, faces_, out_.positions, normalsOf(faces_, out_.positions));
   }
@@ -161,7 +162,7 @@ class Fit {
     inParallel(views.size(), [&](size_t c) {
       if (!views[c].empty())
         points[c] = refine::outlinePoints(views[c].camera, faces_, model_.inner_edges, out_.positions, normals,
-                                          {imageOf(views[c].matte), 0, 0}, outline);
+                                          mattes_[c], outline);
     });
     for (size_t c = 0; c < views.size(); ++c)
       for (const refine::OutlinePoint& point : points[c]) {
@@ -211,6 +212,7 @@ class Fit {
   FittedFrame out_;
   const std::vector<glm::uvec3>& faces_;
   const std::vector<glm::vec3> surface_normals_;
+  std::vector<refine::MatteCrop> mattes_;  // [camera]
   std::vector<glm::vec3> rest_;
   const std::vector<float> surface_seen_;  // visibilityOf the surface
   std::vector<float> seen_;                // the template's, at the last match

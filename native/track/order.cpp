@@ -46,25 +46,32 @@ double dissimilarity(const FrameThumbnails& a, const FrameThumbnails& b) {
 
 namespace {
 
+constexpr double kNoEdge = std::numeric_limits<double>::infinity();
 constexpr double kNeighbour = 1.3;  // largest dissimilarity of neighbours, relative to the nearest one
 
-// [frame] of a minimum spanning tree, from the root outwards; the root's is the root.
-std::vector<uint32_t> spanningParents(const std::vector<std::vector<double>>& apart, uint32_t root) {
+// Tree that grows from the root by the open frame of least length (Prim, Dijkstra). `length`: of a frame b by an edge
+// from a, which has a length already; infinite without an edge.
+template <class Length>
+std::vector<TrackingStep> grownTree(const std::vector<std::vector<double>>& apart, uint32_t root, Length length) {
   const auto count = uint32_t(apart.size());
-  std::vector<double> best(count, std::numeric_limits<double>::infinity());
-  std::vector<uint32_t> parents(count, root);
+  std::vector<double> best(count, kNoEdge);
+  std::vector<TrackingStep> steps, candidates(count);
   std::vector<bool> done(count, false);
   best[root] = 0;
+  candidates[root] = {root, root, 0, 0};
   for (uint32_t i = 0; i < count; ++i) {
     uint32_t next = root;
-    double least = std::numeric_limits<double>::infinity();
+    double least = kNoEdge;
     for (uint32_t f = 0; f < count; ++f)
       if (!done[f] && best[f] < least) next = f, least = best[f];
     done[next] = true;
-    for (uint32_t f = 0; f < count; ++f)
-      if (!done[f] && apart[next][f] < best[f]) best[f] = apart[next][f], parents[f] = next;
+    steps.push_back(candidates[next]);
+    for (uint32_t f = 0; f < count; ++f) {
+      const double found = done[f] ? kNoEdge : length(best[next], next, f);
+      if (found < best[f]) best[f] = found, candidates[f] = {f, next, apart[next][f], candidates[next].depth + 1};
+    }
   }
-  return parents;
+  return steps;
 }
 
 }  // namespace
@@ -75,37 +82,22 @@ std::vector<TrackingStep> trackingOrder(std::span<const FrameThumbnails> frames,
   inParallel(count, [&](size_t a) {
     for (size_t b = 0; b < a; ++b) apart[a][b] = dissimilarity(frames[a], frames[b]);
   });
-  std::vector<double> nearest(count, std::numeric_limits<double>::infinity());
+  std::vector<double> nearest(count, kNoEdge);
   for (uint32_t a = 0; a < count; ++a)
     for (uint32_t b = 0; b < a; ++b) {
       apart[b][a] = apart[a][b];
       nearest[a] = std::min(nearest[a], apart[a][b]);
       nearest[b] = std::min(nearest[b], apart[a][b]);
     }
-  const std::vector<uint32_t> spanning = spanningParents(apart, root);
-  const auto joined = [&](uint32_t a, uint32_t b) {
-    return spanning[a] == b || spanning[b] == a || apart[a][b] <= kNeighbour * std::max(nearest[a], nearest[b]);
-  };
-  // Shortest paths over these edges, squared.
-  std::vector<double> best(count, std::numeric_limits<double>::infinity());
-  std::vector<TrackingStep> steps, candidates(count);
-  std::vector<bool> done(count, false);
-  best[root] = 0;
-  candidates[root] = {root, root, 0, 0};
-  for (uint32_t i = 0; i < count; ++i) {
-    uint32_t next = root;
-    double least = std::numeric_limits<double>::infinity();
-    for (uint32_t f = 0; f < count; ++f)
-      if (!done[f] && best[f] < least) next = f, least = best[f];
-    done[next] = true;
-    steps.push_back(candidates[next]);
-    for (uint32_t f = 0; f < count; ++f) {
-      if (done[f] || !joined(next, f)) continue;
-      const double d = apart[next][f], length = best[next] + d * d;
-      if (length < best[f]) best[f] = length, candidates[f] = {f, next, d, candidates[next].depth + 1};
-    }
-  }
-  return steps;
+  // Parents in a minimum spanning tree.
+  std::vector<uint32_t> spanning(count, root);
+  for (const TrackingStep& step : grownTree(apart, root, [&](double, uint32_t a, uint32_t b) { return apart[a][b]; }))
+    spanning[step.frame] = step.parent;
+  return grownTree(apart, root, [&](double length, uint32_t a, uint32_t b) {
+    const bool joined =
+        spanning[a] == b || spanning[b] == a || apart[a][b] <= kNeighbour * std::max(nearest[a], nearest[b]);
+    return joined ? length + apart[a][b] * apart[a][b] : kNoEdge;
+  });
 }
 
 }  // namespace fourdvt::track
