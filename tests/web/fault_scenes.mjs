@@ -183,6 +183,15 @@ export async function firstError(scene) {
   return handle.jsonValue();
 }
 
+// Returns the number of requests once none has arrived for a while: those sent before the removal may still be on their way.
+async function requestsAtRest(scene) {
+  for (let before = -1; ;) {
+    const count = scene.server.requests.length;
+    if (count === before) return count;
+    before = count;
+    await wait(500);
+  }
+}
 // Removes the viewer and checks what must hold whatever has happened.
 export async function finish(scene, expectedConsole = () => false) {
   const left = await get(scene, async () => {
@@ -194,10 +203,10 @@ export async function finish(scene, expectedConsole = () => false) {
   assert.deepEqual(left, { decoders: 0, pictures: 0 }, `${scene.name}: everything is closed`);
   const lines = (await get(scene, () => globalThis.seen)).flatMap(({ type, id, message }) => (type === 'error' ? [`fourdvt-viewer: ${id}: ${message}`] : []));
   assert.deepEqual(scene.page.reported, lines, `${scene.name}: the console has every error once`);
-  const requests = scene.server.requests.length;
+  const before = await requestsAtRest(scene);
   await pass(scene, kLongestPauseMs);
   await wait(100);
-  assert.equal(scene.server.requests.length, requests, `${scene.name}: nothing more is fetched`);
+  assert.deepEqual(scene.server.requests.slice(before).map((r) => r.url), [], `${scene.name}: nothing more is fetched`);
   const troubles = scene.page.troubles.filter((line) =>
     !/^console: (Failed to load resource|.*net::ERR_)/.test(line) && !line.includes('CONTEXT_LOST') && !expectedConsole(line));
   assert.deepEqual(troubles, [], scene.name);
