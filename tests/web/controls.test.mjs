@@ -252,6 +252,20 @@ test('keyboard alone: focus, play, turn, time; screen readers hear it', async ()
   await at.page.close();
 });
 
+test('the side that the view turns to is announced, however slowly pictures come', async () => {
+  const at = await open(`<fourdvt-viewer ${kSource} camera-controls></fourdvt-viewer>`);
+  await at.viewer((v) => v.play());
+  await settled(at);
+  await at.page.keyboard.press('Tab');
+  await at.page.evaluate(() => { globalThis.requestAnimationFrame = () => 0; }); // no further picture
+  for (let i = 0; i < 9; ++i) await at.page.keyboard.press('ArrowRight');
+  await at.until(() => document.querySelector('fourdvt-viewer').shadowRoot.querySelector('.live').textContent.startsWith('Seen'));
+  const texts = await at.viewer((v) => [v.shadowRoot.querySelector('.live').textContent, Math.round(v.getCameraOrbit().azimuth)]);
+  assert.equal(texts[0], 'Seen from the left');
+  assert.ok(texts[1] < 90, `${texts[1]}°: the view has not arrived`);
+  await at.page.close();
+});
+
 test('a ring frames the viewer where Tab brought the focus, not where a script or a pointer did', async () => {
   const at = await open(`<button>before</button><fourdvt-viewer ${kSource} camera-controls motion-controls></fourdvt-viewer>`);
   const hasRing = () => at.viewer((v) => v.matches(':focus') && getComputedStyle(v.shadowRoot.querySelector('.stage'), '::after').boxShadow !== 'none');

@@ -112,9 +112,13 @@ export class OrbitCamera {
     const turn = radians(at.heading);
     const target: [number, number, number] = [
       at.x + x * Math.cos(turn) + z * Math.sin(turn), y, at.z - x * Math.sin(turn) + z * Math.cos(turn)];
-    const azimuth = this.#now.azimuth + (this.#following === 'behind' ? at.heading + 180 : 0);
-    return { ...this.#now, azimuth, target, fov: this.fov };
+    return { ...this.#now, azimuth: this.#now.azimuth + this.#behind, target, fov: this.fov };
   }
+  /** Orbit that the pose glides to, as far as it does not follow a turning character. */
+  get destination(): { azimuth: number; elevation: number } {
+    return { azimuth: this.#goal.azimuth + this.#behind, elevation: this.#goal.elevation };
+  }
+  get #behind(): number { return this.#following === 'behind' ? this.#seen.heading + 180 : 0; }
   get goal(): { azimuth: number; elevation: number; distance: number } {
     return { ...this.#goal, distance: this.#goal.distance ?? this.#fit() };
   }

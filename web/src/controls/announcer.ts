@@ -13,8 +13,10 @@ export interface Announced extends HTMLElement {
   readonly ended: boolean;
   /** Heading of the character, degrees from +z towards +x. */
   readonly heading: number;
-  getCameraOrbit(): { azimuth: number; elevation: number };
 }
+
+/** Returns where the view turns to, degrees as the orbit's. */
+export type ViewGoal = () => { azimuth: number; elevation: number };
 
 /** Returns the name of the side in view at an azimuth in degrees: 0 is the front, 90 the performer's left. */
 export function sideOf(azimuth: number): string {
@@ -23,13 +25,15 @@ export function sideOf(azimuth: number): string {
 
 export class Announcer {
   readonly #viewer: Announced;
+  readonly #goal: ViewGoal;
   readonly #live: HTMLParagraphElement;
   readonly #abort = new AbortController();
   #strings: Record<string, string> = {};
   readonly #timers = new Map<() => string, ReturnType<typeof setTimeout>>(); // one each for state and view
 
-  constructor(viewer: Announced, root: ShadowRoot) {
+  constructor(viewer: Announced, root: ShadowRoot, goal: ViewGoal) {
     this.#viewer = viewer;
+    this.#goal = goal;
     this.#live = document.createElement('p');
     this.#live.className = 'live';
     this.#live.setAttribute('role', 'status');
@@ -46,7 +50,7 @@ export class Announcer {
     this.#live.remove();
   }
 
-  // Announces text() after QUIET_MS, and repeats while it differs from `said`, the last text: a camera may still glide.
+  // Announces text() after QUIET_MS, and repeats while it differs from `said`, the last text: the character may turn.
   #later(text: () => string, said = ''): void {
     clearTimeout(this.#timers.get(text));
     this.#timers.set(text, setTimeout(() => {
@@ -61,7 +65,7 @@ export class Announcer {
     return fill(this.#strings[ended ? 'ended' : paused ? 'paused' : 'playing']!, { motion: sequence });
   };
   readonly #view = (): string => {
-    const { azimuth, elevation } = this.#viewer.getCameraOrbit();
+    const { azimuth, elevation } = this.#goal();
     const height = elevation > HIGH_DEG ? 'above' : elevation < LOW_DEG ? 'below' : '';
     return fill(this.#strings['view']!, { side: this.#strings[sideOf(azimuth - this.#viewer.heading)]!, height: this.#strings[height] ?? '' });
   };

@@ -6,7 +6,7 @@ import { adopt } from '../page/documents.js';
 import { addStrings } from '../report/strings-more.js';
 import { stringsOf, type Languages } from '../report/strings.js';
 import { Sound, type Audible, type SoundSource } from '../sound/sound.js';
-import { Announcer, type Announced } from './announcer.js';
+import { Announcer, type Announced, type ViewGoal } from './announcer.js';
 import { Chapters } from './chapters.js';
 import { Controls, type Controlled } from './controls.js';
 import { Hotspots, type HotspotScene } from './hotspots.js';
@@ -34,7 +34,7 @@ export class Extras {
   #prompts = true; // the visitor has not turned the view yet
 
   /** stage: element of the viewer's shadow tree. Adds the second part's texts to `languages`. */
-  constructor(viewer: Controlled & Announced & Audible, stage: HTMLElement, languages: Languages, scene: HotspotScene & { source(): SoundSource }) {
+  constructor(viewer: Controlled & Announced & Audible, stage: HTMLElement, languages: Languages, scene: HotspotScene & { source(): SoundSource; readonly goal: ViewGoal }) {
     const root = stage.getRootNode() as ShadowRoot, content = stage.parentElement!;
     addStrings(languages);
     this.#viewer = viewer;
@@ -49,7 +49,7 @@ export class Extras {
     this.#sound = new Sound(viewer, () => scene.source(), () => this.#controls?.show());
     this.#chapters = new Chapters(viewer, root, () => this.#controls?.show());
     this.#controls = new Controls(viewer, content, this.#sound, (motion) => this.#chapters.of(motion));
-    this.#announcer = new Announcer(viewer, root);
+    this.#announcer = new Announcer(viewer, root, scene.goal);
     viewer.addEventListener('camera-change', () => this.#endPrompt(), { signal: this.#abort.signal });
     this.update();
   }

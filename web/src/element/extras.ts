@@ -25,6 +25,7 @@ export class SecondPart implements Feature {
       wake: () => viewer.session?.wake(),
       layered: () => (viewer.character ? !viewer.character.fromCameras : null),
       pose: () => viewer.camera.pose,
+      goal: () => viewer.camera.destination,
       picture: viewer.picture,
       source: () => viewer,
     });
