@@ -236,10 +236,11 @@ test('keyboard alone: focus, play, turn, time; screen readers hear it', async ()
   await at.viewer((v) => { v.currentTime = v.duration / 2; }); // from the first place of the slider Home would change nothing
   await at.until(() => Number(document.querySelector('fourdvt-viewer').shadowRoot.querySelector('[part=time]').value) > 0);
   await at.page.keyboard.press('Home');
-  await at.until(() => document.querySelector('fourdvt-viewer').currentTime === 0);
+  const shown = (frame) => at.until((frame) => { const v = document.querySelector('fourdvt-viewer'); return v.frame === frame && !v.seeking; }, frame);
+  await shown(0);
   for (const frame of [1, 2, 1]) {
     await at.page.keyboard.press(frame === 1 && (await at.viewer((v) => v.frame)) === 2 ? 'ArrowLeft' : 'ArrowRight');
-    await at.until((frame) => document.querySelector('fourdvt-viewer').frame === frame, frame);
+    await shown(frame);
   }
   await at.page.keyboard.press('Tab');
   assert.equal(await focused(), 'mute');
