@@ -130,6 +130,9 @@ Options textureOptions(bake::BakeOptions& o) {
                                   {"mipmap", ResampleFilter::Mipmap},
                                   {"bicubic", ResampleFilter::Bicubic}}),
        "filter for sampling camera pictures: bicubic (default), bilinear or mipmap"},
+      {"--detail MODE", choice(o.common_detail, {{"common", true}, {"own", false}}),
+       "layers: fine detail is the mean of neighbouring frames, sharpened, where they agree (common; default), or each "
+       "frame's own"},
       {"--no-classes", flag(o.classes.bake, false), "leave out the capture's motion classes"},
       {"--align MODE", choice(o.classes.align, {{"baked", true}, {"none", false}}),
        "classes: baked (align the members' textures on the surface; default) or none (faster)"},

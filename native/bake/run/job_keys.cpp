@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 // Change these whenever results of older builds must not be reused.
 constexpr const char* kSurveyVersion = "bake 3";
-constexpr const char* kGopVersion = "gops 8";
+constexpr const char* kGopVersion = "gops 9";
 
 std::string fingerprint(const fs::path& file) {
   std::error_code ignored;
@@ -123,12 +123,13 @@ std::string settingsKey(const Job& job) {
   std::snprintf(line, sizeof line,
                 "%s %s classes %d align %d blend %.9g alignment %.9g texture %d equal %d crf %d codec %d preset %.60s "
                 "gop %d step %.9g/%.9g gutter %d fps %.9g colours %d "
-                "filter %d contour %.9g/%.9g matte %.9g/%.9g",
+                "filter %d detail %d contour %.9g/%.9g matte %.9g/%.9g",
                 kGopVersion, labelKey(o).c_str(), int(o.classes.bake), int(o.classes.align), *o.classes.blend_error_m,
                 *o.classes.alignment_step_m, o.texture, int(o.equal_layers), o.crf, static_cast<int>(o.codec),
                 o.preset.c_str(), o.gop, *o.position_step_m, *o.coarse_step_m, o.gutter_texels, job.capture.fps,
-                int(o.colour_calibration), static_cast<int>(o.resample.filter), o.resample.contour_pixels,
-                o.resample.contour_step_m, o.resample.matte_threshold, o.resample.matte_pixels);
+                int(o.colour_calibration), static_cast<int>(o.resample.filter), int(o.common_detail),
+                o.resample.contour_pixels, o.resample.contour_step_m, o.resample.matte_threshold,
+                o.resample.matte_pixels);
   uint64_t hash = kFnv1aStart;
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
     const std::string key = captureKey(job, sequence);

@@ -75,6 +75,7 @@ struct BakeOptions {
   bool equal_layers = false;  // all layers have the size of layer 1, as in the papers
   bool colour_calibration = true;
   ResampleOptions resample;
+  bool common_detail = true;  // layers show the mean detail of a GOP's frames (texels/detail.h)
   encode::Codec codec = encode::Codec::H264;
   std::string preset;  // in the encoder's own terms; empty: its default
   // Beside the highest rendition, which texture, crf, codec and preset describe (run/renditions.h).

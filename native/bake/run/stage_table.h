@@ -27,6 +27,7 @@ enum class Stage {
   Labels,
   Resample,
   Fill,
+  Detail,
   Tile,
   Encode,
   Align,
@@ -44,7 +45,7 @@ struct StageInfo {
   const char* unit;
 };
 
-inline constexpr std::array<StageInfo, 18> kStages{{
+inline constexpr std::array<StageInfo, 19> kStages{{
     {"validate", "checks that the capture can be read and the output written", 0, ""},
     {"refine", "moves the mesh's outlines onto the mattes', turns cameras that the pictures contradict", 0.15,
      "captured frame"},
@@ -60,9 +61,10 @@ inline constexpr std::array<StageInfo, 18> kStages{{
     {"labels", "chooses the cameras of every face for whole sequences", 0, ""},
     {"resample", "draws the cameras' pictures into texture layers, or crops them", 0, ""},
     {"fill", "fills empty texels, gutters and what lies round the performer", 0, ""},
+    {"detail", "averages the fine detail of layers over the frames of a GOP", 0, ""},
     {"tile", "puts layers and barcode into one 4:2:0 picture", 0, ""},
     {"encode", "codes the pictures, one closed GOP at a time", 0.55,
-     "frame and member, with decoding, resampling, filling and tiling"},
+     "frame and member, with decoding, resampling, filling, detail and tiling"},
     {"align", "aligns on the surface what a class's members show", 1.2, "phase and member but the first"},
     {"geometry", "codes positions, labels, corrections and alignment, or surfaces, as chunks", 0, ""},
     {"graph", "finds where every motion may lead into every other one", 0.01, "frame of a stream"},

@@ -7,6 +7,7 @@
 #include "bake/run/stream_reader.h"
 #include "bake/stages/stages.h"
 #include "bake/stages/survey.h"
+#include "bake/texels/detail.h"
 #include "encode/surfaces.h"
 #include "package/barcode.h"
 #include "package/chunk_mesh.h"
@@ -94,6 +95,12 @@ Image atlasOf(const Image& layer) {
   return out;
 }
 
+Image withoutAlpha(const Image& rgba) {
+  Image out(rgba.width, rgba.height, 3);
+  for (size_t i = 0; i < out.pixels.size() / 3; ++i) std::copy_n(&rgba.pixels[4 * i], 3, &out.pixels[3 * i]);
+  return out;
+}
+
 // [frame] of a captured sequence's stream: true if a class shows it.
 std::vector<bool> shownByClasses(const Job& job, const StreamPlan& plan) {
   std::vector<bool> shown(plan.frameCount(), false);
@@ -105,15 +112,25 @@ std::vector<bool> shownByClasses(const Job& job, const StreamPlan& plan) {
   return shown;
 }
 
+// One member's share of a picture.
+struct MemberLook {
+  std::vector<uint8_t> labels;
+  std::vector<Image> layers;  // filled: RGB, before that RGBA
+  bool filled = false;
+  Image atlas;
+};
+
 struct LayerGop : OpenGop {
   explicit LayerGop(ChunkBuilder builder) : chunk(std::move(builder)) {}
   ChunkBuilder chunk;
+  // [frame][member], without the detail of the GOP; neighbouring frames may share a look.
+  std::vector<std::vector<std::shared_ptr<const MemberLook>>> looks;
 };
 
-// GOPs of a character from layers. Three lanes overlap: reading the next frame, the GPU stages of this one (on the
-// calling thread, which owns the context), filling and encoding the previous one. A class reuses frames that its
-// members' own streams have rendered and filled: they are stored in the work folder until then, and rendered again if
-// an interrupted bake left none.
+// GOPs of a character from layers. Lanes overlap: reading the next frame, the GPU stages of this one (on the calling
+// thread, which owns the context), filling the previous one; and encoding the previous GOP, whose detail is known once
+// all of its frames are. A class reuses frames that its members' own streams have rendered and filled: they are stored
+// in the work folder until then, and rendered again if an interrupted bake left none. Memory: the layers of two GOPs.
 class LayerGops : GopWork {
  public:
   LayerGops(BakeRun& run, const Survey& survey) : GopWork(run), survey_(survey) {}
@@ -122,12 +139,6 @@ class LayerGops : GopWork {
   Status runOne(const StreamPlan& plan, uint32_t gop);
 
  private:
-  struct MemberLook {  // one member's share of the picture
-    std::vector<uint8_t> labels;
-    std::vector<Image> layers;
-    bool filled = false;
-    Image atlas;
-  };
   struct DrawnFrame {
     std::vector<std::optional<MemberLook>> members;  // none: unchanged
     FrameGeometry geometry;
@@ -142,18 +153,19 @@ class LayerGops : GopWork {
                                 const SourceFrame& source);
   Result<MemberLook> keptMember(const capture::CaptureSequence& sequence, PreparedMember kept) const;
   void keepForClasses(const StreamPlan& plan, uint32_t frame);
-  Status finishFrame(LayerGop& open, const StreamPlan& plan, DrawnFrame frame, uint32_t index);
-  Status saveStill();
+  Status fillFrame(LayerGop& open, const StreamPlan& plan, DrawnFrame frame, uint32_t index);
+  Status encodeFrames(LayerGop& open, const StreamPlan& plan);
+  Status saveStill(const std::vector<uint8_t>& labels);
   Status saveGop(LayerGop& open, const StreamPlan& plan, uint32_t gop);
   Status waitForSave();
 
   const Survey& survey_;
   package::ChunkMesh chunk_mesh_;
   std::unique_ptr<FrameBaker> frames_;
-  std::vector<MemberLook> looks_;  // latest finished frame of the stream
+  std::vector<std::shared_ptr<const MemberLook>> looks_;  // [member] of the stream's latest filled frame
   encode::I420Picture picture_;
   std::vector<bool> kept_;      // [frame] of the stream: a class shows it later
-  std::future<Status> saving_;  // previous GOP; finishes before the next encoder is created: only one is in memory
+  std::future<Status> saving_;  // previous GOP; finishes before the next one is encoded: one encoder is in memory
 };
 
 Status LayerGops::start() {
@@ -219,19 +231,20 @@ Status LayerGops::bakeGop(const StreamPlan& plan, uint32_t gop, StreamReader& re
   const uint32_t first = plan.gop_first_frames[gop], end = plan.gopEnd(gop);
   const auto read = [&](uint32_t frame) { return reader.read(frame); };
   std::future<Result<PreparedFrame>> next = std::async(run_.lane(), read, first);  // futures join on every return
-  std::future<Status> finished;
+  std::future<Status> filled;
   for (uint32_t f = first; f < end; ++f) {
     FOURDVT_ASSIGN(auto prepared, next.get());
     if (f + 1 < end) next = std::async(run_.lane(), read, f + 1);
     FOURDVT_ASSIGN(auto drawn, drawFrame(plan, std::move(prepared)));
-    FOURDVT_TRY(f == first ? waitForSave() : finished.get());
-    finished = std::async(run_.lane(), [this, &open = *open, &plan, f, frame = std::move(drawn)]() mutable {
-      return finishFrame(open, plan, std::move(frame), f);
+    if (f > first) FOURDVT_TRY(filled.get());
+    filled = std::async(run_.lane(), [this, &open = *open, &plan, f, frame = std::move(drawn)]() mutable {
+      return fillFrame(open, plan, std::move(frame), f);
     });
     tellFrame(plan, f + 1);
     if (f + 1 < end) FOURDVT_TRY(run_.checkStop());
   }
-  FOURDVT_TRY(finished.get());
+  FOURDVT_TRY(filled.get());
+  FOURDVT_TRY(waitForSave());
   saving_ = std::async(run_.lane(), [this, &plan, gop, open = std::move(open)] { return saveGop(*open, plan, gop); });
   return {};
 }
@@ -252,8 +265,8 @@ Result<LayerGops::DrawnFrame> LayerGops::drawFrame(const StreamPlan& plan, Prepa
   return out;
 }
 
-Result<LayerGops::MemberLook> LayerGops::drawMember(const capture::CaptureSequence& sequence, uint32_t source_frame,
-                                                    const SourceFrame& source) {
+Result<MemberLook> LayerGops::drawMember(const capture::CaptureSequence& sequence, uint32_t source_frame,
+                                         const SourceFrame& source) {
   MemberLook out;
   FOURDVT_ASSIGN(out.labels, survey_.labels(sequence, source_frame));
   StageClock::Span span(run_.clock, Stage::Resample);
@@ -267,8 +280,7 @@ Result<LayerGops::MemberLook> LayerGops::drawMember(const capture::CaptureSequen
   return out;
 }
 
-Result<LayerGops::MemberLook> LayerGops::keptMember(const capture::CaptureSequence& sequence,
-                                                    PreparedMember kept) const {
+Result<MemberLook> LayerGops::keptMember(const capture::CaptureSequence& sequence, PreparedMember kept) const {
   MemberLook out;
   FOURDVT_ASSIGN(out.labels, survey_.labels(sequence, kept.source_frame));
   out.layers = std::move(kept.kept_layers);
@@ -278,48 +290,77 @@ Result<LayerGops::MemberLook> LayerGops::keptMember(const capture::CaptureSequen
 
 // Ignores a full disk: without these files the class renders its frames itself.
 void LayerGops::keepForClasses(const StreamPlan& plan, uint32_t frame) {
-  if (!kept_[frame] || run_.work.save(layersFile(plan.name, frame), looks_[0].layers, store::Written::ToCache).ok())
+  if (!kept_[frame] || run_.work.save(layersFile(plan.name, frame), looks_[0]->layers, store::Written::ToCache).ok())
     return;
   kept_.assign(kept_.size(), false);
   run_.work.removeLayers();
 }
 
-Status LayerGops::finishFrame(LayerGop& open, const StreamPlan& plan, DrawnFrame frame, uint32_t index) {
+Status LayerGops::fillFrame(LayerGop& open, const StreamPlan& plan, DrawnFrame frame, uint32_t index) {
   for (size_t m = 0; m < looks_.size(); ++m) {
     if (!frame.members[m]) continue;
     StageClock::Span span(run_.clock, Stage::Fill);
-    looks_[m] = std::move(*frame.members[m]);
-    if (!looks_[m].filled) frames_->fill(looks_[m].layers);
-    looks_[m].atlas = atlasOf(looks_[m].layers[0]);
+    auto look = std::make_shared<MemberLook>(std::move(*frame.members[m]));
+    if (!look->filled) {
+      frames_->fill(look->layers);
+      for (Image& layer : look->layers) layer = withoutAlpha(layer);
+    }
+    look->atlas = atlasOf(look->layers[0]);
+    looks_[m] = std::move(look);
   }
   keepForClasses(plan, index);
-  std::vector<const Image*> layers;
   std::vector<uint8_t> labels;
-  for (const MemberLook& look : looks_) {
-    for (const Image& layer : look.layers) layers.push_back(&layer);
-    labels.insert(labels.end(), look.labels.begin(), look.labels.end());
-    open.artefact.atlases.push_back(look.atlas);
-  }
-  {
-    StageClock::Span span(run_.clock, Stage::Tile);
-    encode::tileFrame(plan.layout(), layers, index, picture_);
+  for (const auto& look : looks_) {
+    labels.insert(labels.end(), look->labels.begin(), look->labels.end());
+    open.artefact.atlases.push_back(look->atlas);
   }
   open.chunk.add(frame.geometry, labels);
-  if (index == 0 && isFirst(plan)) FOURDVT_TRY(saveStill());
-  return encode(open, plan, picture_, layers, index);
+  open.looks.push_back(looks_);
+  return {};
 }
 
-Status LayerGops::saveStill() {
+// Encodes the GOP's pictures, with the detail of all of its frames.
+Status LayerGops::encodeFrames(LayerGop& open, const StreamPlan& plan) {
+  const size_t layers = job_.options.layers, members = open.looks[0].size();
+  std::vector<DetailMean> details(job_.options.common_detail ? members * layers : 0);
+  std::vector<Image> shown(members * layers);  // [member][layer]
+  const auto isNew = [&](size_t frame, size_t m) {
+    return frame == 0 || open.looks[frame][m] != open.looks[frame - 1][m];
+  };
+  const auto forEachNew = [&](size_t frame, const auto& work) {
+    StageClock::Span span(run_.clock, Stage::Detail);
+    for (size_t m = 0; m < members; ++m)
+      for (size_t l = 0; l < layers && isNew(frame, m); ++l) work(m * layers + l, open.looks[frame][m]->layers[l]);
+  };
+  for (size_t f = 0; f < open.looks.size() && !details.empty(); ++f)
+    forEachNew(f, [&](size_t i, const Image& layer) { details[i].add(layer); });
+  for (size_t f = 0; f < open.looks.size(); ++f) {
+    forEachNew(f,
+               [&](size_t i, const Image& layer) { shown[i] = details.empty() ? layer : details[i].sharpened(layer); });
+    std::vector<const Image*> parts;
+    for (const Image& layer : shown) parts.push_back(&layer);
+    const uint32_t index = plan.gop_first_frames[open.number] + static_cast<uint32_t>(f);
+    {
+      StageClock::Span span(run_.clock, Stage::Tile);
+      encode::tileFrame(plan.layout(), parts, index, picture_);
+    }
+    if (index == 0 && isFirst(plan)) FOURDVT_TRY(saveStill(open.looks[f][0]->labels));
+    FOURDVT_TRY(encode(open, plan, picture_, parts, index));
+  }
+  open.looks.clear();
+  return finishVideos(open);
+}
+
+Status LayerGops::saveStill(const std::vector<uint8_t>& labels) {
   StageClock::Span span(run_.clock, Stage::Assemble);
   FOURDVT_ASSIGN(auto texture,
                  platform::encodeImage(encode::rgbFromTile(picture_.view(), job_.layout.layers[0]), ".jpg", 90));
   FOURDVT_ASSIGN(auto tile_jpeg, tiledJpeg(picture_));
-  return run_.work.save(kStillFile,
-                        StillArtefact{picture_, looks_[0].labels, std::move(texture), std::move(tile_jpeg)});
+  return run_.work.save(kStillFile, StillArtefact{picture_, labels, std::move(texture), std::move(tile_jpeg)});
 }
 
 Status LayerGops::saveGop(LayerGop& open, const StreamPlan& plan, uint32_t gop) {
-  FOURDVT_TRY(finishVideos(open));
+  FOURDVT_TRY(encodeFrames(open, plan));
   StageClock::Span span(run_.clock, Stage::Geometry);
   package::ChunkFrames frames = open.chunk.finish();
   if (plan.isClass()) {
