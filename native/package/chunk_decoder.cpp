@@ -37,11 +37,11 @@ Value* append(std::vector<Value>& values, size_t count) {
 
 class PositionPart final : public Part {
  public:
-  PositionPart(ByteReader bytes, const ChunkMesh& mesh) : PositionPart(bytes.u32(), bytes, mesh) {}
+  PositionPart(ByteReader bytes, const ChunkMesh& mesh) : PositionPart({bytes.u32(), bytes.u32()}, bytes, mesh) {}
 
  private:
-  PositionPart(uint32_t base_scale, ByteReader& bytes, const ChunkMesh& mesh)
-      : Part(bytes.bytes(bytes.remaining())), model_(bits_, mesh, base_scale) {}
+  PositionPart(const PositionScale& scale, ByteReader& bytes, const ChunkMesh& mesh)
+      : Part(bytes.bytes(bytes.remaining())), model_(bits_, mesh, scale) {}
   bool decodeFrame(ChunkFrames& out) override { return model_.frame(append(out.positions, out.vertex_count)); }
   PositionModel<BinaryDecoder> model_;
 };
@@ -63,10 +63,11 @@ template <int N>
 class FieldPart final : public Part {
  public:
   using Field = std::vector<glm::vec<N, int>> ChunkFrames::*;
-  FieldPart(std::span<const uint8_t> bytes, const ChunkMesh& mesh, Field field)
-      : Part(bytes), model_(bits_, mesh, N), field_(field) {}
+  FieldPart(ByteReader bytes, const ChunkMesh& mesh, Field field) : FieldPart(bytes.u32(), bytes, mesh, field) {}
 
  private:
+  FieldPart(uint32_t residual_step, ByteReader& bytes, const ChunkMesh& mesh, Field field)
+      : Part(bytes.bytes(bytes.remaining())), model_(bits_, mesh, N, residual_step), field_(field) {}
   bool decodeFrame(ChunkFrames& out) override { return model_.frame(append(out.*field_, out.vertex_count)); }
   FieldModel<BinaryDecoder> model_;
   Field field_;
@@ -86,9 +87,9 @@ class FrameByFrame final : public ChunkDecoder {
       parts_.push_back(std::make_unique<LabelPart>(next(), mesh_, frames_.layer_count));
     }
     for (uint32_t r = 0; r < frames_.reference_count; ++r)
-      parts_.push_back(std::make_unique<FieldPart<3>>(next(), mesh_, &ChunkFrames::offsets));
+      parts_.push_back(std::make_unique<FieldPart<3>>(ByteReader(next()), mesh_, &ChunkFrames::offsets));
     for (uint32_t a = 0; a < frames_.alignment_count; ++a)
-      parts_.push_back(std::make_unique<FieldPart<2>>(next(), mesh_, &ChunkFrames::alignment));
+      parts_.push_back(std::make_unique<FieldPart<2>>(ByteReader(next()), mesh_, &ChunkFrames::alignment));
     root_ = ByteReader(in.bytes(size_t(12) * frames_.frame_count * frames_.member_count));
     return in.ok() && in.remaining() == 0;
   }

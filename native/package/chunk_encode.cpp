@@ -15,22 +15,6 @@
 namespace fourdvt::package {
 namespace {
 
-// Dead zone, in steps: residuals below it become 0, larger ones lose up to this. Halves the bytes against rounding, at
-// errors at most 0.3 steps larger.
-constexpr double kDeadZone = 0.8;
-
-// value: in the stream's fine steps; predicted and result: in steps `scale` times as large.
-template <int N>
-glm::ivec3 coarseResidual(const glm::vec<N, int>& value, double scale, const glm::ivec3& predicted) {
-  glm::ivec3 out(0);
-  for (int k = 0; k < N; ++k) {
-    const double residual = value[k] / scale - predicted[k];
-    const int magnitude = static_cast<int>(std::floor(std::abs(residual) + (1 - kDeadZone)));
-    out[k] = residual < 0 ? -magnitude : magnitude;
-  }
-  return out;
-}
-
 bool countsMatch(const ChunkFrames& in, const ChunkMesh& mesh) {
   const size_t frames = in.frame_count, members = frames * in.member_count;
   return frames > 0 && in.vertex_count == mesh.vertexCount() && in.face_count == mesh.faceCount() && validCounts(in) &&
@@ -40,11 +24,18 @@ bool countsMatch(const ChunkFrames& in, const ChunkMesh& mesh) {
          in.alignment.size() == frames * in.alignment_count * in.vertex_count && in.root.size() == members;
 }
 
-bool valuesFit(const ChunkFrames& in) {
-  return std::all_of(in.positions.begin(), in.positions.end(), inRange) &&
-         std::all_of(in.offsets.begin(), in.offsets.end(), inRange) &&
+// Leaves room for the error that a residual step permits.
+bool fits(const glm::ivec3& q, uint32_t step) {
+  const glm::ivec3 error(static_cast<int>(step) - 1);
+  return inRange(q) && inRange(q - error) && inRange(q + error);
+}
+
+bool valuesFit(const ChunkFrames& in, ResidualSteps steps) {
+  const auto fit = [&](const glm::ivec3& q) { return fits(q, steps.positions); };
+  return std::all_of(in.positions.begin(), in.positions.end(), fit) &&
+         std::all_of(in.offsets.begin(), in.offsets.end(), fit) &&
          std::all_of(in.alignment.begin(), in.alignment.end(),
-                     [](const glm::ivec2& q) { return inRange(glm::ivec3(q, 0)); }) &&
+                     [&](const glm::ivec2& q) { return fits(glm::ivec3(q, 0), steps.alignment); }) &&
          std::all_of(in.root.begin(), in.root.end(), validRoot) &&
          std::all_of(in.labels.begin(), in.labels.end(),
                      [](uint8_t label) { return label < kMaxCameras || label == kNoCamera; });
@@ -53,22 +44,21 @@ bool valuesFit(const ChunkFrames& in) {
 // Encodes one part of mesh-blend corrections or alignment: field `field` of `count`. fields: [frame][field][vertex].
 template <int N>
 std::vector<uint8_t> encodeField(std::vector<glm::vec<N, int>> fields, const ChunkFrames& frames, uint32_t count,
-                                 uint32_t field, const ChunkMesh& mesh, double coarse_scale) {
+                                 uint32_t field, const ChunkMesh& mesh, uint32_t residual_step) {
   BinaryEncoder encoder;
-  FieldModel model(encoder, mesh, N);
-  for (uint32_t f = 0; f < frames.frame_count; ++f) {
-    glm::vec<N, int>* values = &fields[(size_t(f) * count + field) * frames.vertex_count];
-    if (coarse_scale == 0)
-      model.frame(values);
-    else
-      model.frame(values, [&](uint32_t v, const glm::ivec3& p) { return coarseResidual(values[v], coarse_scale, p); });
-  }
-  return encoder.take();
+  FieldModel model(encoder, mesh, N, residual_step);
+  for (uint32_t f = 0; f < frames.frame_count; ++f)
+    model.frame(&fields[(size_t(f) * count + field) * frames.vertex_count]);
+  ByteWriter out;
+  out.u32(residual_step);
+  out.bytes(encoder.take());
+  return out.take();
 }
 
-// Scale from the base pose's lattice to the stream's steps (`step`, of the positions): ratio of edge lengths in frame 0
-// and in the base pose, since edge lengths hardly change between poses.
-uint32_t baseScale(const glm::ivec3* positions, const ChunkMesh& mesh, double step) {
+// Scale from the base pose's lattice to the stream's steps: ratio of distances between neighbours in frame 0 and in the
+// base pose, since they hardly change between poses.
+PositionScale positionScale(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t member, uint32_t residual_step) {
+  const glm::ivec3* positions = &frames.positions[size_t(member) * frames.vertex_count];
   double steps = 0, lattice = 0;
   for (uint32_t v = 0; v < mesh.vertexCount(); ++v) {
     for (uint32_t u : mesh.earlierOf(v).first(mesh.ring_count[v])) {
@@ -77,8 +67,8 @@ uint32_t baseScale(const glm::ivec3* positions, const ChunkMesh& mesh, double st
       lattice += glm::dot(b, b);
     }
   }
-  const double scale = lattice > 0 ? std::sqrt(steps / lattice) / step * 65536 : 0;
-  return static_cast<uint32_t>(std::min(scale + 0.5, 4294967295.0));
+  const double scale = lattice > 0 ? std::sqrt(steps / lattice) * 65536 : 0;
+  return {static_cast<uint32_t>(std::min(scale + 0.5, 4294967295.0)), residual_step};
 }
 
 }  // namespace
@@ -93,42 +83,51 @@ std::vector<uint8_t> encodeLabels(const ChunkFrames& frames, const ChunkMesh& me
   return encoder.take();
 }
 
-std::vector<uint8_t> encodePositions(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t member,
-                                     double coarse_scale) {
-  const size_t first = size_t(member) * frames.vertex_count, stride = size_t(frames.member_count) * frames.vertex_count;
-  std::vector<glm::ivec3> positions = frames.positions;
-  const bool coarse = coarse_scale > 0;
-  const uint32_t base_scale = baseScale(&positions[first], mesh, coarse ? coarse_scale : 1);
+namespace {
+
+std::vector<uint8_t> encodeScaled(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t member,
+                                  const PositionScale& scale) {
+  std::vector<glm::ivec3> positions(frames.vertex_count);
   BinaryEncoder encoder;
-  PositionModel model(encoder, mesh, base_scale);
+  PositionModel model(encoder, mesh, scale);
   for (uint32_t f = 0; f < frames.frame_count; ++f) {
-    glm::ivec3* frame = &positions[f * stride + first];
-    if (!coarse)
-      model.frame(frame);
-    else
-      model.frame(frame, [&](uint32_t v, const glm::ivec3& p) { return coarseResidual(frame[v], coarse_scale, p); });
+    const auto frame = frames.positions.begin() + (size_t(f) * frames.member_count + member) * frames.vertex_count;
+    std::copy(frame, frame + frames.vertex_count, positions.begin());
+    model.frame(positions.data());
   }
   ByteWriter out;
-  out.u32(base_scale);
+  out.u32(scale.base_scale);
+  out.u32(scale.residual_step);
   out.bytes(encoder.take());
   return out.take();
 }
 
+}  // namespace
+
+std::vector<uint8_t> encodePositions(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t member,
+                                     uint32_t residual_step) {
+  return encodeScaled(frames, mesh, member, positionScale(frames, mesh, member, residual_step));
+}
+
 namespace {
 
-// coarse_scale: 0 encodes the frames exactly.
-Result<std::vector<uint8_t>> encode(const ChunkFrames& frames, const ChunkMesh& mesh, double coarse_scale) {
-  if (!countsMatch(frames, mesh)) return Error{ErrorId::Internal, "GOP chunk: counts do not match its contents"};
-  if (!valuesFit(frames)) return Error{ErrorId::Internal, "GOP chunk: a value is out of range"};
+struct ChunkSteps {
+  std::vector<PositionScale> positions;  // [member]
+  std::vector<uint32_t> fields;          // residual steps of corrections, then of alignment
+};
+
+// Encodes a chunk whose counts and values are checked.
+std::vector<uint8_t> encode(const ChunkFrames& frames, const ChunkMesh& mesh, const ChunkSteps& steps) {
   std::vector<std::vector<uint8_t>> parts;
   for (uint32_t m = 0; m < frames.member_count; ++m) {
-    parts.push_back(encodePositions(frames, mesh, m, coarse_scale));
+    parts.push_back(encodeScaled(frames, mesh, m, steps.positions[m]));
     parts.push_back(encodeLabels(frames, mesh, m));
   }
+  auto step = steps.fields.begin();
   for (uint32_t r = 0; r < frames.reference_count; ++r)
-    parts.push_back(encodeField<3>(frames.offsets, frames, frames.reference_count, r, mesh, coarse_scale));
+    parts.push_back(encodeField<3>(frames.offsets, frames, frames.reference_count, r, mesh, *step++));
   for (uint32_t a = 0; a < frames.alignment_count; ++a)
-    parts.push_back(encodeField<2>(frames.alignment, frames, frames.alignment_count, a, mesh, coarse_scale));
+    parts.push_back(encodeField<2>(frames.alignment, frames, frames.alignment_count, a, mesh, *step++));
   ByteWriter out;
   for (const auto& part : parts) out.u32(static_cast<uint32_t>(part.size()));
   for (const auto& part : parts) out.bytes(part);
@@ -138,15 +137,41 @@ Result<std::vector<uint8_t>> encode(const ChunkFrames& frames, const ChunkMesh& 
   return out.take();
 }
 
-}  // namespace
-
-Result<std::vector<uint8_t>> encodeChunk(const ChunkFrames& frames, const ChunkMesh& mesh) {
-  return encode(frames, mesh, 0);
+ChunkSteps stepsOf(std::span<const uint8_t> chunk, const ChunkFrames& counts) {
+  ByteReader lengths(chunk), in(chunk);
+  in.bytes(size_t(4) * partCount(counts));
+  const auto next = [&] { return ByteReader(in.bytes(lengths.u32())); };
+  ChunkSteps out;
+  for (uint32_t m = 0; m < counts.member_count; ++m) {
+    ByteReader part = next();
+    PositionScale& scale = out.positions.emplace_back();
+    scale.base_scale = part.u32();
+    scale.residual_step = part.u32();
+    next();  // labels
+  }
+  for (uint32_t i = 0; i < counts.reference_count + counts.alignment_count; ++i) out.fields.push_back(next().u32());
+  return out;
 }
 
-Result<std::vector<uint8_t>> encodeCoarseChunk(const ChunkFrames& frames, const ChunkMesh& mesh, double scale) {
-  if (!(scale >= 1)) return Error{ErrorId::Internal, "GOP chunk: coarse steps must not be smaller"};
-  return encode(frames, mesh, scale);
+}  // namespace
+
+Result<std::vector<uint8_t>> encodeChunk(const ChunkFrames& frames, const ChunkMesh& mesh, ResidualSteps steps) {
+  if (!countsMatch(frames, mesh)) return Error{ErrorId::Internal, "GOP chunk: counts do not match its contents"};
+  if (!validResidualStep(steps.positions) || !validResidualStep(steps.alignment))
+    return Error{ErrorId::Internal, "GOP chunk: a residual step is out of range"};
+  if (!valuesFit(frames, steps)) return Error{ErrorId::Internal, "GOP chunk: a value is out of range"};
+  ChunkSteps parts;
+  for (uint32_t m = 0; m < frames.member_count; ++m)
+    parts.positions.push_back(positionScale(frames, mesh, m, steps.positions));
+  parts.fields.assign(frames.reference_count, steps.positions);
+  parts.fields.resize(size_t(frames.reference_count) + frames.alignment_count, steps.alignment);
+  return encode(frames, mesh, parts);
+}
+
+Result<std::vector<uint8_t>> encodeFirstFrame(std::span<const uint8_t> chunk, const ChunkFrames& first,
+                                              const ChunkMesh& mesh) {
+  if (!countsMatch(first, mesh)) return Error{ErrorId::Internal, "GOP chunk: counts do not match its contents"};
+  return encode(first, mesh, stepsOf(chunk, first));
 }
 
 }  // namespace fourdvt::package

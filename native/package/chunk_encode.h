@@ -9,8 +9,12 @@
 namespace fourdvt::package {
 
 std::vector<uint8_t> encodeLabels(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t member);
-// coarse_scale: ratio of coded to given step, with the dead zone of encodeCoarseChunk; 0: lossless.
+// residual_step: 1 is lossless.
 std::vector<uint8_t> encodePositions(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t member,
-                                     double coarse_scale = 0);
+                                     uint32_t residual_step);
+// Encodes the first frame of a chunk alone, with exactly the values that the chunk gives. chunk: its intact bytes;
+// first: its first frame, decoded.
+Result<std::vector<uint8_t>> encodeFirstFrame(std::span<const uint8_t> chunk, const ChunkFrames& first,
+                                              const ChunkMesh& mesh);
 
 }  // namespace fourdvt::package

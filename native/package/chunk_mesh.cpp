@@ -7,7 +7,7 @@
 namespace fourdvt::package {
 namespace {
 
-constexpr size_t kMaxEarlier = 24;
+constexpr size_t kMaxEarlier = 10;
 
 struct Edge {
   uint32_t a, b, face, corner;  // a <= b
@@ -69,24 +69,97 @@ Adjacency vertexAdjacency(const std::vector<Edge>& edges, uint32_t vertex_count)
   return out;
 }
 
-// Lists neighbours below v ascending; then for each of them in turn its neighbours below v, descending.
-void listEarlier(const Adjacency& adjacency, uint32_t v, ChunkMesh& out) {
-  const auto own = adjacency.of(v);
-  std::vector<uint32_t> list(own.begin(), std::lower_bound(own.begin(), own.end(), v));
-  if (list.size() > kMaxEarlier) list.resize(kMaxEarlier);
-  out.ring_count.push_back(static_cast<uint8_t>(list.size()));
-  const size_t ring = list.size();
-  for (size_t i = 0; i < ring; ++i) {
-    const auto next = adjacency.of(list[i]);
-    auto it = std::lower_bound(next.begin(), next.end(), v);
-    while (it != next.begin() && list.size() < kMaxEarlier) {
-      --it;
-      if (std::find(list.begin(), list.end(), *it) == list.end()) list.push_back(*it);
+// Takes vertices in rounds, coarse to fine: the round of radius r takes each vertex, ascending, that is at least r
+// edges away from all that are taken. Lists for each the taken ones around it.
+class CoarseToFine {
+ public:
+  CoarseToFine(const Adjacency& adjacency, ChunkMesh& out)
+      : adjacency_(adjacency),
+        out_(out),
+        count_(out.vertexCount()),
+        distance_(count_, kRadii[0]),
+        seen_(count_, count_) {}
+
+  void run() {
+    out_.ring_count.resize(count_);
+    out_.last_round.resize(count_);
+    std::vector<uint32_t> first, lists;  // in the order of `order`
+    for (uint32_t radius : kRadii) {
+      for (uint32_t v = 0; v < count_; ++v) {
+        if (distance_[v] < radius) continue;
+        first.push_back(static_cast<uint32_t>(lists.size()));
+        listTaken(v, radius, lists);
+        take(v, radius);
+      }
+    }
+    first.push_back(static_cast<uint32_t>(lists.size()));
+    sortByVertex(first, lists);
+  }
+
+ private:
+  static constexpr uint32_t kRadii[] = {32, 16, 8, 4, 2, 1};
+  struct Visit {
+    uint32_t vertex, edges;
+  };
+
+  // Appends the first taken vertices of a breadth-first search from v.
+  void listTaken(uint32_t v, uint32_t radius, std::vector<uint32_t>& lists) {
+    const size_t start = lists.size(), max_visits = 1 + 64 + 16 * radius * radius;
+    uint32_t nearest = 0;
+    visits_.assign(1, {v, 0});
+    seen_[v] = v;
+    for (size_t i = 0; i < visits_.size(); ++i) {
+      const auto [at, edges] = visits_[i];
+      if (i > 0 && distance_[at] == 0) {
+        if (lists.size() == start) nearest = edges;
+        out_.ring_count[v] += edges == nearest;
+        lists.push_back(at);
+        if (lists.size() - start == kMaxEarlier) return;
+      }
+      if (edges == 2 * radius) continue;
+      for (uint32_t u : adjacency_.of(at)) {
+        if (visits_.size() == max_visits) break;
+        if (seen_[u] == v) continue;
+        seen_[u] = v;
+        visits_.push_back({u, edges + 1});
+      }
     }
   }
-  out.earlier.insert(out.earlier.end(), list.begin(), list.end());
-  out.earlier_first.push_back(static_cast<uint32_t>(out.earlier.size()));
-}
+
+  void take(uint32_t v, uint32_t radius) {
+    out_.order.push_back(v);
+    out_.last_round[v] = radius == 1;
+    distance_[v] = 0;
+    visits_.assign(1, {v, 0});
+    for (size_t i = 0; i < visits_.size(); ++i) {
+      const auto [at, edges] = visits_[i];
+      if (edges + 1 == radius) break;
+      for (uint32_t u : adjacency_.of(at)) {
+        if (distance_[u] <= edges + 1) continue;
+        distance_[u] = edges + 1;
+        visits_.push_back({u, edges + 1});
+      }
+    }
+  }
+
+  // first: start of each list, in the order of `order`, and the end.
+  void sortByVertex(const std::vector<uint32_t>& first, const std::vector<uint32_t>& lists) {
+    std::vector<uint32_t> place(count_);
+    for (uint32_t i = 0; i < count_; ++i) place[out_.order[i]] = i;
+    out_.earlier_first.push_back(0);
+    for (uint32_t i : place) {
+      out_.earlier.insert(out_.earlier.end(), lists.begin() + first[i], lists.begin() + first[i + 1]);
+      out_.earlier_first.push_back(static_cast<uint32_t>(out_.earlier.size()));
+    }
+  }
+
+  const Adjacency& adjacency_;
+  ChunkMesh& out_;
+  const uint32_t count_;
+  std::vector<uint32_t> distance_;  // [vertex] edges to the nearest taken vertex, exact below the round's radius
+  std::vector<uint32_t> seen_;      // [vertex] latest search that reached it, by its start
+  std::vector<Visit> visits_;
+};
 
 // Recovers Draco's integers from the decoded positions: the same start on every machine.
 std::vector<glm::ivec3> lattice(const Positions& positions) {
@@ -117,8 +190,7 @@ ChunkMesh makeChunkMesh(const std::vector<glm::uvec3>& faces, std::vector<glm::i
   const std::vector<Edge> edges = sortedEdges(faces);
   linkFaces(edges, out);
   const Adjacency adjacency = vertexAdjacency(edges, out.vertexCount());
-  out.earlier_first.push_back(0);
-  for (uint32_t v = 0; v < out.vertexCount(); ++v) listEarlier(adjacency, v, out);
+  CoarseToFine(adjacency, out).run();
   return out;
 }
 

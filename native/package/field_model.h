@@ -12,28 +12,28 @@ namespace fourdvt::package {
 template <class Coder>
 class FieldModel {
  public:
-  // components: 2 or 3 per vector.
-  FieldModel(Coder& coder, const ChunkMesh& mesh, int components)
-      : mesh_(mesh), residuals_(coder, mesh, components), before_(mesh.vertexCount(), glm::ivec3(0)), now_(before_) {}
+  // components: 2 or 3 per vector. residual_step: see residualUnit.
+  FieldModel(Coder& coder, const ChunkMesh& mesh, int components, uint32_t residual_step)
+      : mesh_(mesh),
+        residual_step_(residual_step),
+        residuals_(coder, mesh, components),
+        before_(mesh.vertexCount(), glm::ivec3(0)),
+        now_(before_) {}
 
-  // Codes one frame; frames come in order. values: [vertex], read by an encoder, written by a decoder. False: value out
-  // of range.
+  // Codes one frame; frames come in order. values: [vertex]; an encoder replaces them by those that a decoder gets.
+  // False: value or residual step out of range.
   template <int N>
   bool frame(glm::vec<N, int>* values) {
-    return frame(values, [&](uint32_t v, const glm::ivec3& predicted) {
-      glm::ivec3 wanted(0);
-      for (int k = 0; k < N; ++k) wanted[k] = values[v][k];
-      return wanted - predicted;
-    });
-  }
-  // residualOf(vertex, prediction): residual to code; unused in a decoder.
-  template <int N, class ResidualOf>
-  bool frame(glm::vec<N, int>* values, const ResidualOf& residualOf) {
+    if (!validResidualStep(residual_step_)) return false;
     std::swap(before_, now_);
     residuals_.beginFrame();
-    for (uint32_t v = 0; v < mesh_.vertexCount(); ++v) {
+    for (uint32_t v : mesh_.order) {
       const glm::ivec3 predicted = predict(v);
-      now_[v] = predicted + residuals_.code(v, residualOf(v, predicted));
+      const int unit = residualUnit(mesh_, v, residual_step_);
+      glm::ivec3 wanted(0);
+      for (int k = 0; k < N; ++k) wanted[k] = values[v][k];
+      const glm::ivec3 residual = quantisedResidual(wanted - predicted, unit);
+      now_[v] = withResidual(predicted, residuals_.code(v, residual), unit);
       if (!inRange(now_[v])) return false;
       for (int k = 0; k < N; ++k) values[v][k] = now_[v][k];
     }
@@ -55,6 +55,7 @@ class FieldModel {
   }
 
   const ChunkMesh& mesh_;
+  const uint32_t residual_step_;
   ResidualModel<Coder> residuals_;
   std::vector<glm::ivec3> before_, now_;
 };

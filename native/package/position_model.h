@@ -53,7 +53,7 @@ class MotionFit {
       xx = xx + w.x * d.x, xy = xy + w.x * d.y, xz = xz + w.x * d.z;
       yy = yy + w.y * d.y, yz = yz + w.y * d.z, zz = zz + w.z * d.z;
     }
-    const double ridge = 0.003 * (xx + yy + zz) + 1;
+    const double ridge = 0.001 * (xx + yy + zz) + 1;
     xx = xx + ridge, yy = yy + ridge, zz = zz + ridge;
     const double a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy;
     const double d = xx * zz - xz * xz, e = xy * xz - xx * yz, f = xx * yy - xy * xy;
@@ -65,30 +65,34 @@ class MotionFit {
 
   glm::dvec3 centre_;
   int count_ = 0;
-  std::array<glm::dvec3, 24> offsets_, displacements_;
-  std::array<double, 24> weights_;
+  std::array<glm::dvec3, 10> offsets_, displacements_;
+  std::array<double, 10> weights_;
+};
+
+// First bytes of a part of positions.
+struct PositionScale {
+  uint32_t base_scale = 0;     // steps of the stream per 65536 lattice units of the base pose
+  uint32_t residual_step = 1;  // see residualUnit
 };
 
 template <class Coder>
 class PositionModel {
  public:
-  // base_scale: steps of the stream per 65536 lattice units of the base pose.
-  PositionModel(Coder& coder, const ChunkMesh& mesh, uint32_t base_scale) : mesh_(mesh), residuals_(coder, mesh, 3) {
-    for (const glm::ivec3& q : mesh.base) reference_.push_back(glm::dvec3(q) * (base_scale / 65536.0));
+  PositionModel(Coder& coder, const ChunkMesh& mesh, const PositionScale& scale)
+      : mesh_(mesh), residual_step_(scale.residual_step), residuals_(coder, mesh, 3) {
+    for (const glm::ivec3& q : mesh.base) reference_.push_back(glm::dvec3(q) * (scale.base_scale / 65536.0));
   }
 
-  // Codes one frame; frames come in order. positions: [vertex], read by an encoder, written by a decoder. False:
-  // position out of range.
+  // Codes one frame; frames come in order. positions: [vertex]; an encoder replaces them by those that a decoder gets.
+  // False: position or residual step out of range.
   bool frame(glm::ivec3* positions) {
-    return frame(positions, [&](uint32_t v, const glm::ivec3& predicted) { return positions[v] - predicted; });
-  }
-  // residualOf(vertex, prediction): residual to code; unused in a decoder.
-  template <class ResidualOf>
-  bool frame(glm::ivec3* positions, const ResidualOf& residualOf) {
+    if (!validResidualStep(residual_step_)) return false;
     residuals_.beginFrame();
-    for (uint32_t v = 0; v < mesh_.vertexCount(); ++v) {
+    for (uint32_t v : mesh_.order) {
       const glm::ivec3 predicted = predict(positions, v);
-      positions[v] = predicted + residuals_.code(v, residualOf(v, predicted));
+      const int unit = residualUnit(mesh_, v, residual_step_);
+      const glm::ivec3 residual = quantisedResidual(positions[v] - predicted, unit);
+      positions[v] = withResidual(predicted, residuals_.code(v, residual), unit);
       if (!inRange(positions[v])) return false;
     }
     for (uint32_t v = 0; v < mesh_.vertexCount(); ++v) reference_[v] = glm::dvec3(positions[v]);
@@ -113,6 +117,7 @@ class PositionModel {
   }
 
   const ChunkMesh& mesh_;
+  const uint32_t residual_step_;
   ResidualModel<Coder> residuals_;
   std::vector<glm::dvec3> reference_;  // previous frame, or the base pose
 };

@@ -8,6 +8,7 @@
 
 #include "package/binary_coder.h"
 #include "package/chunk_mesh.h"
+#include "package/stream_file.h"
 
 namespace fourdvt::package {
 
@@ -18,6 +19,38 @@ inline bool inRange(const glm::ivec3& q) {
     if (q[k] < -kMaxQuantised || q[k] > kMaxQuantised) return false;
   }
   return true;
+}
+
+inline bool validResidualStep(uint32_t step) { return step >= 1 && step <= kMaxResidualStep; }
+
+// Unit of a vertex's residuals: a part's residual step; half of it, rounded up, for the vertices from which those of
+// the last round are predicted.
+inline int residualUnit(const ChunkMesh& mesh, uint32_t vertex, uint32_t step) {
+  return static_cast<int>(mesh.last_round[vertex] ? step : (step + 1) / 2);
+}
+
+// Residual that an encoder writes, in units. 0 below 0.7 units, rounded down up to 0.6 above a whole number: fewer
+// bytes than by rounding to the nearest. Exact with unit 1.
+inline glm::ivec3 quantisedResidual(const glm::ivec3& residual, int unit) {
+  if (unit == 1) return residual;
+  glm::ivec3 out(0);
+  for (int k = 0; k < 3; ++k) {
+    const int magnitude = std::abs(residual[k]);
+    if (10 * magnitude < 7 * unit) continue;
+    const int whole = std::max(1, (10 * magnitude + 4 * unit) / (10 * unit));
+    out[k] = residual[k] < 0 ? -whole : whole;
+  }
+  return out;
+}
+
+// Prediction plus a residual in units; out of range (inRange) rather than an overflow.
+inline glm::ivec3 withResidual(const glm::ivec3& predicted, const glm::ivec3& residual, int unit) {
+  glm::ivec3 out;
+  for (int k = 0; k < 3; ++k) {
+    const int64_t sum = predicted[k] + int64_t(residual[k]) * unit, limit = kMaxQuantised + 1;
+    out[k] = static_cast<int>(std::clamp(sum, -limit, limit));
+  }
+  return out;
 }
 
 template <class Coder>

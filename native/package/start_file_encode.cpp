@@ -4,6 +4,7 @@
 #include "base/bytes.h"
 #include "base/hash.h"
 #include "package/chunk_decoder.h"
+#include "package/chunk_encode.h"
 #include "package/chunk_mesh.h"
 #include "package/mesh_code.h"
 #include "package/start_file.h"
@@ -72,7 +73,7 @@ Result<std::vector<uint8_t>> encodeStartFile(const StreamIndex& index, std::span
   FOURDVT_ASSIGN(auto decoder, ChunkDecoder::open(gop, index, 0, mesh));
   const uint32_t frames = index.chunks[0].frame_count;
   FOURDVT_TRY(decoder->decodeTo(frames - 1));
-  FOURDVT_ASSIGN(const auto chunk, encodeChunk(firstFrame(decoder->frames(), frames), mesh));
+  FOURDVT_ASSIGN(const auto chunk, encodeFirstFrame(gop, firstFrame(decoder->frames(), frames), mesh));
   FOURDVT_ASSIGN(const auto coded, encodeMeshCode(base));
   return finish(index, coded, chunk, key, header);
 }

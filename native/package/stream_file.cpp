@@ -11,7 +11,7 @@ namespace fourdvt::package {
 namespace {
 
 constexpr uint32_t kMagic = 0x53564434;                                   // "4DVS"
-constexpr uint16_t kVersion = 4, kCameraVersion = 5, kCoarseVersion = 6;  // 6: as 4, with coarse chunks
+constexpr uint16_t kVersion = 7, kCameraVersion = 8, kCoarseVersion = 9;  // 9: as 7, with coarse chunks
 constexpr uint32_t kKeyBit = 0x80000000u;
 constexpr uint32_t kMaxChunkFrames = 65535;
 constexpr uint64_t kMaxOffset = 1ull << 53;
@@ -107,9 +107,6 @@ Status readChunks(ByteReader& in, StreamIndex& index, size_t header_bytes) {
 }
 
 Status readCoarseChunks(ByteReader& in, StreamIndex& index, size_t header_bytes) {
-  index.coarse_step_m = in.f32();
-  if (!(index.coarse_step_m >= index.position_step_m) || !(index.coarse_step_m <= 1e6f))
-    return invalidHeader("bad coarse step");
   index.coarse_chunks = index.chunks;
   for (ChunkEntry& chunk : index.coarse_chunks) {
     readPlace(in, chunk);
@@ -170,8 +167,6 @@ bool keepsMemoryLimits(const StreamIndex& index) {
 StreamIndex StreamIndex::coarse() const {
   StreamIndex out = *this;
   out.chunks = std::move(out.coarse_chunks);
-  out.alignment_step_m *= coarse_step_m / position_step_m;
-  out.position_step_m = coarse_step_m;
   out.coarse_chunks.clear();
   out.renditions.clear();
   return out;
@@ -209,7 +204,6 @@ std::vector<uint8_t> writeStreamHeader(const StreamIndex& index) {
   body.u32(static_cast<uint32_t>(index.renditions.size()));
   for (const SampleTable& table : index.renditions) writeRendition(body, table, index.chunks);
   const bool coarse = !index.coarse_chunks.empty();
-  if (coarse) body.f32(index.coarse_step_m);
   for (const ChunkEntry& chunk : index.coarse_chunks) writePlace(body, chunk);
   ByteWriter out;
   out.u32(kMagic);

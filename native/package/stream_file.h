@@ -51,9 +51,8 @@ struct StreamIndex {
   float alignment_step_m = 0;
   std::vector<ChunkEntry> chunks;  // contiguous frames 0..frame_count
   std::vector<SampleTable> renditions;
-  // Chunks of the same GOPs and labels with larger quantisation steps, for low renditions; may be empty.
+  // Chunks of the same GOPs and labels with larger errors, for low renditions; may be empty.
   std::vector<ChunkEntry> coarse_chunks;
-  float coarse_step_m = 0;
   // Index of the coarse chunks in place of the fine ones, without renditions.
   StreamIndex coarse() const;
   // Chunk that contains a frame.
@@ -96,11 +95,14 @@ struct ChunkFrames {
 
 struct ChunkMesh;  // chunk_mesh.h
 
+constexpr uint32_t kMaxResidualStep = 1 << 12;
+// Units of coded residuals, in steps of the values, 1…kMaxResidualStep. Values are off by up to 0.7 units along an
+// axis; 1 is lossless.
+struct ResidualSteps {
+  uint32_t positions = 1, alignment = 1;  // positions: and offsets
+};
 // Encodes by arithmetic coding with predictions along the mesh; every chunk decodes alone. Errors: Internal.
-Result<std::vector<uint8_t>> encodeChunk(const ChunkFrames& frames, const ChunkMesh& mesh);
-// Encodes the same frames with `scale` times larger steps of positions, offsets and alignment. Residuals up to 0.8
-// steps become 0, which bounds the error along an axis. Errors: Internal.
-Result<std::vector<uint8_t>> encodeCoarseChunk(const ChunkFrames& frames, const ChunkMesh& mesh, double scale);
+Result<std::vector<uint8_t>> encodeChunk(const ChunkFrames& frames, const ChunkMesh& mesh, ResidualSteps steps = {});
 // mesh: makeChunkMesh of the decoded base mesh. Errors: StreamInvalid for corrupt bytes or different counts of index
 // and mesh.
 Result<ChunkFrames> decodeChunk(std::span<const uint8_t> bytes, const StreamIndex& index, uint32_t chunk,

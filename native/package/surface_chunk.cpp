@@ -23,7 +23,7 @@ Rect readRect(ByteReader& in) {
 class SurfaceChunk::Motion {
  public:
   Motion(ByteReader bytes, const std::vector<glm::uvec3>& faces, std::vector<glm::ivec3> first)
-      : Motion(bytes.u32(), bytes, faces, std::move(first)) {}
+      : Motion({bytes.u32(), bytes.u32()}, bytes, faces, std::move(first)) {}
   // Decodes the next frame; null: corrupt, or bytes left after the last frame.
   const std::vector<glm::ivec3>* next(bool last) {
     const bool decoded = model_.frame(positions_.data()) && !bits_.overrun() && (!last || bits_.finished());
@@ -31,10 +31,11 @@ class SurfaceChunk::Motion {
   }
 
  private:
-  Motion(uint32_t base_scale, ByteReader& bytes, const std::vector<glm::uvec3>& faces, std::vector<glm::ivec3> first)
+  Motion(const PositionScale& scale, ByteReader& bytes, const std::vector<glm::uvec3>& faces,
+         std::vector<glm::ivec3> first)
       : mesh_(makeChunkMesh(faces, std::move(first))),
         bits_(bytes.bytes(bytes.remaining())),
-        model_(bits_, mesh_, base_scale),
+        model_(bits_, mesh_, scale),
         positions_(mesh_.vertexCount()) {}
   const ChunkMesh mesh_;
   BinaryDecoder bits_;

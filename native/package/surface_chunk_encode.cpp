@@ -52,7 +52,7 @@ Result<EncodedRun> movingRun(const EncodedSurfaceMesh& first, std::span<const Qu
   for (const QuantisedSurface& frame : frames) {
     for (uint32_t v : source) motion.positions.push_back(frame.positions[v]);
   }
-  run.motion = encodePositions(motion, makeChunkMesh(first.decoded.faces, first.decoded.positions), 0);
+  run.motion = encodePositions(motion, makeChunkMesh(first.decoded.faces, first.decoded.positions), 0, 1);
   return run;
 }
 

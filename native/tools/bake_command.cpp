@@ -165,11 +165,11 @@ Options bakeOptions(bake::BakeOptions& o) {
       refineOptions(o.refine),
       textureOptions(o),
       {{"--position-step MM", number(o.position_step_m, 0.001, 100, 1e-3),
-        "quantisation step of vertices, millimetres (default for a person 0.25 from layers, 1 from cameras; half of it "
+        "quantisation step of vertices, millimetres (default for a person 0.5 from layers, 1 from cameras; half of it "
         "for surfaces of half the size, and so on)"},
        {"--coarse-step MM", number(o.coarse_step_m, 0, 100, 1e-3),
         "layers: likewise for renditions with fewer texels than the highest, 0.001 to 100, or 0: as for the others "
-        "(default 2 for a person, as above); their alignment is coarser in proportion"},
+        "(default 3.5 for a person, as above); their alignment is coarser in proportion"},
        {"--gop N", number(o.gop, 1, 1000), "most frames of a group of pictures (default 20)"},
        jobsOption(o.jobs),
        resumeOption(o.resume)},

@@ -212,12 +212,11 @@ class FakeBuilder {
     out_.files[q.name + ".bin"] = std::move(stream);
   }
   void addCoarseChunks(uint32_t s, std::vector<std::vector<uint8_t>>& chunks, package::StreamIndex& index) {
-    index.coarse_step_m = 4 * kStep_m;
     index.coarse_chunks = index.chunks;
     double bytes = 0;
     for (package::ChunkEntry& entry : index.coarse_chunks) {
       chunks.push_back(
-          package::encodeCoarseChunk(framesOf(s, entry.first_frame, entry.frame_count), chunk_mesh_, 4).take());
+          package::encodeChunk(framesOf(s, entry.first_frame, entry.frame_count), chunk_mesh_, {12, 12}).take());
       entry.bytes = uint32_t(chunks.back().size());
       entry.hash = fnv1a(chunks.back());
       bytes += entry.bytes;

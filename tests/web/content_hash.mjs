@@ -22,7 +22,7 @@ function rehashStream(folder, { stream, renditions }) {
   let at = kCountsEnd;
   const u32 = () => bytes.readUInt32LE((at += 4) - 4);
   const u64 = () => bytes.readBigUInt64LE((at += 8) - 8);
-  const frames = [], coarse = bytes.readUInt16LE(4) === 6;
+  const frames = [], coarse = bytes.readUInt16LE(4) === 9;
   const rehashChunk = () => {
     const length = u32(), offset = Number(u64());
     bytes.writeBigUInt64LE(fnv1a(bytes.subarray(offset, offset + length)), at);
@@ -45,7 +45,6 @@ function rehashStream(folder, { stream, renditions }) {
       bytes.writeBigUInt64LE(fnv1a(video.subarray(offset, offset + length)), place);
     }
   }
-  if (coarse) at += 4; // its step
   for (let gop = 0; coarse && gop < frames.length; ++gop) rehashChunk();
   writeFileSync(file, bytes);
 }

@@ -40,4 +40,9 @@ std::string BakeOptions::check() const {
   return checkRenditions(*this);
 }
 
+double gridStep_m(const BakeOptions& o) {
+  const bool layers = o.appearance == package::AppearanceKind::Layers;
+  return double(float(*o.position_step_m / (layers ? kGridPerStep : 1)));
+}
+
 }  // namespace fourdvt::bake

@@ -61,10 +61,10 @@ struct BakeOptions {
   int gop = 20;         // maximum number of frames per GOP; lengths in a sequence differ by at most 1
   int jobs = 0;         // worker threads; 0: number of cores
   bool resume = false;  // reuse finished GOPs of an interrupted run with the same settings
-  // Quantisation of streamed vertices; none: 0.25 mm from layers, 1 mm from cameras for a person, and in proportion for
-  // smaller and larger surfaces.
+  // Quantisation of streamed vertices; none: 0.5 mm from layers, that of their residuals
+  // (package::ResidualSteps), 1 mm from cameras for a person, and in proportion for smaller and larger surfaces.
   std::optional<double> position_step_m;
-  // Quantisation for renditions below the highest; 0: position_step_m; none: 2 mm for a person.
+  // Quantisation for renditions below the highest; 0: position_step_m; none: 3.5 mm for a person.
   std::optional<double> coarse_step_m;
   int gutter_texels = 10;        // width of the gutter round every chart, texels of layer 1; limits in check()
   refine::RefineOptions refine;  // refinement of the mesh and the cameras, before any rendering
@@ -94,8 +94,14 @@ inline std::string reportFolderOf(const std::string& character_folder) { return 
 
 // Lengths for a person; the surface's length scale (lengthScale in base/mesh.h) multiplies them.
 
-inline constexpr double kLayersStep_m = 0.00025, kCamerasStep_m = 0.001;  // position steps
-inline constexpr double kCoarseStep_m = 0.002, kBlendError_m = 0.001, kAlignmentStep_m = 0.0001;
+inline constexpr double kLayersStep_m = 0.0005, kCamerasStep_m = 0.001;  // position steps
+inline constexpr double kCoarseStep_m = 0.0035, kBlendError_m = 0.001, kAlignmentStep_m = 0.0001;
+
+// Vertices from layers are streamed on a grid that is finer than their residuals' step by this, so that predictions are
+// not rounded to whole steps.
+inline constexpr int kGridPerStep = 16;
+// Step of the grid that vertices are streamed on, as streams hold it. Lengths and appearance are settled.
+double gridStep_m(const BakeOptions& options);
 
 // Services that the calling program supplies: a GPU, video decoders, progress and stop callbacks.
 

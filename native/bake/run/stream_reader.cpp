@@ -6,10 +6,20 @@
 #include <utility>
 
 #include "bake/run/renditions.h"
-
 #include "mattes/frame_reader.h"
 
 namespace fourdvt::bake {
+namespace {
+
+// scale: residual step against the position step.
+package::ResidualSteps stepsAt(double scale) {
+  const auto rounded = [](double step) {
+    return static_cast<uint32_t>(std::lround(std::min(step, double(package::kMaxResidualStep))));
+  };
+  return {rounded(kGridPerStep * scale), rounded(scale)};
+}
+
+}  // namespace
 
 Result<std::unique_ptr<StreamReader>> StreamReader::create(BakeRun& run, const StreamPlan& plan) {
   std::unique_ptr<StreamReader> reader(new StreamReader(run, plan));
@@ -99,7 +109,7 @@ Result<Positions> MeshReader::read(const capture::CaptureSequence& sequence, uin
 }
 
 ChunkBuilder::ChunkBuilder(const Job& job, const StreamPlan& plan)
-    : origin_(job.bounds.min), step_m_(double(float(*job.options.position_step_m))) {
+    : origin_(job.bounds.min), step_m_(gridStep_m(job.options)) {
   empty_.vertex_count = job.mesh.decoded.topology.vertex_count;
   empty_.face_count = job.mesh.decoded.topology.faceCount();
   empty_.layer_count = static_cast<uint32_t>(job.options.layers);
@@ -126,10 +136,11 @@ Status saveChunks(const BakeRun& run, const StreamPlan& plan, uint32_t gop, cons
                   const package::ChunkMesh& mesh) {
   const BakeOptions& o = run.job.options;
   if (hasCoarseGeometry(o)) {
-    FOURDVT_ASSIGN(const auto coarse, package::encodeCoarseChunk(frames, mesh, *o.coarse_step_m / *o.position_step_m));
+    FOURDVT_ASSIGN(const auto coarse,
+                   package::encodeChunk(frames, mesh, stepsAt(*o.coarse_step_m / *o.position_step_m)));
     FOURDVT_TRY(run.work.save(chunkFile(plan.name, gop, Precision::Coarse), coarse));
   }
-  FOURDVT_ASSIGN(const auto chunk, package::encodeChunk(frames, mesh));
+  FOURDVT_ASSIGN(const auto chunk, package::encodeChunk(frames, mesh, stepsAt(1)));
   return run.work.save(chunkFile(plan.name, gop), chunk);
 }
 

@@ -152,7 +152,7 @@ Positions ClassAligner::middle(const package::ChunkFrames& frames, uint32_t row)
   const glm::ivec3* q = &frames.positions[size_t(row) * frames.member_count * frames.vertex_count];
   for (Positions& member : members)
     for (uint32_t v = 0; v < frames.vertex_count; ++v, ++q)
-      member.push_back(job_.bounds.min + float(*job_.options.position_step_m) * glm::vec3(*q));
+      member.push_back(job_.bounds.min + float(gridStep_m(job_.options)) * glm::vec3(*q));
   return blend_->blend(members, std::vector<float>(members.size(), 1.0f / members.size()));
 }
 

@@ -59,7 +59,6 @@ Status writeStart(const BakeRun& run, package::Character& character, ReportInput
   FOURDVT_ASSIGN(const auto gop, run.work.load<store::Bytes>(
                                      chunkFile(job.streams[0].name, 0, coarse ? Precision::Coarse : Precision::Fine)));
   const package::VideoSample key = index.renditions[0].samples[0];
-  if (coarse) index.position_step_m = index.coarse_step_m;
   FOURDVT_ASSIGN(const auto video, platform::readFileRange(folder + s.renditions[0].video_uri, key.offset, key.bytes));
   const auto follows = std::span(header).first(header.size() <= kMaxHeaderBytes ? header.size() : 0);
   FOURDVT_ASSIGN(const auto file, job.fromCameras()
@@ -123,7 +122,7 @@ package::StreamIndex streamIndex(const Job& job, const StreamPlan& plan, std::ve
   package::StreamIndex index;
   index.frame_count = plan.frameCount();
   index.position_origin = job.bounds.min;
-  index.position_step_m = static_cast<float>(*job.options.position_step_m);
+  index.position_step_m = static_cast<float>(gridStep_m(job.options));
   index.renditions = std::move(tables);
   return index;
 }

@@ -44,8 +44,7 @@ uint32_t smallerRenditions(const package::Sequence& s) {
   return count;
 }
 
-void addCoarseChunks(const Job& job, const std::vector<LayeredChunkBytes>& chunk_bytes, package::StreamIndex& index) {
-  index.coarse_step_m = static_cast<float>(*job.options.coarse_step_m);
+void addCoarseChunks(const std::vector<LayeredChunkBytes>& chunk_bytes, package::StreamIndex& index) {
   index.coarse_chunks = index.chunks;
   for (size_t g = 0; g < chunk_bytes.size(); ++g) {
     index.coarse_chunks[g].bytes = chunk_bytes[g].total;
@@ -132,7 +131,7 @@ Status packLayers(const BakeRun& run, const StreamPlan& plan, package::Character
   if (hasCoarseGeometry(job.options)) s.coarse_renditions = smallerRenditions(s);
   if (s.coarse_renditions > 0) {
     FOURDVT_ASSIGN(const auto coarse_bytes, measureChunks(run, plan, Precision::Coarse));
-    addCoarseChunks(job, coarse_bytes, index);
+    addCoarseChunks(coarse_bytes, index);
     character.version = package::kCoarseFormatVersion;
   }
   FOURDVT_TRY(writeStream(std::move(index), run, plan, s));

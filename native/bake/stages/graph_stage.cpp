@@ -37,7 +37,7 @@ class State {
         read_(read),
         blend_(blend),
         origin_(job.bounds.min),
-        step_m_(double(float(*job.options.position_step_m))) {}
+        step_m_(gridStep_m(job.options)) {}
 
   Status loadAtlases(const WorkFolder& work);
   TransitionState description() const;

@@ -306,7 +306,7 @@ Status settleLengths(Job& job, std::vector<double> longest_sides_m) {
     settle(o.classes.alignment_step_m, kAlignmentStep_m);
     o.resample.contour_step_m *= float(scale);
   }
-  const glm::vec3 cells = (job.bounds.max - job.bounds.min) / float(*job.options.position_step_m);
+  const glm::vec3 cells = (job.bounds.max - job.bounds.min) / float(gridStep_m(o));
   if (std::max({cells.x, cells.y, cells.z}) > float(1 << 24))
     return Error{ErrorId::InvalidArgument, job.capture.folder +
                                                ": the mesh spans more than 2^24 position steps; wrong units "

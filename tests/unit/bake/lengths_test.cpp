@@ -21,23 +21,26 @@ Job settled(double side_m, BakeOptions options = {}) {
 
 TEST(Lengths, OfTheBakeAreThoseOfAPerson) {
   const Job layers = settled(1.8);
-  EXPECT_EQ(layers.options.position_step_m, 0.00025);
-  EXPECT_EQ(layers.options.coarse_step_m, 0.002);
+  EXPECT_EQ(layers.options.position_step_m, 0.0005);
+  EXPECT_EQ(gridStep_m(layers.options), double(0.0005f / 16)) << "finer than residuals";
+  EXPECT_EQ(layers.options.coarse_step_m, 0.0035);
   EXPECT_EQ(layers.options.classes.blend_error_m, 0.001);
   EXPECT_EQ(layers.options.classes.alignment_step_m, 0.0001);
   EXPECT_EQ(layers.options.resample.contour_step_m, 0.02f);
   BakeOptions cameras;
   cameras.appearance = package::AppearanceKind::Cameras;
-  EXPECT_EQ(settled(1.8, cameras).options.position_step_m, 0.001);
+  const Job from_cameras = settled(1.8, cameras);
+  EXPECT_EQ(from_cameras.options.position_step_m, 0.001);
+  EXPECT_EQ(gridStep_m(from_cameras.options), double(0.001f));
 }
 
 TEST(Lengths, OfTheBakeFollowTheSurface) {
   const Job figurine = settled(0.09), crane = settled(20);
   EXPECT_EQ(figurine.length_scale, 1 / 16.0);
-  EXPECT_DOUBLE_EQ(*figurine.options.position_step_m, 0.00025 / 16);
-  EXPECT_DOUBLE_EQ(*figurine.options.coarse_step_m, 0.002 / 16);
+  EXPECT_DOUBLE_EQ(*figurine.options.position_step_m, 0.0005 / 16);
+  EXPECT_DOUBLE_EQ(*figurine.options.coarse_step_m, 0.0035 / 16);
   EXPECT_FLOAT_EQ(figurine.options.resample.contour_step_m, 0.02f / 16);
-  EXPECT_DOUBLE_EQ(*crane.options.position_step_m, 0.002);
+  EXPECT_DOUBLE_EQ(*crane.options.position_step_m, 0.004);
   EXPECT_DOUBLE_EQ(*crane.options.classes.blend_error_m, 0.008);
 }
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Coarse chunks: error bounds, and values that are preserved exactly.
+// Chunks with residual steps: error bounds, and values that are preserved exactly.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "chunk_fixture.h"
+#include "package/chunk_encode.h"
 
 using namespace fourdvt;
 using namespace fourdvt::package;
@@ -35,13 +36,13 @@ ChunkFrames wavyFrames() {
   return in;
 }
 
-// Largest error along any axis, in coarse steps.
+// Largest error along any axis, in residual steps.
 template <int N>
-double errorOf(const std::vector<glm::vec<N, int>>& exact, const std::vector<glm::vec<N, int>>& coarse, double scale) {
-  double largest = 0;
+double errorOf(const std::vector<glm::vec<N, int>>& exact, const std::vector<glm::vec<N, int>>& coded, uint32_t step) {
+  int largest = 0;
   for (size_t i = 0; i < exact.size(); ++i)
-    for (int k = 0; k < N; ++k) largest = std::max(largest, std::abs(coarse[i][k] - exact[i][k] / scale));
-  return largest;
+    for (int k = 0; k < N; ++k) largest = std::max(largest, std::abs(coded[i][k] - exact[i][k]));
+  return double(largest) / step;
 }
 
 }  // namespace
@@ -50,18 +51,64 @@ TEST(CoarseChunk, ValuesStayWithinTheDeadZone) {
   const ChunkFrames in = wavyFrames();
   const ChunkMesh mesh = strandMesh(kVertices, kFaces);
   size_t before = encodeChunk(in, mesh).take().size();
-  for (const double scale : {2.0, 8.0}) {
-    const auto bytes = encodeCoarseChunk(in, mesh, scale).take();
+  for (const uint32_t step : {4u, 16u}) {
+    const auto bytes = encodeChunk(in, mesh, {step, step / 2}).take();
     const ChunkFrames out = decodeChunk(bytes, indexFor(in), 0, mesh).take();
-    for (const double error : {errorOf(in.positions, out.positions, scale), errorOf(in.offsets, out.offsets, scale),
-                               errorOf(in.alignment, out.alignment, scale)}) {
-      EXPECT_LE(error, 0.8 + 1e-9);
-      EXPECT_GT(error, scale > 2 ? 0.5 : 0.49) << "rounding alone would stay below, or at it";
+    for (const double error : {errorOf(in.positions, out.positions, step), errorOf(in.offsets, out.offsets, step),
+                               errorOf(in.alignment, out.alignment, step / 2)}) {
+      EXPECT_LT(error, 0.7);
+      EXPECT_GE(error, 0.5) << "rounding alone would stay below, or at it";
     }
     EXPECT_EQ(out.labels, in.labels);
     EXPECT_EQ(out.root, in.root);
     EXPECT_LT(bytes.size(), before);
     before = bytes.size();
   }
-  EXPECT_FALSE(encodeCoarseChunk(in, mesh, 0.5).ok());
+}
+
+TEST(CoarseChunk, VerticesThatOthersArePredictedFromAreTwiceAsFine) {
+  const ChunkFrames in = wavyFrames();
+  const ChunkMesh mesh = strandMesh(kVertices, kFaces);
+  const ChunkFrames out = decodeChunk(encodeChunk(in, mesh, {16, 1}).take(), indexFor(in), 0, mesh).take();
+  int largest = 0, others = 0;
+  for (size_t i = 0; i < in.positions.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      int& error = mesh.last_round[i % kVertices] ? others : largest;
+      error = std::max(error, std::abs(out.positions[i][k] - in.positions[i][k]));
+    }
+  EXPECT_LT(largest, 0.7 * 8);
+  EXPECT_GT(others, 0.7 * 8);
+}
+
+TEST(CoarseChunk, TheFirstFrameAloneHasTheSameValues) {
+  ChunkFrames in = wavyFrames();
+  const ChunkMesh mesh = strandMesh(kVertices, kFaces);
+  const auto bytes = encodeChunk(in, mesh, {16, 4}).take();
+  ChunkFrames first = decodeChunk(bytes, indexFor(in), 0, mesh).take();
+  first.frame_count = 1;
+  first.positions.resize(2 * kVertices), first.labels.resize(2 * 3 * kFaces);
+  first.offsets.resize(kVertices), first.alignment.resize(kVertices), first.root.resize(2);
+  const auto alone = encodeFirstFrame(bytes, first, mesh).take();
+  const ChunkFrames out = decodeChunk(alone, indexFor(first), 0, mesh).take();
+  EXPECT_TRUE(fourdvt::testing::sameChunk(out, first));
+  EXPECT_LT(alone.size(), encodeChunk(first, mesh).take().size()) << "lossless";
+}
+
+TEST(CoarseChunk, RefusesStepsAndValuesOutOfRange) {
+  ChunkFrames in = wavyFrames();
+  const ChunkMesh mesh = strandMesh(kVertices, kFaces);
+  EXPECT_FALSE(encodeChunk(in, mesh, {0, 1}).ok());
+  EXPECT_FALSE(encodeChunk(in, mesh, {1, 0}).ok());
+  EXPECT_FALSE(encodeChunk(in, mesh, {4097, 1}).ok());
+  std::vector<uint8_t> bytes = encodeChunk(in, mesh, {4096, 1}).take();
+  EXPECT_TRUE(decodeChunk(bytes, indexFor(in), 0, mesh).ok());
+  const size_t step_at = 4 * 6 + 4;  // after the parts' lengths and the base scale
+  ASSERT_EQ(bytes[step_at] | bytes[step_at + 1] << 8, 4096);
+  for (const int step : {0, 4097}) {
+    bytes[step_at] = uint8_t(step), bytes[step_at + 1] = uint8_t(step >> 8);
+    EXPECT_FALSE(decodeChunk(bytes, indexFor(in), 0, mesh).ok()) << step;
+  }
+  in.positions[5].x = 1 << 24;
+  EXPECT_TRUE(encodeChunk(in, mesh, {1, 1}).ok());
+  EXPECT_FALSE(encodeChunk(in, mesh, {16, 1}).ok()) << "an error of coding could lead out of range";
 }

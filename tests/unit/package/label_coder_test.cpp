@@ -2,6 +2,7 @@
 // The coders of labels and positions, each alone: round trips, sizes, and rejected bytes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -38,11 +39,12 @@ bool decodeLabels(std::span<const uint8_t> bytes, const ChunkMesh& mesh, ChunkFr
 }
 
 bool decodePositions(std::span<const uint8_t> bytes, const ChunkMesh& mesh, ChunkFrames& out) {
-  uint32_t base_scale = 0;
-  if (bytes.size() < 4) return false;
-  std::memcpy(&base_scale, bytes.data(), 4);
-  BinaryDecoder decoder(bytes.subspan(4));
-  PositionModel model(decoder, mesh, base_scale);
+  PositionScale scale;
+  if (bytes.size() < 8) return false;
+  std::memcpy(&scale.base_scale, bytes.data(), 4);
+  std::memcpy(&scale.residual_step, bytes.data() + 4, 4);
+  BinaryDecoder decoder(bytes.subspan(8));
+  PositionModel model(decoder, mesh, scale);
   for (uint32_t f = 0; f < out.frame_count && !decoder.overrun(); ++f) {
     out.positions.resize(size_t(f + 1) * out.vertex_count);
     if (!model.frame(&out.positions[size_t(f) * out.vertex_count])) return false;
@@ -164,12 +166,26 @@ TEST(PositionCoder, ARigidMotionCostsOnlyItsRounding) {
     for (const glm::dvec3 p : base.positions)
       in.positions.emplace_back(glm::round(glm::dvec3(c * p.x + s * p.z + 0.04 * f, p.y, c * p.z - s * p.x) / 0.00025));
   }
-  const std::vector<uint8_t> bytes = encodePositions(in, mesh, 0);
+  const std::vector<uint8_t> bytes = encodePositions(in, mesh, 0, 1);
   ChunkFrames out = emptyFrames(mesh, 12, 1);
   ASSERT_TRUE(decodePositions(bytes, mesh, out));
   EXPECT_EQ(out.positions, in.positions);
   // Rounding by half a step either way leaves about 1.5 bits per coordinate.
   EXPECT_LT(bytes.size() * 8.0 / (12.0 * 3 * mesh.vertexCount()), 1.9);
+}
+
+// Not even its rounding, if residuals have a step: the motion is predicted between whole steps.
+TEST(PositionCoder, ARigidMotionOnAFineGridCostsNothing) {
+  const BaseMesh base = cylinder(40, 100);
+  const ChunkMesh mesh = makeChunkMesh(base);
+  const auto bytesOf = [&](uint32_t frames) {
+    ChunkFrames in = emptyFrames(mesh, frames, 1);
+    for (uint32_t f = 0; f < frames; ++f)
+      for (const glm::dvec3 p : base.positions)
+        in.positions.emplace_back(glm::round(glm::dvec3(p.x + 0.0437 * f, p.y, p.z - 0.0211 * f) / (0.001 / 16)));
+    return encodePositions(in, mesh, 0, 16).size();
+  };
+  EXPECT_LT((bytesOf(12) - bytesOf(1)) * 8.0 / (11.0 * 3 * mesh.vertexCount()), 0.02);
 }
 
 TEST(PositionCoder, GivesBackExtremesAndRefusesOtherLengths) {
@@ -180,7 +196,7 @@ TEST(PositionCoder, GivesBackExtremesAndRefusesOtherLengths) {
     const auto end = [&] { return random() % 2 ? 1 << 24 : -(1 << 24); };
     in.positions.emplace_back(end(), end(), int(random() % (1 << 25)) - (1 << 24));
   }
-  const std::vector<uint8_t> bytes = encodePositions(in, mesh, 0);
+  const std::vector<uint8_t> bytes = encodePositions(in, mesh, 0, 1);
   ChunkFrames out = emptyFrames(mesh, 3, 1);
   ASSERT_TRUE(decodePositions(bytes, mesh, out));
   EXPECT_EQ(out.positions, in.positions);
@@ -190,7 +206,7 @@ TEST(PositionCoder, GivesBackExtremesAndRefusesOtherLengths) {
   }
 }
 
-TEST(ChunkMesh, LinksFacesAcrossEdgesAndVerticesToEarlierOnes) {
+TEST(ChunkMesh, LinksFacesAcrossEdges) {
   BaseMesh square;  // 2 - 3
   square.positions = {{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {2, 1, 0}};
   square.topology.vertex_count = 4;
@@ -202,9 +218,30 @@ TEST(ChunkMesh, LinksFacesAcrossEdgesAndVerticesToEarlierOnes) {
   EXPECT_EQ(mesh.face_neighbours[2], (Three{0, kNoFace, 1}));
   EXPECT_EQ(mesh.face_neighbours[3], (Three{kNoFace, kNoFace, 0}));
   EXPECT_EQ(mesh.base[3], glm::ivec3(16383, 8192, 0));
-  ASSERT_EQ(mesh.ring_count, (std::vector<uint8_t>{0, 1, 2, 3}));
-  const auto earlier = mesh.earlierOf(3);
-  EXPECT_EQ(std::vector<uint32_t>(earlier.begin(), earlier.end()), (std::vector<uint32_t>{0, 1, 2}));
+}
+
+// A path of 70 vertices, each sharing an edge with those one and two further: distances are halves, rounded up.
+TEST(ChunkMesh, OrdersVerticesFromCoarseToFine) {
+  const ChunkMesh mesh = strandMesh(70, 68);
+  const std::vector<uint32_t> coarse(mesh.order.begin(), mesh.order.begin() + 5);
+  EXPECT_EQ(coarse, (std::vector<uint32_t>{0, 63, 31, 15, 46})) << "rounds of 32, 16 and 8 edges";
+  std::vector<uint32_t> sorted = mesh.order;
+  std::sort(sorted.begin(), sorted.end());
+  for (uint32_t v = 0; v < 70; ++v) EXPECT_EQ(sorted[v], v);
+  std::vector<uint32_t> place(70);
+  for (uint32_t i = 0; i < 70; ++i) place[mesh.order[i]] = i;
+  const auto edges = [](uint32_t a, uint32_t b) { return (std::max(a, b) - std::min(a, b) + 1) / 2; };
+  for (uint32_t v = 0; v < 70; ++v) {
+    const auto earlier = mesh.earlierOf(v);
+    ASSERT_TRUE(v == 0 || !earlier.empty()) << v;
+    for (size_t i = 0; i < earlier.size(); ++i) {
+      EXPECT_LT(place[earlier[i]], place[v]);
+      EXPECT_EQ(i < mesh.ring_count[v], edges(v, earlier[i]) == edges(v, earlier[0])) << v;
+      EXPECT_LE(edges(v, earlier[i > 0 ? i - 1 : 0]), edges(v, earlier[i])) << v;
+    }
+  }
+  EXPECT_TRUE(mesh.last_round[mesh.order.back()]);
+  EXPECT_FALSE(mesh.last_round[46]);
 }
 
 TEST(ChunkMesh, AFanOfManyFacesIsBuiltInLinearTime) {
@@ -213,7 +250,7 @@ TEST(ChunkMesh, AFanOfManyFacesIsBuiltInLinearTime) {
   for (uint32_t v = 0; v <= count; ++v) fan.positions.emplace_back(std::cos(v * 0.1f), std::sin(v * 0.1f), v * 1e-5f);
   for (uint32_t v = 1; v < count; ++v) fan.topology.face_vertices.emplace_back(0, v, v + 1);
   const ChunkMesh mesh = makeChunkMesh(fan);
-  EXPECT_EQ(mesh.earlierOf(count).size(), 24u);
+  EXPECT_EQ(mesh.earlierOf(count).size(), 10u);
   EXPECT_EQ(mesh.ring_count[count], 2);
 }
 

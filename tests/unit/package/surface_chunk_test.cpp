@@ -422,7 +422,7 @@ TEST(SurfaceMesh, IntegersCostWhatQuantisedFloatsDo) {
   EXPECT_LT(integers.value().bytes.size(), 1.1 * quantised.value().bytes.size());
 }
 
-// Decodes chunks of stream version 5, forever: a change of layout or prediction needs a new version.
+// Decodes chunks of stream version 8, forever: a change of layout or prediction needs a new version.
 // FOURDVT_CORPUS_OUT: writes them, for a new version.
 TEST(FuzzCorpus, SurfacesDecodeToWhatTheyAlwaysDid) {
   struct Frozen {
@@ -465,7 +465,7 @@ TEST(CameraStream, HeaderHasItsOwnVersion) {
   packed.index.renditions = {table};
   packed.index.chunks[0].offset = 1000;
   std::vector<uint8_t> bytes = writeStreamHeader(packed.index);
-  EXPECT_EQ(bytes[4], 5);
+  EXPECT_EQ(bytes[4], 8);
   auto read = readStreamHeader(bytes);
   ASSERT_TRUE(read.ok()) << read.error().message;
   EXPECT_EQ(read.value().layer_count, 0u);
@@ -482,12 +482,12 @@ TEST(CameraStream, HeaderHasItsOwnVersion) {
   EXPECT_TRUE(refused(bad));
   bad = packed.index, bad.reference_count = 1;
   EXPECT_TRUE(refused(bad));
-  bytes[4] = 4;
+  bytes[4] = 7;
   EXPECT_EQ(readStreamHeader(bytes).error().id, ErrorId::StreamInvalid) << "a layered stream without layers";
   bad = packed.index, bad.layer_count = 1;
   bytes = writeStreamHeader(bad);
-  EXPECT_EQ(bytes[4], 4);
-  bytes[4] = 5;
+  EXPECT_EQ(bytes[4], 7);
+  bytes[4] = 8;
   EXPECT_EQ(readStreamHeader(bytes).error().id, ErrorId::StreamInvalid) << "a camera stream with layers";
   // Four frames, which may have a topology each.
   bad = packed.index, bad.vertex_count = 1u << 22;
