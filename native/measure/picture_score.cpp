@@ -45,12 +45,12 @@ Box contentBox(const Image& a, const Image& b) {
 }
 
 constexpr double PictureScore::*kMeasures[] = {
-    &PictureScore::psnr_full_db, &PictureScore::psnr_box_db, &PictureScore::psnr_fg_db, &PictureScore::psnr_common_db,
-    &PictureScore::ssim_full,    &PictureScore::ssim_box,    &PictureScore::ssim_fg};
+    &PictureScore::psnr_full_db,   &PictureScore::psnr_box_db,  &PictureScore::psnr_fg_db,
+    &PictureScore::psnr_common_db, &PictureScore::ssim_full,    &PictureScore::ssim_box,
+    &PictureScore::ssim_fg,        &PictureScore::psnr_seen_db, &PictureScore::ssim_seen};
 
-}  // namespace
-
-PictureScore scorePicture(const Image& reference, const Image& picture) {
+// seen: may be null.
+PictureScore scored(const Image& reference, const Image& picture, const Mask* seen) {
   const Mask fg = unionOfSilhouettes(reference, picture);
   const Image a = compositedOnBlack(reference), b = compositedOnBlack(picture);
   const int w = a.width, h = a.height;
@@ -64,8 +64,8 @@ PictureScore scorePicture(const Image& reference, const Image& picture) {
     for (int x = box.x0; x < box.x1; ++x) in_box[static_cast<size_t>(y) * w + x] = 1;
   out.psnr_box_db = capped(psnr(a, b, in_box));
   const std::vector<double> map = ssimMap(cropped(a, content), cropped(b, content));
-  double full = 0, boxed = 0, inside = 0;
-  size_t full_count = 0, boxed_count = 0, inside_count = 0;
+  double full = 0, boxed = 0, inside = 0, seen_sum = 0;
+  size_t full_count = 0, boxed_count = 0, inside_count = 0, seen_count = 0;
   const int reach = kSsimWindow / 2;
   for (int y = reach; y < h - reach; ++y)
     for (int x = reach; x < w - reach; ++x) {
@@ -77,11 +77,27 @@ PictureScore scorePicture(const Image& reference, const Image& picture) {
       full += value, ++full_count;
       if (in_box[i]) boxed += value, ++boxed_count;
       if (fg[i]) inside += value, ++inside_count;
+      if (seen && (*seen)[i]) seen_sum += value, ++seen_count;
     }
   out.ssim_full = full / static_cast<double>(full_count);
   out.ssim_box = boxed / static_cast<double>(boxed_count);
   out.ssim_fg = inside / static_cast<double>(inside_count);
+  if (!seen) return out;
+  out.psnr_seen_db = capped(psnr(a, b, *seen));
+  out.ssim_seen = seen_sum / static_cast<double>(seen_count);
   return out;
+}
+
+}  // namespace
+
+PictureScore scorePicture(const Image& reference, const Image& picture) { return scored(reference, picture, nullptr); }
+
+PictureScore scoreWithSeen(const Image& reference, const Image& picture, const Mask& seen) {
+  return scored(reference, picture, &seen);
+}
+
+MeanScores::MeanScores() {
+  for (const auto measure : kMeasures) sum_.*measure = squares_.*measure = 0;
 }
 
 void MeanScores::add(const PictureScore& score) {

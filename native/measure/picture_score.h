@@ -9,11 +9,13 @@
 #include <vector>
 
 #include "base/image.h"
+#include "measure/metrics.h"
 
 namespace fourdvt::measure {
 
 // Foreground: union of both silhouettes; common: their intersection. Box: the foreground's bounding box. Full: the
-// whole picture. All are composited on black; PSNR on RGB, SSIM on luma.
+// whole picture. Seen: pixels of the surface that an input camera sees; NaN where these are not known. All are
+// composited on black; PSNR on RGB, SSIM on luma.
 // A further measure requires its formula in metrics.cpp, a field here, its place in kMeasures and scorePicture
 // (picture_score.cpp), a row in writeScores (lab/study/run/row_writer.cpp) and rows.h, a column in the tables that show
 // it (lab/study/tables/), and a figure or an exception in site/measured/catalogue.mjs. lab/measure/held_out.h has
@@ -21,12 +23,16 @@ namespace fourdvt::measure {
 struct PictureScore {
   double psnr_full_db = 0, psnr_box_db = 0, psnr_fg_db = 0, psnr_common_db = 0;
   double ssim_full = 0, ssim_box = 0, ssim_fg = 0;
+  double psnr_seen_db = kNaN, ssim_seen = kNaN;
 };
 // RGBA straight alpha, of one size. Infinite PSNR counts as 100 dB, so that means stay finite.
 PictureScore scorePicture(const Image& reference, const Image& picture);
+// Adds the scores over the pixels seen.
+PictureScore scoreWithSeen(const Image& reference, const Image& picture, const Mask& seen);
 
 class MeanScores {
  public:
+  MeanScores();
   void add(const PictureScore& score);
   size_t count() const { return count_; }
   PictureScore mean() const;           // NaN without scores
@@ -43,14 +49,19 @@ class Lane {
  public:
   // `tag`: the caller's label of a score, e.g. a camera's name; may be empty.
   void add(Image reference, Image picture, const std::string& tag = {}) {
-    collect(kWaiting - 1);
-    running_.emplace_back(tag, std::async(std::launch::async,
-                                          [a = std::move(reference), b = std::move(picture)] { return score(a, b); }));
+    start([a = std::move(reference), b = std::move(picture)] { return score(a, b); }, tag);
   }
   // Waits for all scores; returns them in the order of add.
   std::vector<std::pair<std::string, Score>> finish() {
     collect(0);
     return std::move(finished_);
+  }
+
+ protected:
+  template <class Task>
+  void start(Task task, const std::string& tag) {
+    collect(kWaiting - 1);
+    running_.emplace_back(tag, std::async(std::launch::async, std::move(task)));
   }
 
  private:
@@ -65,6 +76,11 @@ class Lane {
 
 class ScoreLane : public Lane<PictureScore, scorePicture> {
  public:
+  // Scores the pixels seen, too.
+  void addSeen(Image reference, Image picture, Mask seen, const std::string& tag = {}) {
+    start([a = std::move(reference), b = std::move(picture), m = std::move(seen)] { return scoreWithSeen(a, b, m); },
+          tag);
+  }
   MeanScores finishMean();
 };
 

@@ -36,30 +36,8 @@ bool isNearBackground(vec2 pixel) {
 }
 
 #ifdef FILTER_BICUBIC
-vec4 catmullRom(float t) {
-  return vec4(((-0.5 * t + 1.0) * t - 0.5) * t, (1.5 * t - 2.5) * t * t + 1.0, ((-1.5 * t + 2.0) * t + 0.5) * t,
-              (0.5 * t - 0.5) * t * t);
-}
-
-// Returns a premultiplied colour. Filters 4 × 4 pixels, without those below the matte threshold. Where the negative
-// lobes would then dominate, interpolates the remaining pixels bilinearly.
-vec4 sampleSharp(vec2 pixel, vec4 otherwise) {
-  vec2 base = floor(pixel - 0.5), t = pixel - 0.5 - base;
-  vec4 wx = catmullRom(t.x), wy = catmullRom(t.y);
-  ivec2 last = ivec2(size_near_far.xy) - 1;
-  vec4 sharp = vec4(0.0), plain = vec4(0.0);
-  for (int j = 0; j < 4; ++j) {
-    for (int i = 0; i < 4; ++i) {
-      vec4 tap = texelFetch(picture, clamp(ivec2(base) + ivec2(i - 1, j - 1), ivec2(0), last), 0);
-      if (tap.a < matte_threshold) continue;
-      sharp += wx[i] * wy[j] * tap;
-      vec2 tent = max(1.0 - abs(vec2(i - 1, j - 1) - t), 0.0);
-      plain += tent.x * tent.y * tap;
-    }
-  }
-  if (sharp.a > 0.75) return clamp(sharp, vec4(0.0), sharp.aaaa);
-  return plain.a > 0.01 ? plain : otherwise;
-}
+#include "sharp_filter.glsl"
+vec4 filterTap(ivec2 pixel, int i) { return texelFetch(picture, pixel, 0); }
 
 // Returns the pixels spanned by one texel.
 float texelPixels(vec2 pixel) {
@@ -74,7 +52,7 @@ void main() {
   vec4 premultiplied = texture(picture, pixel / size_near_far.xy);
   float coverage = premultiplied.a;
 #ifdef FILTER_BICUBIC
-  if (texelPixels(pixel) < 2.0) premultiplied = sampleSharp(pixel, premultiplied);
+  if (texelPixels(pixel) < 2.0) premultiplied = sampleSharp(pixel, ivec2(size_near_far.xy), matte_threshold, premultiplied, 0);
 #endif
   float bias;
   bool seen = isSeen(point_in_cam, mat3(cam_from_world) * v_normal_in_world, pixel, bias) &&

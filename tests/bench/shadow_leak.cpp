@@ -137,7 +137,8 @@ Image contactSheet(gpu::Device& device, const CaptureScene& scene) {
         DepthMapOptions{Visibility::Offset, small}, DepthMapOptions{Visibility::Fattened, small}}) {
     const auto fvvr = orStop(render::Fvvr::create(device, {&scene.cameras[0], 1}, scene.topology, maps));
     orStop(fvvr->setFrame(scene.positions, {&scene.pictures[0], 1}));
-    const Image image = orStop(fvvr->renderStill(render::viewFromCamera(view), {.fills = false}));
+    const Image image =
+        orStop(fvvr->renderStill(render::viewFromCamera(view), {.unseen = render::Unseen::Transparent}));
     if (sheet.pixels.empty()) sheet = Image(4 * image.width, image.height, 4);
     for (int y = 0; y < image.height; ++y)
       std::copy_n(image.at(0, y), size_t(image.width) * 4, sheet.at(column * image.width, y));

@@ -40,12 +40,14 @@ void appendQuad(MeshTopology& topology, Positions& positions, dvec3 centre, doub
 }
 
 // LVDT Eq. 3-4 with the corrected sign for the plane z = const: `directions` are unit vectors towards the cameras,
-// `to_eye` towards the eye.
-dvec3 blend(const std::vector<dvec3>& directions, const std::vector<glm::u8vec4>& colors, const dvec3& to_eye) {
+// `to_eye` towards the eye. powers: of the cosines of surface and view.
+dvec3 blend(const std::vector<dvec3>& directions, const std::vector<glm::u8vec4>& colors, const dvec3& to_eye,
+            const glm::dvec2& powers = {1, 1}) {
   dvec3 sum(0);
   double total = 0;
   for (size_t i = 0; i < directions.size(); ++i) {
-    const double weight = std::max(directions[i].z, 0.0) * std::max(glm::dot(directions[i], to_eye), 0.0);
+    const double weight = std::pow(std::max(directions[i].z, 0.0), powers.x) *
+                          std::pow(std::max(glm::dot(directions[i], to_eye), 0.0), powers.y);
     sum += weight * dvec3(colors[i]);
     total += weight;
   }
@@ -105,6 +107,44 @@ TEST_F(FvvrTest, TwoCamerasBlendByEquations3And4) {
       expectColor(rays, view, point, blend(directions, {kRed, kBlue}, glm::normalize(eye - point)));
     }
   }
+}
+
+TEST_F(FvvrTest, PowersAndLimitOfTheAngleAreOptions) {
+  addQuad({0, 1, 0}, 0.5);
+  cameras = {lookAt({-2.6, 1.4, 1.5}, {0, 1, 0}, kSide, kSide, 60), lookAt({1, 0.6, 2.5}, {0, 1, 0}, kSide, kSide, 60)};
+  const std::vector<Image> pictures = {filled(cameras[0], kRed), filled(cameras[1], kBlue)};
+  const PinholeCamera view = lookAt({-0.5, 1, 3}, {0, 1, 0}, kSide, kSide, 60);
+  const dvec3 point = pointUnderPixel(view, {0, 1, 0}), to_eye = glm::normalize(view.centreInWorld() - point);
+  std::vector<dvec3> directions;
+  for (const PinholeCamera& camera : cameras) directions.push_back(glm::normalize(camera.centreInWorld() - point));
+  const auto expected = [&](const glm::dvec2& powers) { return blend(directions, {kRed, kBlue}, to_eye, powers); };
+  ASSERT_GT(glm::distance(expected({2, 3}), expected({3, 2})), 5);
+  expectColor(still(view, pictures, {.facing_exponent = 2, .view_exponent = 3}), view, point, expected({2, 3}));
+  ASSERT_LT(directions[0].z, 0.55);
+  ASSERT_GT(directions[1].z, 0.55);
+  expectColor(still(view, pictures, {.min_cosine = 0.55f}), view, point, dvec3(kBlue));
+}
+
+// Catmull-Rom half-way between columns 30 and 31 weights four columns by -1/16, 9/16, 9/16, -1/16.
+TEST_F(FvvrTest, SharpFilterLeavesOutTheBackground) {
+  addQuad({0, 1, 0}, 0.5);
+  cameras = {lookAt({0, 1, 3}, {0, 1, 0}, kSide, kSide, 150)};
+  PinholeCamera view = cameras[0];
+  view.cx += 0.5;
+  Image picture = filled(cameras[0], {100, 100, 100, 255});
+  const auto fillRight = [&](const glm::u8vec4& color) {
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 32; x < kSide; ++x)
+        for (int c = 0; c < 4; ++c) picture.at(x, y)[c] = color[c];
+  };
+  const auto redAt31 = [&](bool sharp) {
+    return int(still(view, {picture}, {.samples = 0, .sharp = sharp}).at(31, 32)[0]);
+  };
+  fillRight({200, 200, 200, 255});
+  EXPECT_EQ(redAt31(false), 100);
+  EXPECT_NEAR(redAt31(true), 93.75, 1);
+  fillRight({200, 200, 200, 0});
+  EXPECT_EQ(redAt31(true), 100);
 }
 
 TEST_F(FvvrTest, EachCameraTexturesWithItsOwnPixels) {
@@ -280,6 +320,24 @@ TEST_F(FvvrTest, FragmentThatNoCameraSeesTakesTheBestFacingOne) {
   EXPECT_EQ(still(behind, pictures).at(32, 32)[3], 255);
 }
 
+// The occluder is red, and the camera sees blue around it.
+TEST_F(FvvrTest, FragmentThatNoCameraSeesIsFilledFromTheSurfaceNearby) {
+  addQuad({0, 1, 0}, 0.5);
+  addQuad({0, 1, 1.5}, 0.2);
+  cameras = {lookAt({0, 1, 4}, {0, 1, 0}, kSide, kSide, 60)};
+  Image picture = filled(cameras[0], kBlue);
+  for (int y = 26; y < 38; ++y)
+    for (int x = 26; x < 38; ++x)
+      for (int c = 0; c < 4; ++c) picture.at(x, y)[c] = kRed[c];
+  const PinholeCamera view = lookAt({0, 3.5, 1.2}, {0, 1, 0}, kSide, kSide, 60);  // over the occluder
+  const dvec3 hidden(0, 1, 0);
+  expectColor(still(view, {picture}), view, hidden, dvec3(kRed));
+  expectColor(still(view, {picture}, {.unseen = render::Unseen::Neighbourhood}), view, hidden, dvec3(kBlue), 2);
+  const Image seen = still(view, {picture}, {.unseen = render::Unseen::Transparent});
+  const dvec3 pixel = view.project(hidden);
+  EXPECT_EQ(seen.at(int(pixel.x), int(pixel.y))[3], 0);
+}
+
 // OVH03 5.2.2: with a coarse depth map the arm's texture leaks onto the body beside its outline, with a fattened one it
 // does not.
 TEST_F(FvvrTest, FattenedDepthMapsLeakNothing) {
@@ -326,6 +384,12 @@ TEST_F(FvvrTest, MisuseIsOneError) {
   EXPECT_EQ(fvvr->setFrame(positions, {}).error().id, ErrorId::InvalidArgument);
   const std::vector<Image> small = {Image(8, 8, 4)};
   EXPECT_EQ(fvvr->setFrame(positions, small).error().id, ErrorId::InvalidArgument);
+  const std::vector<Image> pictures = {filled(cameras[0], kRed)};
+  ASSERT_TRUE(fvvr->setFrame(positions, pictures));
+  using Options = render::FvvrOptions;
+  for (const Options& wrong :
+       {Options{.closest = -1}, Options{.facing_exponent = -1}, Options{.view_exponent = -1}, Options{.min_cosine = 1}})
+    EXPECT_EQ(fvvr->renderStill(view, wrong).error().id, ErrorId::InvalidArgument);
 }
 
 // Same equations on the CPU, without matte tests and offset multi-draw.

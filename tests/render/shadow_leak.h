@@ -112,7 +112,8 @@ inline Result<Leak> leakOf(gpu::Device& device, const PinholeCamera& view, const
   FOURDVT_ASSIGN(const auto fvvr, render::Fvvr::create(device, {&camera, 1}, topology, maps));
   Image white(camera.width, camera.height, 4, 255);
   FOURDVT_TRY(fvvr->setFrame(positions, {&white, 1}));
-  FOURDVT_ASSIGN(const Image image, fvvr->renderStill(render::viewFromCamera(view), {.samples = 0, .fills = false}));
+  FOURDVT_ASSIGN(const Image image, fvvr->renderStill(render::viewFromCamera(view),
+                                                      {.samples = 0, .unseen = render::Unseen::Transparent}));
   Leak out;
   for (size_t i = 0; i < truth.pixels.size(); ++i) {
     const bool textured = image.pixels[4 * i + 3] > 127;

@@ -14,7 +14,7 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr const char* kStudyVersion = "study 7";  // change it to discard kept rows of older builds
+constexpr const char* kStudyVersion = "study 8";  // change it to discard kept rows of older builds
 
 StudyContext resolved(const StudyContext& given) {
   StudyContext context = given;
@@ -51,16 +51,10 @@ Result<refine::Refinement> refineStudied(const StudyContext& context) {
 }  // namespace
 
 std::vector<StudyStep> studySteps() {
-  return {{"reference", 18, runReference},
-          {"methods", 53, runMethods},
-          {"labels", 2, runLabels},
-          {"layers", 12, runLayers},
-          {"layer-videos", 28, runLayerVideos},
-          {"rate", 10, runRate},
-          {"codecs", 20, runCodecs},
-          {"speed", 6, runSpeed},
-          {"pictures", 5, runPictures},
-          {"motion", 40, runMotion}};
+  return {{"reference", 18, runReference}, {"fvvr", 4, runFvvr},      {"methods", 53, runMethods},
+          {"labels", 2, runLabels},        {"layers", 12, runLayers}, {"layer-videos", 28, runLayerVideos},
+          {"rate", 10, runRate},           {"codecs", 20, runCodecs}, {"speed", 6, runSpeed},
+          {"pictures", 5, runPictures},    {"motion", 40, runMotion}};
 }
 
 Result<Rows> runStudy(const StudyContext& given) {

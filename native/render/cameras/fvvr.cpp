@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "render/cameras/camera_blend.h"
-
 namespace fourdvt::render {
 namespace {
 
@@ -27,6 +25,12 @@ void premultiply(const Image& rgba, const PictureRegion& crop, std::vector<uint8
   }
 }
 
+std::string definesOf(const FvvrOptions& options, size_t camera_count) {
+  return CameraUniforms::defines(camera_count, {}) + "FACING_EXPONENT " + std::to_string(options.facing_exponent) +
+         "\nVIEW_EXPONENT " + std::to_string(options.view_exponent) + "\n" + (options.sharp ? "SHARP\n" : "") +
+         (options.unseen == Unseen::Neighbourhood ? "FILLED\n" : "");
+}
+
 template <class T>
 Status keep(Result<T> made, T& out) {
   if (!made.ok()) return made.error();
@@ -35,6 +39,15 @@ Status keep(Result<T> made, T& out) {
 }
 
 }  // namespace
+
+FvvrOptions tunedFvvr() {
+  return {.closest = 4,
+          .unseen = Unseen::Neighbourhood,
+          .facing_exponent = 2,
+          .view_exponent = 2,
+          .min_cosine = .1f,
+          .sharp = true};
+}
 
 Fvvr::Fvvr(gpu::Device& device, std::span<const PinholeCamera> cameras)
     : device_(device), pinholes_(cameras.begin(), cameras.end()), cameras_(cameras.size()), regions_(cameras.size()) {
@@ -87,6 +100,7 @@ Status Fvvr::setGeometry(const Positions& positions, std::span<const size_t> cam
     return invalid("the frame has " + std::to_string(positions.size()) + " vertices, the mesh " +
                    std::to_string(model_.vertex_count));
   FOURDVT_TRY(useCameras(cameras));
+  fill_min_cosine_.reset();
   model_.setPositions(device_, positions);
   for (size_t c : usedCameras()) regions_[c] = regionOf(pinholes_[c], positions);
   return {};
@@ -111,6 +125,7 @@ Status Fvvr::uploadPictures(std::span<const Image> pictures) {
     return invalid(std::to_string(pictures.size()) + " pictures for " + std::to_string(cameras_.size()) + " cameras");
   for (size_t c = 0; c < pictures.size(); ++c)
     if (cameras_[c].is_used) FOURDVT_TRY(checkPicture(pinholes_[c], pictures[c]));
+  fill_min_cosine_.reset();
   for (size_t c = 0; c < pictures.size(); ++c) {
     const PictureRegion& crop = regions_[c];
     cameras_[c].has_picture = cameras_[c].is_used;
@@ -131,29 +146,44 @@ std::vector<size_t> Fvvr::camerasOf(const View& view, const FvvrOptions& options
   return camerasTowards(pinholes_, viewAxis(view.clip_from_world), options.closest);
 }
 
-Status Fvvr::prepareProgram(size_t camera_count) {
-  gpu::Program& program = programs_[camera_count];
+Status Fvvr::prepareProgram(const FvvrOptions& options, size_t camera_count) {
+  const std::string defines = definesOf(options, camera_count);
+  gpu::Program& program = programs_[defines];
   if (program) return {};
-  return keep(
-      makeCameraProgram(device_, "camera_surface.vert", "camera_fvvr.frag", CameraUniforms::defines(camera_count, {})),
-      program);
+  return keep(makeCameraProgram(device_, "camera_surface.vert", "camera_fvvr_tuned.frag", defines), program);
+}
+
+CameraUniforms Fvvr::uniformsOf(const FvvrOptions& options, std::span<const size_t> cameras) const {
+  const BlendPictures pictures{.array = pictures_.id(), .size = glm::vec2(picture_width_, picture_height_)};
+  return CameraUniforms(pinholes_, cameras, *maps_, pictures, options.min_cosine, model_.length_scale);
+}
+
+Status Fvvr::fillUnseen(const FvvrOptions& options) {
+  if (options.unseen != Unseen::Neighbourhood || fill_min_cosine_ == options.min_cosine) return {};
+  const std::vector<size_t> cameras = usedCameras();
+  FOURDVT_TRY(fill_.update(device_, model_, cameras.size(), {}, uniformsOf(options, cameras)));
+  fill_min_cosine_ = options.min_cosine;
+  return {};
 }
 
 void Fvvr::drawMesh(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const {
-  const BlendPictures pictures{.array = pictures_.id(), .size = glm::vec2(picture_width_, picture_height_)};
-  const CameraUniforms cameras(pinholes_, chosen, *maps_, pictures, 0, model_.length_scale);
-  const int fills = options.fills;
-  gpu::Draw draw = surfaceDraw(model_, programs_.at(chosen.size()).id());
+  const CameraUniforms cameras = uniformsOf(options, chosen);
+  const int fills = options.unseen != Unseen::Transparent;
+  gpu::Draw draw = surfaceDraw(model_, programs_.at(definesOf(options, chosen.size())).id());
   cameras.addTo(draw);
   draw.uniforms.push_back(gpu::uniform("u_clip_from_character", view.clip_from_world));
   draw.uniforms.push_back(gpu::uniform("u_eye", view.eye_in_world));
   draw.uniforms.push_back(gpu::uniform("u_fills", fills));
+  if (options.unseen == Unseen::Neighbourhood) draw.textures.push_back({"u_fill", fill_.texture()});
   device_.draw(draw);
 }
 
 Status Fvvr::checkDraw(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const {
   if (view.width < 1 || view.height < 1) return invalid("the view is empty; give it a width and a height");
   if (options.closest < 0) return invalid("closest must be 0 (all cameras) or more");
+  if (!(options.facing_exponent >= 0 && options.view_exponent >= 0))
+    return invalid("facing_exponent and view_exponent must be 0 or more");
+  if (!(options.min_cosine >= 0 && options.min_cosine < 1)) return invalid("min_cosine must be from 0 to below 1");
   for (size_t c : chosen)
     if (!cameras_[c].has_picture)
       return invalid("no picture of camera " + pinholes_[c].name +
@@ -164,7 +194,8 @@ Status Fvvr::checkDraw(const View& view, const FvvrOptions& options, const std::
 Status Fvvr::draw(const View& view, const FvvrOptions& options, gpu::TargetId target) {
   const std::vector<size_t> chosen = camerasOf(view, options);
   FOURDVT_TRY(checkDraw(view, options, chosen));
-  FOURDVT_TRY(prepareProgram(chosen.size()));
+  FOURDVT_TRY(prepareProgram(options, chosen.size()));
+  FOURDVT_TRY(fillUnseen(options));
   FOURDVT_TRY(resizeScene({view.width, view.height, std::clamp(options.samples, 0, device_.caps().max_samples)}));
   device_.beginPass({.target = scene_.id(),
                      .width = view.width,

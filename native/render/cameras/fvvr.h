@@ -12,22 +12,32 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "base/image.h"
 #include "base/mesh.h"
 #include "gpu/device.h"
+#include "render/cameras/camera_blend.h"
 #include "render/cameras/depth_maps.h"
 #include "render/view.h"
 
 namespace fourdvt::render {
 
+// Defaults: the papers' form.
 struct FvvrOptions {
   int closest = 0;          // M of N: cameras nearest in angle to the view (camerasTowards); 0: all
   glm::vec4 background{0};  // premultiplied
   int samples = 4;
-  bool fills = true;  // fills surface that no camera sees; false: leaves it transparent
+  Unseen unseen = Unseen::BestFacing;  // Neighbourhood: from all cameras of the frame
+  float facing_exponent = 1;           // power of cos(surface normal, ray to the camera)
+  float view_exponent = 1;             // power of cos(ray to the camera, ray to the eye)
+  float min_cosine = 0;                // cosine of surface normal and ray below which a camera is rejected
+  bool sharp = false;                  // Catmull-Rom without background pixels (sharp_filter.glsl); false: bilinear
 };
+
+// The best options at the held-out cameras of the sample's walk (algorithms/cameras.md).
+FvvrOptions tunedFvvr();
 
 class Fvvr {
  public:
@@ -46,9 +56,8 @@ class Fvvr {
   Status setGeometry(const Positions& positions, std::span<const size_t> cameras = {});
   Status uploadPictures(std::span<const Image> pictures);
   void drawDepthMaps();
-  // Draws like Recipe::draw: premultiplied, at (0,0) of `target`. A covered fragment that no camera sees takes the
-  // colour of the best-facing camera, occlusion ignored; black outside every matte. Errors: InvalidArgument (also where
-  // a camera of this view is missing from the frame).
+  // Draws like Recipe::draw: premultiplied, at (0,0) of `target`. BestFacing is black outside every matte. Errors:
+  // InvalidArgument (also where a camera of this view is missing from the frame).
   Status draw(const View& view, const FvvrOptions& options, gpu::TargetId target);
   // Returns straight RGBA, top row first.
   Result<Image> renderStill(const View& view, const FvvrOptions& options);
@@ -70,7 +79,10 @@ class Fvvr {
   Status checkDraw(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const;
   std::vector<size_t> usedCameras() const;
   void drawMesh(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const;
-  Status prepareProgram(size_t camera_count);
+  Status prepareProgram(const FvvrOptions& options, size_t camera_count);
+  // Updates the colours of unseen vertices from all cameras of the frame.
+  Status fillUnseen(const FvvrOptions& options);
+  CameraUniforms uniformsOf(const FvvrOptions& options, std::span<const size_t> cameras) const;
   Status resizeScene(const Size& size);
   Status resizeStill(int width, int height);
 
@@ -83,7 +95,9 @@ class Fvvr {
   // Size of the largest camera's picture; smaller ones use part of their layers.
   int picture_width_ = 0, picture_height_ = 0;
   gpu::Texture pictures_;
-  std::map<size_t, gpu::Program> programs_;  // keyed by number of cameras blended
+  std::map<std::string, gpu::Program> programs_;  // keyed by defines
+  UnseenFill fill_;
+  std::optional<float> fill_min_cosine_;  // its limit; nullopt: the fill is outdated
   gpu::Target scene_;
   Size scene_size_;
   gpu::Texture still_color_;

@@ -355,6 +355,35 @@ TEST(StudyScore, SsimEqualsThatOfTheWholePicture) {
   }
 }
 
+TEST(StudyScore, PixelsSeenAreARegionOfTheirOwn) {
+  const Image a = squareOn(80, 60, 20, 10, 30, 100);
+  Image b = a;
+  measure::Mask seen(80 * 60);
+  for (int y = 10; y < 40; ++y)
+    for (int x = 20; x < 50; ++x) {
+      const bool in_left_half = x < 35;
+      seen[size_t(y) * 80 + x] = in_left_half;
+      for (int c = 0; c < 3; ++c) b.at(x, y)[c] = static_cast<uint8_t>(b.at(x, y)[c] + (in_left_half ? 10 : 20));
+    }
+  const measure::PictureScore score = measure::scoreWithSeen(a, b, seen);
+  EXPECT_NEAR(score.psnr_seen_db, 20 * std::log10(255 / 10.0), 1e-9);
+  EXPECT_NEAR(score.ssim_seen, measure::ssim(measure::compositedOnBlack(a), measure::compositedOnBlack(b), seen), 1e-9);
+  EXPECT_EQ(score.psnr_fg_db, measure::scorePicture(a, b).psnr_fg_db);
+  measure::MeanScores without, with;
+  without.add(measure::scorePicture(a, b));
+  with.add(score);
+  Rows out;
+  writeScores({out, "t", "s", "without", ""}, without);
+  writeScores({out, "t", "s", "with", ""}, with);
+  const auto seenRows = [&](const std::string& method) {
+    return std::count_if(out.begin(), out.end(), [&](const Row& r) {
+      return r.method == method && (r.quantity == "psnr_seen_db" || r.quantity == "ssim_seen");
+    });
+  };
+  EXPECT_EQ(seenRows("without"), 0);
+  EXPECT_EQ(seenRows("with"), 2);
+}
+
 TEST(StudyScore, MeansHaveAStandardError) {
   measure::MeanScores scores;
   const auto add = [&](double psnr_db) {

@@ -122,6 +122,7 @@ void writeScores(const RowWriter& row, const measure::MeanScores& scores) {
            {kPsnrFullDb, m.psnr_full_db},
            {"psnr_box_db", m.psnr_box_db},
            {kPsnrCommonDb, m.psnr_common_db}});
+  if (!std::isnan(m.psnr_seen_db)) row.add({{kPsnrSeenDb, m.psnr_seen_db}, {kSsimSeen, m.ssim_seen}});
   if (scores.count() < 2) return;
   const measure::PictureScore error = scores.standardError();
   row.add({{kPsnrFgSeDb, error.psnr_fg_db}, {kSsimFgSe, error.ssim_fg}});

@@ -23,7 +23,8 @@
 // codec                                                            kVideoBytes, kPsnrFgDb (the cameras' pictures);
 //                                                                  kHeldOutPsnrDb, kHeldOutSsim: FVVR from the decoded
 //                                                                  videos against the held-out cameras (its mattes
-//                                                                  and meshes cost it nothing)
+//                                                                  and meshes cost it nothing); kTunedPsnrDb,
+//                                                                  kTunedSsim: the same at its best
 // layers        joint             layers=L size=S                  LVDT Fig. 5: kSsimFg, kSsimFull, kPsnrFgDb;
 //                                                                  Fig. 7: kImageBytes (layers as PNG, a frame),
 //                                                                  kVideoBytes (sequence), kVideoBps, kGpuBytes;
@@ -48,11 +49,14 @@
 //               joint, joint-no-                                   empty; joint-no-partial: no cameras that see a face
 //               unseen, …                                          in part; joint-neither), labelled from the same
 //                                                                  costs of one sequence's first frames
-// held-out      fvvr, fvvr-       views=N                          against held-out cameras: kPsnrFgDb, kSsimFg,
-//               closest, naive …, (joint-default as baked)         kPsnrCommonDb (common part of the silhouettes),
-//               joint-default                                      kPsnrFullDb, kSsimFull
+// held-out      fvvr, fvvr-tuned, views=N                          against held-out cameras: kPsnrFgDb, kSsimFg,
+//               fvvr-closest,     (joint-default as baked)         kPsnrCommonDb (common part of the silhouettes),
+//               naive …, joint-                                    kPsnrSeenDb, kSsimSeen, kPsnrFullDb, kSsimFull
+//               default
 // held-out-     as held-out       view=CAMERA frame=N              the same, view by view, for paired differences
 // views
+// tuning        fvvr              closest=M facing=P view=P        as held-out, on the first sequence: FVVR by its
+//                                 cosine=X filter=F unseen=U       options (render::FvvrOptions)
 // rate          codec name        preset=medium crf=23 size=1024   one point per setting: kVideoBps, kSsimFg,
 //               (h264, vp9, av1)  layers=3 layout=default          kPsnrFgDb, kEncodeMsFrame. layout: "default"
 //                                 (or layout=equal)                (layer 1 large) or "equal". A curve: same method,
@@ -109,6 +113,7 @@ inline constexpr const char* kLabels = "labels";
 inline constexpr const char* kLabelParts = "label-parts";
 inline constexpr const char* kHeldOut = "held-out";
 inline constexpr const char* kHeldOutViews = "held-out-views";
+inline constexpr const char* kTuning = "tuning";
 inline constexpr const char* kRate = "rate";
 inline constexpr const char* kBake = "bake";
 inline constexpr const char* kSeams = "seams";
@@ -125,6 +130,7 @@ inline constexpr const char* kMotionSkate = "motion-skate";
 // Names of methods; those of labellings are bake::Labelling::name.
 inline constexpr const char* kFvvr = "fvvr";
 inline constexpr const char* kFvvrGiven = "fvvr-as-given";   // on mesh and cameras before refinement
+inline constexpr const char* kFvvrTuned = "fvvr-tuned";      // at its best: render::tunedFvvr
 inline constexpr const char* kFvvrClosest = "fvvr-closest";  // from the kClosestCameras nearest to the view
 inline constexpr int kClosestCameras = 3;                    // M: equal to the number of layers
 inline constexpr const char* kNaive = "naive";
@@ -166,8 +172,14 @@ inline constexpr const char* kPercentAtPsnr = "percent_at_equal_held_out_psnr";
 inline constexpr const char* kPercentAtSsim = "percent_at_equal_held_out_ssim";
 inline constexpr const char* kBeyondAtPsnr = "beyond_range_at_held_out_psnr";
 inline constexpr const char* kBeyondAtSsim = "beyond_range_at_held_out_ssim";
+inline constexpr const char* kPercentAtTunedPsnr = "percent_at_equal_tuned_psnr";
+inline constexpr const char* kPercentAtTunedSsim = "percent_at_equal_tuned_ssim";
+inline constexpr const char* kBeyondAtTunedPsnr = "beyond_range_at_tuned_psnr";
+inline constexpr const char* kBeyondAtTunedSsim = "beyond_range_at_tuned_ssim";
 inline constexpr const char* kHeldOutPsnrDb = "held_out_psnr_fg_db";
 inline constexpr const char* kHeldOutSsim = "held_out_ssim_fg";
+inline constexpr const char* kTunedPsnrDb = "tuned_psnr_fg_db";  // kHeldOutPsnrDb by FVVR at its best
+inline constexpr const char* kTunedSsim = "tuned_ssim_fg";
 inline constexpr const char* kSsimFg = "ssim_fg";
 inline constexpr const char* kSsimFull = "ssim_full";
 inline constexpr const char* kPsnrFgDb = "psnr_fg_db";
@@ -175,6 +187,8 @@ inline constexpr const char* kPsnrFgSeDb = "psnr_fg_se_db";  // standard error o
 inline constexpr const char* kSsimFgSe = "ssim_fg_se";
 inline constexpr const char* kPsnrFullDb = "psnr_full_db";
 inline constexpr const char* kPsnrCommonDb = "psnr_common_db";
+inline constexpr const char* kPsnrSeenDb = "psnr_seen_db";  // over pixels that an input camera sees
+inline constexpr const char* kSsimSeen = "ssim_seen";
 inline constexpr const char* kRawBytes = "raw_bytes";
 inline constexpr const char* kCompressedBytes = "compressed_bytes";
 inline constexpr const char* kMaskedBytes = "masked_bytes";

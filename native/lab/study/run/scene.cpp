@@ -59,6 +59,11 @@ std::string referencePath(const StudyContext& context, const std::string& sequen
   return context.work() + "/reference/" + sequence + "/" + camera + name;
 }
 
+std::string seenPath(const StudyContext& context, const std::string& sequence, const std::string& camera,
+                     uint32_t frame) {
+  return referencePath(context, sequence, camera + "_seen", frame);
+}
+
 Result<Image> readReference(const std::string& path) {
   auto picture = platform::readImage(path);
   if (!picture)
@@ -88,6 +93,12 @@ Result<mattes::CaptureFrame> nextCleanFrame(mattes::FrameReader& reader) {
 Result<std::unique_ptr<render::Fvvr>> makeFvvr(const StudyContext& context) {
   return render::Fvvr::create(*context.device, captureCameras(context), context.capture->topology);
 }
+
+Result<Image> drawSeen(render::Fvvr& fvvr, const PinholeCamera& view) {
+  return fvvr.renderStill(render::viewFromCamera(view), {.unseen = render::Unseen::Transparent});
+}
+
+measure::Mask seenMask(const Image& seen) { return measure::unionOfSilhouettes(seen, seen); }
 
 bake::BakeOptions defaultBake(const StudyContext& context, const std::string& character_folder) {
   bake::BakeOptions options;

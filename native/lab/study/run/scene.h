@@ -35,6 +35,9 @@ Result<std::vector<RingView>> studyRing(const StudyContext& context, const captu
 std::string referencePath(const StudyContext& context, const std::string& sequence, const RingView& view);
 std::string referencePath(const StudyContext& context, const std::string& sequence, const std::string& camera,
                           uint32_t frame);
+// Path of a picture of drawSeen by runReference.
+std::string seenPath(const StudyContext& context, const std::string& sequence, const std::string& camera,
+                     uint32_t frame);
 // Reads a picture of runReference. The error for a missing one suggests deleting the report folder.
 Result<Image> readReference(const std::string& path);
 
@@ -47,6 +50,10 @@ void cleanEdges(std::vector<Image>& pictures);
 Result<mattes::CaptureFrame> nextCleanFrame(mattes::FrameReader& reader);
 
 Result<std::unique_ptr<render::Fvvr>> makeFvvr(const StudyContext& context);
+// Draws the surface that an input camera sees by the depth test and its matte, within 90 degrees of the view.
+Result<Image> drawSeen(render::Fvvr& fvvr, const PinholeCamera& view);
+// Mask of such a picture.
+measure::Mask seenMask(const Image& seen);
 
 // Layer size and number of Volino and Hilton 2013, as in the tables.
 constexpr int kPaperTexture = 512, kPaperLayers = 3, kStudyCrf = 23, kStudyGop = 20;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// References of a study: FVVR's pictures of the ring and at the held-out cameras, and the size of the foreground-only
-// multi-view as pictures and as video (Volino and Hilton 2013, 4.2, Table 1). FVVR also draws the held-out cameras from
-// the decoded videos, so that storage is compared at equal rendered quality. Memory: one frame of pictures, and a
-// camera's encoders. Disk: the decoded pictures of the held-out frames.
+// References of a study: FVVR's pictures of the ring and at the held-out cameras, what input cameras see there, and the
+// size of the foreground-only multi-view as pictures and as video (Volino and Hilton 2013, 4.2, Table 1). FVVR, the
+// papers' and at its best, also draws the held-out cameras from the decoded videos, so that storage is compared at
+// equal rendered quality. Memory: one frame of pictures, and a camera's encoders. Disk: the decoded pictures of the
+// held-out frames.
 #include <algorithm>
 #include <cmath>
 #include <future>
-#include <map>
 
 #include "bake/run/job.h"
 #include "base/watch.h"
@@ -38,9 +38,7 @@ class Reference {
 
  private:
   Status drawFrame(const mattes::CaptureFrame& frame, render::Fvvr& fvvr);
-  Status heldOut(const mattes::CaptureFrame& frame, render::Fvvr& fvvr);
-  // Scores the unrefined mesh and cameras, if they differ.
-  Status heldOutAsGiven(const mattes::CaptureFrame& frame);
+  Status drawHeldOut(uint32_t frame, render::Fvvr& fvvr);
   bool isHeldOut(uint32_t frame) const;
   bool isDrawn(uint32_t frame) const;
   // Bytes and error of one camera's foreground video at every rate factor.
@@ -60,7 +58,10 @@ class Reference {
   Status pushGop(mattes::FrameReader& reader, uint32_t frames, CameraGop& gop) const;
   Status finishGop(CameraGop& gop, CameraVideo& out) const;
   Status takeDecoded(const CameraGop& gop, uint32_t frame, const I420View& view, size_t rate, CameraVideo& out) const;
-  Result<measure::MeanScores> scoreDecoded(int crf, render::Fvvr& fvvr) const;
+  struct DecodedScores {
+    measure::MeanScores papers, tuned;
+  };
+  Result<DecodedScores> scoreDecoded(int crf, render::Fvvr& fvvr) const;
   std::string decodedFolder() const { return context_.work() + "/decoded/" + sequence_.name; }
   std::string decodedPath(int crf, size_t camera, uint32_t frame) const {
     return decodedFolder() + "/" + std::to_string(crf) + "_" + std::to_string(camera) + "_" + std::to_string(frame) +
@@ -78,9 +79,6 @@ class Reference {
   double before_, share_;
   std::vector<RingView> ring_;
   std::vector<PinholeCamera> held_out_;
-  measure::MeanScores held_out_scores_, held_out_closest_, held_out_given_;
-  std::unique_ptr<render::Fvvr> given_fvvr_;  // on the unrefined mesh and cameras
-  std::map<std::string, measure::MeanScores> held_out_by_view_;
   uint64_t masked_png_bytes_ = 0, whole_png_bytes_ = 0, raw_bytes_ = 0;
   uint32_t whole_pngs_ = 0;
 };
@@ -95,36 +93,13 @@ bool Reference::isDrawn(uint32_t frame) const {
          std::any_of(ring_.begin(), ring_.end(), [&](const RingView& view) { return view.frame == frame; });
 }
 
-Status Reference::heldOutAsGiven(const mattes::CaptureFrame& frame) {
-  if (!context_.options.refine.any()) return {};
-  if (!given_fvvr_) {
-    std::vector<PinholeCamera> cameras;
-    for (const auto& camera : context_.given->cameras) cameras.push_back(camera.pinhole);
-    FOURDVT_ASSIGN(given_fvvr_, render::Fvvr::create(*context_.device, cameras, context_.given->topology));
-  }
-  FOURDVT_ASSIGN(const auto positions, capture::readMeshFrame(*context_.given, sequence_, frame.index));
-  FOURDVT_TRY(given_fvvr_->setFrame(positions, frame.pictures));
-  for (const PinholeCamera& camera : held_out_) {
-    FOURDVT_ASSIGN(auto truth, measure::heldOutTruth(sequence_, camera, frame.index));
-    FOURDVT_ASSIGN(auto picture, given_fvvr_->renderStill(render::viewFromCamera(camera), {}));
-    held_out_given_.add(measure::scorePicture(truth, picture));
-  }
-  return {};
-}
-
-Status Reference::heldOut(const mattes::CaptureFrame& captured, render::Fvvr& fvvr) {
-  const uint32_t frame = captured.index;
+Status Reference::drawHeldOut(uint32_t frame, render::Fvvr& fvvr) {
   if (!isHeldOut(frame)) return {};
-  FOURDVT_TRY(heldOutAsGiven(captured));
   for (const PinholeCamera& camera : held_out_) {
-    FOURDVT_ASSIGN(auto truth, measure::heldOutTruth(sequence_, camera, frame));
-    FOURDVT_ASSIGN(auto picture, fvvr.renderStill(render::viewFromCamera(camera), {}));
-    const measure::PictureScore score = measure::scorePicture(truth, picture);
-    FOURDVT_ASSIGN(auto fewer, fvvr.renderStill(render::viewFromCamera(camera), {.closest = kClosestCameras}));
-    held_out_closest_.add(measure::scorePicture(truth, fewer));
-    held_out_scores_.add(score);
-    held_out_by_view_[viewSetting(camera, frame)].add(score);
+    FOURDVT_ASSIGN(const auto picture, fvvr.renderStill(render::viewFromCamera(camera), {}));
     FOURDVT_TRY(platform::writeImage(referencePath(context_, sequence_.name, camera.name, frame), picture));
+    FOURDVT_ASSIGN(const auto seen, drawSeen(fvvr, camera));
+    FOURDVT_TRY(platform::writeImage(seenPath(context_, sequence_.name, camera.name, frame), seen));
   }
   return {};
 }
@@ -135,7 +110,7 @@ Status Reference::drawFrame(const mattes::CaptureFrame& frame, render::Fvvr& fvv
     FOURDVT_ASSIGN(auto picture, fvvr.renderStill(render::viewFromCamera(view.camera), {}));
     FOURDVT_TRY(platform::writeImage(referencePath(context_, sequence_.name, view), picture));
   }
-  FOURDVT_TRY(heldOut(frame, fvvr));
+  FOURDVT_TRY(drawHeldOut(frame.index, fvvr));
   FOURDVT_ASSIGN(const auto masked, codedBytes(frame.pictures, [](const Image& picture) {
                    return encodePng(measure::compositedOnBlack(picture));
                  }));
@@ -193,11 +168,6 @@ Result<Rows> Reference::draw() {
     layers.add({{kMaskedBytes, static_cast<double>(masked_png_bytes_) / sequence_.frame_count},
                 {kGpuBytes, static_cast<double>(gpu_bytes)}});
   }
-  for (const auto& [method, scores] :
-       {std::pair{kFvvr, &held_out_scores_}, {kFvvrGiven, &held_out_given_}, {kFvvrClosest, &held_out_closest_}})
-    writeScores({out, kHeldOut, sequence_.name, method, "views=" + std::to_string(scores->count())}, *scores);
-  for (const auto& [view, scores] : held_out_by_view_)
-    writeScores({out, kHeldOutViews, sequence_.name, kFvvr, view}, scores);
   return out;
 }
 
@@ -304,8 +274,8 @@ Result<Reference::CameraVideo> Reference::encodeCamera(size_t camera) const {
 }
 
 // Scores FVVR from the decoded videos, at the held-out cameras and frames.
-Result<measure::MeanScores> Reference::scoreDecoded(int crf, render::Fvvr& fvvr) const {
-  measure::ScoreLane lane;
+Result<Reference::DecodedScores> Reference::scoreDecoded(int crf, render::Fvvr& fvvr) const {
+  measure::ScoreLane papers, tuned;
   for (const uint32_t frame : sequence_.test_frames) {
     FOURDVT_TRY(checkStop(context_));
     FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(*context_.capture, sequence_, frame));
@@ -318,10 +288,12 @@ Result<measure::MeanScores> Reference::scoreDecoded(int crf, render::Fvvr& fvvr)
     for (const PinholeCamera& camera : held_out_) {
       FOURDVT_ASSIGN(auto truth, measure::heldOutTruth(sequence_, camera, frame));
       FOURDVT_ASSIGN(auto picture, fvvr.renderStill(render::viewFromCamera(camera), {}));
-      lane.add(std::move(truth), std::move(picture));
+      papers.add(truth, std::move(picture));
+      FOURDVT_ASSIGN(auto best, fvvr.renderStill(render::viewFromCamera(camera), render::tunedFvvr()));
+      tuned.add(std::move(truth), std::move(best));
     }
   }
-  return lane.finishMean();
+  return DecodedScores{papers.finishMean(), tuned.finishMean()};
 }
 
 Result<Rows> Reference::encode() {
@@ -356,7 +328,11 @@ Result<Rows> Reference::encode() {
              {kPsnrFgDb, sum.error[i].psnr_db()}});
     if (held_out_.empty() || sequence_.test_frames.empty()) continue;
     FOURDVT_ASSIGN(auto scores, scoreDecoded(crfs[i], *fvvr));
-    row.add({{kHeldOutPsnrDb, scores.mean().psnr_fg_db}, {kHeldOutSsim, scores.mean().ssim_fg}});
+    const measure::PictureScore papers = scores.papers.mean(), tuned = scores.tuned.mean();
+    row.add({{kHeldOutPsnrDb, papers.psnr_fg_db},
+             {kHeldOutSsim, papers.ssim_fg},
+             {kTunedPsnrDb, tuned.psnr_fg_db},
+             {kTunedSsim, tuned.ssim_fg}});
   }
   platform::removeFolder(decodedFolder());
   return out;

@@ -9,6 +9,7 @@ namespace fourdvt::study {
 
 Result<Rows> runReference(
     const StudyContext& context);                      // reference.cpp: FVVR's pictures of the ring, masked multi-view
+Result<Rows> runFvvr(const StudyContext& context);     // fvvr.cpp: FVVR and its options at the held-out cameras
 Result<Rows> runMethods(const StudyContext& context);  // methods.cpp: Casas et al. 2014 Table 1, held-out truth
 Result<Rows> runLabels(const StudyContext& context);   // labels.h: the joint labelling without its parts
 Result<Rows> runLayers(

@@ -16,6 +16,7 @@ using namespace rows;
 
 // Methods in the report's order, with their titles.
 const std::pair<std::string, std::string> kMethods[] = {{kFvvr, "FVVR"},
+                                                        {kFvvrTuned, "FVVR at its best"},
                                                         {kFvvrGiven, "FVVR, mesh and cameras as given"},
                                                         {kFvvrClosest, "FVVR, M = " + std::to_string(kClosestCameras)},
                                                         {kNaive, "NO (naive)"},
