@@ -4,7 +4,8 @@
 // by hand; a figure that was never measured is left out, and the pages say "not measured in this run".
 // Writes site/measured/figures.json, and PART.json of a part that has tables of its own (cameras, hulls, methods).
 //   DIR/PART/part.json    { inputs, date, commit, minutes, yardstick } of the measurement
-//   DIR/study/report      of fourdvt-lab study CAPTURE -o REPORT; DIR/truth/report: the same of the virtual studio
+//   DIR/study/report      of fourdvt-lab study CAPTURE -o REPORT; DIR/fvvr/report: the same of FVVR alone; DIR/truth/report:
+//                         of the virtual studio
 //   DIR/bench             character/ (its report.json), {high,crf31}/{character,scores}, NAME.txt (what a bench printed)
 //   DIR/player            sizes.json of the built web package
 //   DIR/PART/rows.json    { facts, rows } that the part's script in tests/bench wrote
@@ -18,6 +19,8 @@ import { parseArgs } from 'node:util';
 import { figures as catalogue, leftToTheReport, runs } from './catalogue.mjs';
 import { partOfRun, parts } from './parts.mjs';
 import { SourceError, mean, readRecord, readTables, standardError, readBench, readCharacter, readScores, readSizes, readStudy } from './sources.mjs';
+
+const kStudies = ['study', 'fvvr', 'truth'];  // runs that write a study's rows
 
 const kOver = {
   mean,
@@ -93,10 +96,10 @@ function pairedDifferences(study, [method, other], quantity) {
 
 // Standard errors of a figure over the views that it is a mean of: a number, or one per key; NaN where there are none.
 function spreadOf(figure, sources) {
-  const { spread } = figure, study = spread && sources.study;
+  const { spread } = figure, study = spread && sources[figure.from.fvvr ? 'fvvr' : 'study'];
   if (!study) return NaN;
   const rows = spread.paired ? pairedDifferences(study, spread.paired, spread.quantity)
-    : study.select({ table: figure.from.study, method: figure.from.method, setting: figure.from.setting, quantity: spread.quantity });
+    : study.select({ table: figure.from.study ?? figure.from.fvvr, method: figure.from.method, setting: figure.from.setting, quantity: spread.quantity });
   const bySequence = distinct(rows.map((row) => row.sequence)).map((name) => {
     const values = rows.filter((row) => row.sequence === name).map((row) => row.value);
     return [name, spread.paired ? standardError(values) : ofMeans(values)];
@@ -168,8 +171,8 @@ function derived(operation, parts) {
 // Returns a figure's value, or NaN where its run was not given.
 function valueOf(figure, sources, known) {
   const { from } = figure;
-  if (from.study) return sources.study ? fromStudy(sources.study, from.study, figure) : NaN;
-  if (from.truth) return sources.truth ? fromStudy(sources.truth, from.truth, figure) : NaN;
+  const name = kStudies.find((key) => from[key]);
+  if (name) return sources[name] ? fromStudy(sources[name], from[name], figure) : NaN;
   if (from.curve) return sources.study ? fromCurve(sources.study, from) : NaN;
   if (from.character) return sources.character ? fromReport(sources.character, from.character, figure) : NaN;
   if (from.variant) return sources.variants[from.variant] ? fromReport(sources.variants[from.variant].report, from.take, figure) : NaN;
@@ -182,7 +185,7 @@ function valueOf(figure, sources, known) {
 
 // Describes where the value is in the reports.
 function origin({ from }) {
-  const name = ['study', 'truth'].find((key) => from[key]);
+  const name = kStudies.find((key) => from[key]);
   if (name) {
     const words = [from[name], from.method, from.setting, from.quantity, from.against && `/ ${from.against}`, from.less && `− ${from.less}`, from.over];
     return { run: name, row: words.filter(Boolean).join(', ') };
@@ -225,7 +228,7 @@ function entries(figure, value, spread) {
 
 // True where a figure takes this table and quantity for this method, be it as a partner of another quantity.
 function isTaken(row) {
-  return catalogue.some(({ from, spread }) => (from.study ?? from.truth) === row.table && (from.method === undefined || from.method === row.method) &&
+  return catalogue.some(({ from, spread }) => kStudies.some((name) => from[name] === row.table) && (from.method === undefined || from.method === row.method) &&
     [from.quantity, from.against, from.less, from.beyond, spread?.quantity].includes(row.quantity));
 }
 
@@ -261,7 +264,7 @@ export function collect(sources, { old = [], measured = Object.keys(parts) } = {
     known.set(figure.id, !isNew ? valueOfEntries(kept) : typeof value === 'number' ? scaled(value) : Object.fromEntries(Object.entries(value).map(([key, number]) => [key, scaled(number)])));
     out.push(...(isNew ? entries(figure, value, spreadOf(figure, sources)) : kept));
   }
-  for (const run of ['study', 'truth']) {
+  for (const run of kStudies) {
     if (sources[run]) out.push(...otherRows(sources[run], run));
     else if (!measured.includes(partOfRun[run])) out.push(...old.filter((figure) => figure.cells && figure.run === run));
   }
@@ -277,7 +280,7 @@ export function withBefore(figures, before) {
 function describeRuns(sources, used, old, measured) {
   const out = Object.fromEntries(Object.entries(runs).filter(([name]) => used.has(name))
     .map(([name, run]) => [name, measured.includes(partOfRun[name]) ? { ...run } : { ...(old[name] ?? run) }]));
-  for (const name of ['study', 'truth']) {
+  for (const name of kStudies) {
     if (!out[name] || !sources[name]) continue;
     if (sources[name].isQuick) Object.assign(out[name], { what: `${out[name].what}; the study was a quick run of one motion`, quick: true, command: `${out[name].command} --quick` });
     out[name].device = sources[name].fact('device');
@@ -303,7 +306,7 @@ function readSources(folder, measured) {
   const of = (part, read) => (measured.includes(part) ? read(join(folder, part)) : undefined);
   const variant = (name) => ({ report: readCharacter(join(folder, 'bench', name, 'character')), score: readScores(join(folder, 'bench', name, 'scores')) });
   return {
-    study: of('study', (path) => readStudy(join(path, 'report'))), truth: of('truth', (path) => readStudy(join(path, 'report'))),
+    ...Object.fromEntries(kStudies.map((name) => [name, of(name, (path) => readStudy(join(path, 'report')))])),
     character: of('bench', (path) => readCharacter(join(path, 'character'))), bench: of('bench', (path) => path),
     player: of('player', readSizes), variants: of('bench', () => ({ high: variant('high'), crf31: variant('crf31') })) ?? {},
   };

@@ -18,8 +18,23 @@ const distinct = (list) => [...new Set(list)];
 const found = (rows, name, where = {}) => rows.filter((row) => row.table === name && Object.entries(where).every(([key, value]) => row[key] === value));
 const one = (rows, name, where) => found(rows, name, where)[0];
 
-const provenance = ({ inputs, date, commit }) => `Measured on ${date}${commit ? `, commit ${commit}` : ''}; hash of the inputs: \`${inputs}\`.`;
+const provenance = ({ inputs, date, commit, isStale }) => `Measured on ${date}${commit ? `, commit ${commit}` : ''}; hash of the inputs: \`${inputs}\`${isStale ? ', which have changed since: **stale**' : ''}.`;
 const timedProvenance = (record) => provenance(record).replace(/\.$/, `; ${machineNote(record.yardstick)}.`);
+
+// Interpolates rows by SSIM in log bitrate: Mbit/s at this SSIM, NaN beyond the rows.
+function bitrateAt(rows, ssim) {
+  const sorted = rows.toSorted((a, b) => a.ssim - b.ssim), next = sorted.findIndex((row) => row.ssim >= ssim);
+  if (next < 0 || (next === 0 && sorted[0].ssim !== ssim)) return NaN;
+  if (sorted[next].ssim === ssim) return sorted[next].all_mbit_s;
+  const [a, b] = sorted.slice(next - 1, next + 1), share = (ssim - a.ssim) / (b.ssim - a.ssim);
+  return a.all_mbit_s * (b.all_mbit_s / a.all_mbit_s) ** share;
+}
+
+// Row of the bitrates of layers and cameras at the layers' SSIM. layers: one row; tiles: rows by rate.
+function equalSsimRow(motion, layers, tiles) {
+  const bitrate = layers ? bitrateAt(tiles, layers.ssim) : NaN;
+  return [motion, fixed(layers?.ssim, 3), fixed(layers?.all_mbit_s, 2), fixed(bitrate, 2), Number.isFinite(bitrate) ? `${fixed(100 * layers.all_mbit_s / bitrate, 0)} %` : '–'];
+}
 
 function cameras({ record, facts, rows }) {
   const surfaces = distinct(found(rows, 'quality').map((row) => row.surface));
@@ -51,6 +66,12 @@ scale are the defaults.
 
 ${table(['CRF', 'layers, Mbit/s', 'dB / SSIM', 'cameras, Mbit/s', 'dB / SSIM'], distinct(found(rows, 'rate').map((row) => row.crf)).map((crf) => (
     [crf, ...['layers', 'cameras'].map((appearance) => one(rows, 'rate', { crf, appearance })).flatMap((row) => [fixed(row?.all_mbit_s, 2), quality(row)])])))}
+
+At equal SSIM, interpolated in log bitrate; layers at their default on the walk, at CRF ${facts.crf} on the ${facts.sequence}:
+
+${table(['motion', 'SSIM', 'layers, Mbit/s', 'cameras, Mbit/s', 'layers against cameras'], [
+    equalSsimRow('walk', one(rows, 'walk', { appearance: 'layers' }), found(rows, 'walk', { appearance: 'cameras' })),
+    equalSsimRow(facts.sequence, one(rows, 'rate', { appearance: 'layers', crf: facts.crf }), found(rows, 'rate', { appearance: 'cameras' }))])}
 `;
 }
 
@@ -196,5 +217,5 @@ const kDocuments = { cameras, hulls, methods: methodsDocument };
 
 export const documentParts = Object.keys(kDocuments);
 
-// Markdown of a part's tables: `data` is what PART.json holds.
-export const makeDocument = (part, data) => kDocuments[part]({ record: data.parts[part], facts: data.facts, rows: data.rows });
+// Markdown of a part's tables: `data` is what PART.json holds. isStale: the part's inputs have changed.
+export const makeDocument = (part, data, isStale = false) => kDocuments[part]({ record: { ...data.parts[part], isStale }, facts: data.facts, rows: data.rows });

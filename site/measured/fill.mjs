@@ -5,6 +5,8 @@
 //   <!-- figure:ID -->22.32 dB<!-- /figure -->        one figure of catalogue.mjs, or one per motion
 //   <!-- figures:headlines --> … <!-- /figures -->    the headline rows of the catalogue as a Markdown table
 //   <!-- figures:summary --> … <!-- /figures -->      the rows of summary.mjs as a Markdown table
+//   <!-- figures:stale --> … <!-- /figures -->        the meaning of the mark of stale figures, where there are any
+// A figure of a part whose inputs have changed since it was measured (parts.mjs) is marked.
 // --check writes nothing and exits with 1 if one of these files would change, or if one of kChecked holds a number with a
 // unit outside of the markers.
 import { readFileSync, writeFileSync } from 'node:fs';
@@ -14,7 +16,8 @@ import { fileURLToPath, pathToFileURL } from 'node:url';
 import { sections } from './catalogue.mjs';
 import { documentParts, makeDocument } from './documents.mjs';
 import { makePage } from './page.mjs';
-import { Shown, kNotMeasured } from './shown.mjs';
+import { staleParts } from './parts.mjs';
+import { Shown, kNotMeasured, kStaleNote } from './shown.mjs';
 import { summary } from './summary.mjs';
 
 const kFilled = ['README.md', 'site/docs/measured.md', 'site/index.html'];
@@ -35,10 +38,12 @@ function goalText(shown, { goal, run }) {
   return goal.text + (met === null ? '' : (met ? ': met' : ': **missed**') + shown.scope(run));
 }
 
+const staleNote = (shown) => (shown.stale.size ? ` ${kStaleNote}` : '');
+
 // Makes the Markdown table of the headline rows; values keep plain spaces.
 function headlines(shown) {
   const sample = shown.fill('{sample.cameras} cameras, {sample.frames} frames, {sample.faces} faces; {sample.layers} layers, the first of {sample.texture} a side, CRF {sample.crf}') ?? kNotMeasured;
-  const caption = `Measured on ${shown.runs.study?.what ?? 'the sample capture'} (${sample}). Several values in one cell are those of its motions.`;
+  const caption = `Measured on ${shown.runs.study?.what ?? 'the sample capture'} (${sample}). Several values in one cell are those of its motions.${staleNote(shown)}`;
   const rows = sections.flatMap((section) => section.rows ?? []).filter((row) => row.headline);
   const lines = rows.map((row) => `| ${shown.fill(row.what) ?? row.what} | ${shown.fill(row.measured) ?? kNotMeasured} | ${goalText(shown, row)} |`);
   return [caption, '', '| what | measured | goal |', '|---|---|---|', ...lines].join('\n').replaceAll('\u00a0', ' ');
@@ -46,13 +51,13 @@ function headlines(shown) {
 
 // Makes README's Markdown table from the rows of summary.mjs.
 function summaryTable(shown) {
-  const rows = summary.map(({ what, ours, other }) => `| ${what} | ${shown.fill(ours) ?? kNotMeasured} | ${shown.fill(other) ?? kNotMeasured} |`);
-  return ['| | fourdvt | compared with |', '|---|---|---|', ...rows].join('\n').replaceAll('\u00a0', ' ');
+  const rows = summary.filter(({ ours }) => shown.fill(ours) !== null).map(({ what, ours, other }) => `| ${what} | ${shown.fill(ours)} | ${shown.fill(other) ?? kNotMeasured} |`);
+  return ['| | fourdvt | compared with |', '|---|---|---|', ...rows, ...(shown.stale.size ? ['', kStaleNote] : [])].join('\n').replaceAll('\u00a0', ' ');
 }
 
 export function fillText(text, shown, path) {
   const html = path.endsWith('.html');
-  const blocks = { headlines: () => headlines(shown), summary: () => summaryTable(shown) };
+  const blocks = { headlines: () => headlines(shown), summary: () => summaryTable(shown), stale: () => staleNote(shown).trim() };
   return text.replace(kBlock, (_, name) => {
     if (!blocks[name]) throw new Error(`${path}: no block is named ${name}`);
     return `<!-- figures:${name} -->\n${blocks[name]()}\n<!-- /figures -->`;
@@ -87,20 +92,21 @@ export function unmarked(text, path, allowed = allowedNumbers) {
   return [...found].map((number) => `${path}: "${number}" is typed by hand; mark it as a figure of site/measured/catalogue.mjs, or list it in fill.mjs with a reason`);
 }
 
-function outputs(root, data) {
-  const shown = new Shown(data);
+function outputs(root, data, stale) {
+  const shown = new Shown({ ...data, stale });
   const tables = documentParts.map((part) => [part, JSON.parse(readFileSync(join(root, `site/measured/${part}.json`), 'utf8'))]);
-  const documents = tables.map(([part, own]) => [`site/measured/${part}.md`, makeDocument(part, own)]);
+  const documents = tables.map(([part, own]) => [`site/measured/${part}.md`, makeDocument(part, own, stale.includes(part))]);
   const records = { ...data.parts, ...Object.assign({}, ...tables.map(([, own]) => own.parts)) };
   const filled = kFilled.map((path) => [path, fillText(readFileSync(join(root, path), 'utf8'), shown, path)]);
   return [...filled, ...documents, ['site/measured/index.html', makePage(shown, records)]];
 }
 
-// Returns problems of the tree, as messages; writes outdated files unless `check`.
-export function run(root, check) {
+// Returns problems of the tree, as messages; writes outdated files unless `check`. stale: names of the parts whose inputs
+// have changed.
+export function run(root, check, stale = staleParts(root)) {
   const problems = [];
   const data = JSON.parse(readFileSync(join(root, 'site/measured/figures.json'), 'utf8'));
-  for (const [path, text] of outputs(root, data)) {
+  for (const [path, text] of outputs(root, data, stale)) {
     let old = '';
     try { old = readFileSync(join(root, path), 'utf8'); } catch { /* made for the first time */ }
     if (old === text) continue;

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Measures what README.md and the site show, in parts, and writes the figures there. Keep the machine quiet meanwhile, for
 # the sake of the times.
-#   Parts    study, truth, cameras, hulls, methods, bench, player; what belongs to each is in parts.mjs and parts/NAME.sh
+#   Parts    study, fvvr, truth, cameras, hulls, methods, bench, player; what belongs to each is in parts.mjs and parts/NAME.sh
 #   State    a part carries the hash of its inputs (sources, capture, scripts) and the date; unchanged inputs: not
 #            measured again. The figures of the parts that do not run stay as they are, with their hash and date
 #   Machine  the yardstick runs before and after each part, and is recorded with it: seconds are shown with their ratio to it
@@ -12,7 +12,7 @@ set -euo pipefail
 usage() {
   cat <<'TXT'
 bash site/measured/measure.sh [options] [PART…]
-  PART            study, truth, cameras, hulls, methods, bench or player (default: all that are out of date)
+  PART            study, fvvr, truth, cameras, hulls, methods, bench or player (default: all that are out of date)
   --list          print each part's state, date and minutes, and exit
   --anew          measure the parts named even if they are up to date, from the start
   --before FILE   an earlier figures.json: the page lists what got worse since then (default: since the last figures)

@@ -2,7 +2,7 @@
 // Makes the text of site/measured/index.html, the page of all figures.
 import { constants, sections } from './catalogue.mjs';
 import { partOfRun, parts } from './parts.mjs';
-import { fixed, kNotMeasured } from './shown.mjs';
+import { fixed, kNotMeasured, kStale, kStaleNote } from './shown.mjs';
 import { inYardsticks, machineText } from './yardstick.mjs';
 
 const escaped = (text) => String(text).replaceAll('&', '&amp;').replaceAll('<', '&lt;').replaceAll('>', '&gt;').replaceAll('"', '&quot;').replaceAll('\u00a0', '&nbsp;');
@@ -79,7 +79,7 @@ function otherTable(shown, name, list) {
   for (const figure of list) {
     const key = Object.values(figure.cells).join('|');
     if (!rows.has(key)) rows.set(key, { cells: figure.cells, values: {} });
-    rows.get(key).values[figure.what] = `${figure.value}${figure.unit ? `\u00a0${figure.unit}` : ''}${shown.ratio([figure])}`;
+    rows.get(key).values[figure.what] = `${figure.value}${figure.unit ? `\u00a0${figure.unit}` : ''}${shown.ratio([figure])}${shown.isStale([figure]) ? kStale : ''}`;
   }
   const lines = [...rows.values()].map((row) => cells('td', [...Object.values(row.cells), ...quantities.map((q) => row.values[q] ?? '–')].map(escaped)));
   return `<h3>${escaped(name)}</h3>\n${table(name, ['motion', 'method', 'setting', ...quantities], lines)}`;
@@ -101,13 +101,13 @@ function constantsTable() {
 const took = ({ minutes, yardstick }) => (minutes === undefined ? '–' : `${fixed(minutes, 1)}\u00a0min${inYardsticks([minutes], 'min', yardstick)}`);
 
 // Makes the table of parts. Commit: HEAD when the measurement began; hash: identifies the inputs in any history.
-function partTable(records) {
+function partTable(records, stale) {
   const rows = Object.entries(parts).map(([name, { what }]) => {
     const record = records[name];
     const facts = record ? [record.date, `<code>${escaped(record.inputs)}</code>`, `<code>${escaped(record.commit ?? '–')}</code>`, escaped(took(record)), record.yardstick ? escaped(machineText(record.yardstick)) : 'not measured'] : [kNotMeasured, '–', '–', '–', '–'];
-    return cells('td', [`<span id="part-${name}">${name}</span>`, escaped(what), ...facts]);
+    return cells('td', [`<span id="part-${name}">${name}</span>`, escaped(what), record && stale.has(name) ? `${kStale} stale` : '', ...facts]);
   });
-  return `<section aria-labelledby="parts">\n<h2 id="parts">When it was measured</h2>\n<p>Figures are measured in parts. A part is measured again when its inputs change: sources, capture, scripts. The hash names those that its figures are of; <code>node site/measured/parts.mjs --hash PART</code> prints today’s.</p>\n${table('Parts', ['part', 'what', 'date', 'hash of the inputs', 'commit', 'took', 'yardstick'], rows)}\n</section>`;
+  return `<section aria-labelledby="parts">\n<h2 id="parts">When it was measured</h2>\n<p>Figures are measured in parts. A part is measured again when its inputs change: sources, capture, scripts. The hash names those that its figures are of; <code>node site/measured/parts.mjs --hash PART</code> prints today’s.</p>\n${table('Parts', ['part', 'what', 'state', 'date', 'hash of the inputs', 'commit', 'took', 'yardstick'], rows)}\n</section>`;
 }
 
 function runList(runs) {
@@ -123,10 +123,10 @@ const head = ['<meta charset="utf-8">', meta('viewport', 'width=device-width, in
   meta('description', 'Every figure of fourdvt, measured on the sample capture, with its goal and the command that measures it again.'),
   '<title>fourdvt · measured</title>', link('icon', 'data:,'), link('stylesheet', '../site.css'), link('stylesheet', 'measured.css')].join('\n');
 
-const introduction = `<header>
+const introduction = (shown) => `<header>
 <p><a href="../index.html">fourdvt</a></p>
 <h1>Measured</h1>
-<p>Every figure of this page, of the README and of the front page comes from one file, <a href="figures.json">figures.json</a>, which is made from what the tool itself wrote. “FG” counts the silhouettes only; ± is the standard error over the views. Several values in one cell are those of the motions. Seconds whose machine was measured carry their ratio to a fixed job, in <a href="../docs/measured.html#yardsticks">yardsticks</a>.</p>
+<p>Every figure of this page, of the README and of the front page comes from one file, <a href="figures.json">figures.json</a>, which is made from what the tool itself wrote. “FG” counts the silhouettes only; ± is the standard error over the views. Several values in one cell are those of the motions. Seconds whose machine was measured carry their ratio to a fixed job, in <a href="../docs/measured.html#yardsticks">yardsticks</a>.${shown.stale.size ? ` ${kStaleNote}` : ''}</p>
 </header>`;
 
 // Makes links to the sections, by the ids of their titles.
@@ -138,7 +138,7 @@ function contents(body) {
 // Makes the page. records: of the parts, by name.
 export function makePage(shown, records) {
   const { runs } = shown;
-  const body = [overview(shown, runs), ...sections.map((data) => section(shown, data, runs)), missed(shown), worse(shown), constantsTable(), others(shown), partTable(records), runList(runs)].filter(Boolean);
+  const body = [overview(shown, runs), ...sections.map((data) => section(shown, data, runs)), missed(shown), worse(shown), constantsTable(), others(shown), partTable(records, shown.stale), runList(runs)].filter(Boolean);
   return `<!doctype html>
 <!-- SPDX-License-Identifier: Apache-2.0 -->
 <!-- Made by site/measured/fill.mjs from figures.json: change site/measured/catalogue.mjs or measure again. -->
@@ -148,7 +148,7 @@ ${head}
 </head>
 <body>
 <main class="measured">
-${introduction}
+${introduction(shown)}
 ${contents(body)}
 ${body.join('\n')}
 </main>

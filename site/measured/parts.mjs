@@ -40,6 +40,11 @@ export const parts = {
     inputs: [...kBuild, ...kSample, ...kJudged, ...kStudy, 'site/measured/parts/study.sh'],
     targets: ['fourdvt_study'],
   },
+  fvvr: {
+    what: 'the papers’ reference renderer at the held-out cameras, their form and at its best', runs: ['fvvr'],
+    inputs: [...kBuild, ...kSample, ...kJudged, ...kStudy, 'site/measured/parts/fvvr.sh'],
+    targets: ['fourdvt_study'],
+  },
   truth: {
     what: 'motions of the virtual studio, where the truth between two of them is known', runs: ['truth'],
     inputs: [...kBuild, ...kJudged, ...kStudy, ...kStudio, 'site/measured/parts/truth.sh'],
@@ -105,9 +110,9 @@ function entriesNow(root) {
 }
 
 // Hashes a part's inputs: modes, paths and blobs. commit: the commit to hash; default: the working tree, with the same
-// result once it is committed.
-export function inputHash(part, { root = kRoot, commit } = {}) {
-  const lines = [...(commit ? entriesAt(root, commit) : entriesNow(root))].filter(([path]) => isInput(part, path)).map(([path, entry]) => `${entry}\t${path}\n`).sort();
+// result once it is committed. entries: of that tree.
+export function inputHash(part, { root = kRoot, commit, entries = commit ? entriesAt(root, commit) : entriesNow(root) } = {}) {
+  const lines = [...entries].filter(([path]) => isInput(part, path)).map(([path, entry]) => `${entry}\t${path}\n`).sort();
   if (!lines.length) throw new Error(`${part}: no file of ${root} is an input of this part; mend site/measured/parts.mjs`);
   return createHash('sha256').update(lines.join('')).digest('hex').slice(0, 16);
 }
@@ -127,8 +132,10 @@ export function stateOf(record, hash) {
   return record.inputs === hash ? 'up to date' : 'out of date';
 }
 
-function stale(root) {
-  return Object.keys(parts).filter((part) => stateOf(recordOf(part, root), inputHash(part, { root })) !== 'up to date');
+// Names of the parts that are out of date or were never measured.
+export function staleParts(root = kRoot) {
+  const entries = entriesNow(root);
+  return Object.keys(parts).filter((part) => stateOf(recordOf(part, root), inputHash(part, { root, entries })) !== 'up to date');
 }
 
 function list(root) {
@@ -155,7 +162,7 @@ function main() {
   const asked = values.hash ?? values.record;
   if (asked !== undefined && !parts[asked]) throw new Error(`no part is named "${asked}"; the parts are ${Object.keys(parts).join(', ')}`);
   if (values.list) console.log(list(kRoot));
-  else if (values.stale) console.log(stale(kRoot).join('\n'));
+  else if (values.stale) console.log(staleParts().join('\n'));
   else if (values.hash) console.log(inputHash(values.hash, { commit: values.at }));
   else if (values.record && values.seconds && values.yardstick && values.out) record(values.record, values);
   else throw new Error('usage: parts.mjs --list | --stale | --hash PART [--at COMMIT] | --record PART --seconds N --yardstick RUNS --out FILE');

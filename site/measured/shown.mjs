@@ -5,6 +5,8 @@ import { figures as catalogue } from './catalogue.mjs';
 import { inYardsticks, kSecondsOf } from './yardstick.mjs';
 
 export const kNotMeasured = 'not measured in this run';
+export const kStale = '†';  // beside a figure whose inputs have changed since it was measured
+export const kStaleNote = `${kStale} stale: what it is measured from has changed since.`;
 
 // Formats a number: "−0.07", "41,361"; a negative value that rounds to zero has no sign.
 export function fixed(value, digits) {
@@ -20,8 +22,9 @@ function keyText(key) {
 const kOfMotions = new Set(catalogue.filter(({ clock }) => clock === 'motion').map(({ id }) => id));
 
 export class Shown {
-  // parts: records of the parts, by name.
-  constructor({ figures, runs = {}, parts = {} }) {
+  // parts: records of the parts, by name. stale: names of those whose inputs have changed.
+  constructor({ figures, runs = {}, parts = {}, stale = [] }) {
+    this.stale = new Set(stale);
     this.runs = runs;
     this.parts = parts;
     this.figures = figures;
@@ -39,10 +42,18 @@ export class Shown {
     return group;
   }
 
-  // Returns a figure as text, such as "5.7 / 5.8 / 5.1 Mbit/s"; null if it was not measured.
+  // Returns a figure as text, such as "5.7 / 5.8 / 5.1 Mbit/s", with kStale where it is; null if it was not measured.
   text(id) {
     const group = this.group(id);
     if (!group.length) return null;
+    return this.plain(group) + (this.isStale(group) ? kStale : '');
+  }
+
+  isStale(group) {
+    return group.some(({ parts = [] }) => parts.some((part) => this.stale.has(part)));
+  }
+
+  plain(group) {
     const { unit, digits } = group[0];
     const values = group.map((figure) => figure.text ?? fixed(figure.value, digits) + (figure.se === undefined ? '' : ` ± ${fixed(figure.se, digits)}`));
     if (group.every((figure) => figure.text)) return values.join(' / ');

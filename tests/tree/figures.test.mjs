@@ -12,7 +12,7 @@ import { constants, figures as catalogue, runs, sections } from '../../site/meas
 import { collect, withBefore } from '../../site/measured/collect.mjs';
 import { documentParts, makeDocument } from '../../site/measured/documents.mjs';
 import { fillText, run, unmarked } from '../../site/measured/fill.mjs';
-import { fileOf, inputHash, isInput, partOfRun, parts, recordOf, stateOf } from '../../site/measured/parts.mjs';
+import { fileOf, inputHash, isInput, partOfRun, parts, recordOf, staleParts, stateOf } from '../../site/measured/parts.mjs';
 import { Shown, fixed } from '../../site/measured/shown.mjs';
 import { SourceError, Study, parseCsv, readSizes } from '../../site/measured/sources.mjs';
 import { inYardsticks, machineText, machinesText, summaryOf, timed, timedTitle } from '../../site/measured/yardstick.mjs';
@@ -27,6 +27,8 @@ const kFiles = ['README.md', 'site/docs/README.md', 'site/docs/measured.md', 'si
 const scratch = mkdtempSync(join(tmpdir(), 'figures-'));
 after(() => rmSync(scratch, { recursive: true }));
 
+const kStaleNow = staleParts(kRoot);
+
 // A copy of the files, one of them changed.
 function changed(path, change) {
   for (const file of kFiles) {
@@ -36,7 +38,7 @@ function changed(path, change) {
   const before = readFileSync(join(scratch, path), 'utf8'), text = change(before);
   assert.notEqual(text, before, `the test changes ${path}`);
   writeFileSync(join(scratch, path), text);
-  return run(scratch, true);
+  return run(scratch, true, kStaleNow);
 }
 
 test('README and the site say what figures.json says', () => assert.deepEqual(run(kRoot, true), []));
@@ -79,8 +81,8 @@ test('every text of the page names figures and runs that exist', () => {
 test('the study writes every table, method and quantity that figures are taken from', () => {
   const sources = readdirSync(join(kRoot, 'native/lab/study'), { recursive: true }).filter((file) => /\.(h|cpp)$/.test(file));
   const study = sources.map((file) => readFileSync(join(kRoot, 'native/lab/study', file), 'utf8')).join('');
-  const names = catalogue.map(({ from }) => from).filter((from) => from.study || from.truth || from.curve)
-    .flatMap((from) => [from.study ?? from.truth, from.curve, from.method, from.quantity, from.against, from.less, from.beyond]).filter(Boolean);
+  const names = catalogue.map(({ from }) => from).filter((from) => from.study || from.fvvr || from.truth || from.curve)
+    .flatMap((from) => [from.study ?? from.fvvr ?? from.truth, from.curve, from.method, from.quantity, from.against, from.less, from.beyond]).filter(Boolean);
   assert.ok(names.length > 100);
   assert.deepEqual([...new Set(names)].filter((name) => !study.includes(`"${name}"`)), []);
 });
@@ -183,6 +185,23 @@ test('figures are shown with unit, rounding, goal and change', () => {
 
 const kRuns = [1.3, 1.1, 1, 1.2, 1.1, 1.1].map((cpu_s, i) => ({ cpu_s, wall_s: 2, others_s: i === 3 ? 1 : 0.1, job: '56 frames' }));
 
+test('a figure whose inputs have changed is marked where it is shown', () => {
+  const figures = collect(sources()), record = { inputs: 'aaaa', date: '2026-01-02' };
+  const fresh = new Shown({ figures, stale: ['bench'] }), stale = new Shown({ figures, stale: ['study'] });
+  assert.equal(fresh.text('mean.psnr.joint-default'), '23.00\u00a0dB');
+  assert.equal(stale.text('mean.psnr.joint-default'), '23.00\u00a0dB†');
+  assert.equal(stale.text('gap.default'), '−0.60\u00a0dB†', 'derived from stale ones');
+  assert.deepEqual([stale.text('parity'), stale.met({ of: 'gap.default', min: -0.1 })], [null, false]);
+  const block = '<!-- figures:headlines -->x<!-- /figures --><!-- figures:stale -->x<!-- /figures -->';
+  assert.match(fillText(block, stale, 'a.md'), /motions\. † stale:[\s\S]*† stale:/);
+  assert.doesNotMatch(fillText(block, new Shown({ figures }), 'a.md'), /stale: /);
+  assert.match(makePage(stale, { study: record }), /† stale:[\s\S]*<td>† stale<\/td><td>2026-01-02/);
+  assert.match(makePage(new Shown({ figures }), { study: record }), /<td><\/td><td>2026-01-02/);
+  const hulls = { parts: { hulls: record }, facts: {}, rows: [] };
+  assert.match(makeDocument('hulls', hulls, true), /`aaaa`, which have changed since: \*\*stale\*\*/);
+  assert.doesNotMatch(makeDocument('hulls', hulls), /stale/);
+});
+
 test('seconds carry their ratio to the yardstick that was measured with them', () => {
   const yardstick = summaryOf(kRuns);
   assert.deepEqual(yardstick, { cpu_s: 1.1, min_s: 1, max_s: 1.3, others_cores: 0.5, job: '56 frames' });
@@ -276,9 +295,10 @@ test('a part that was not measured keeps its figures, its hash and its date', ()
   assert.equal(study.get('held_out.psnr.joint-default.run').value, 25);
   assert.equal(study.get('gap.default').value, -0.1, 'derived anew');
   const withHigh = old.concat({ id: 'high.psnr', value: 24.2, run: 'high', parts: ['bench'] });
-  const mixed = byId(collect({ variants: {}, study: new Study(rows) }, { old: withHigh, measured: ['study'] })).get('gap.high');
+  const tuned = new Study([{ table: 'held-out', sequence: 'walk', method: 'fvvr-tuned', quantity: 'psnr_fg_db', value: 23.6 }]);
+  const mixed = byId(collect({ variants: {}, fvvr: tuned }, { old: withHigh, measured: ['fvvr'] })).get('gap.high');
   assert.equal(mixed.value, 0.6, 'a new figure and a kept one');
-  assert.deepEqual(mixed.parts, ['bench', 'study']);
+  assert.deepEqual(mixed.parts, ['bench', 'fvvr']);
 
   const fewer = rows.filter((row) => row.table !== 'speed');
   assert.ok(!byId(collect({ variants: {}, study: new Study(fewer) }, { old, measured: ['study'] })).has('speed.frame.512x512'), 'what a part no longer has goes');
@@ -352,6 +372,7 @@ test('a part is out of date when one of its inputs changes, and only then', () =
   assert.deepEqual(touched('native/bake/added.cpp', 'a new file'), Object.keys(parts).filter((part) => part !== 'player'));
   for (const path of ['README.md', 'site/sample/actor_a/README.md', 'site/index.html']) assert.deepEqual(touched(path, 'new'), [], path);
   assert.equal(stateOf(null, before.study), 'never');
+  assert.deepEqual(staleParts(root), Object.keys(parts), 'never measured');
   rmSync(join(root, 'native/bake/bake.cpp'));
   assert.notEqual(inputHash('study', { root }), before.study, 'a file that goes');
   git('checkout', '-q', '--', '.');
@@ -496,7 +517,7 @@ if (words[0] === 'bake') {
   mkdirSync(of('-o') + '.report', { recursive: true });
   for (const file of ['/character.gltf', '.report/report.json']) writeFileSync(of('-o') + file, '{"options":{"crf":29}}');
 }
-if (words[0] === 'inspect') console.log('run  1 2 3  7.15 (6.48 + 0.68)');
+if (words[0] === 'inspect') for (const name of ['run', 'walk']) console.log(name + '  1 2 3  7.15 (6.48 + 0.68)');
 if (words[0] === 'surfaces') console.log('sequence views\\nrun 9 18.50 0.627 1 2 3 4 5 6 7');
 if (words[0] === 'score') writeFileSync(of('-o') + '/evaluate.csv', csv);
 if (words[0] === 'methods') writeFileSync(of('-o') + '/projective.json', JSON.stringify({ rows: ${JSON.stringify(projective)}.filter((row) => words[words.indexOf('--sequences') + 1].split(',').includes(row.sequence || 'run')) }));
@@ -515,6 +536,11 @@ test('cameras.md shows what its script measured', () => {
   assert.match(text, /\| hull \| 6\.48 \| 0\.68 \| 7\.15 \|/);
   assert.match(text, /\| 40 \| 7\.15 \| 22\.00/);
   assert.match(text, /CRF 29/);
+  assert.match(text, /\| walk \| 0\.600 \| 7\.15 \| 7\.15 \| 100 % \|/);
+  const walk = (appearance, all_mbit_s, ssim) => ({ table: 'walk', appearance, all_mbit_s, ssim });
+  const between = (ssim) => makeDocument('cameras', { parts: { cameras: {} }, facts: {}, rows: [{ table: 'quality', from: 'raw', method: 'fvvr' }, walk('layers', 3, ssim), walk('cameras', 8, 0.82), walk('cameras', 2, 0.8)] });
+  assert.match(between(0.81), /\| walk \| 0\.810 \| 3\.00 \| 4\.00 \| 75 % \|/, 'half-way in log bitrate');
+  assert.match(between(0.83), /\| walk \| 0\.830 \| 3\.00 \| – \| – \|/, 'nothing is said beyond the rates');
   assert.ok(!text.includes('NaN') && !text.includes('undefined'));
 });
 
