@@ -155,7 +155,7 @@ class LayerGops : GopWork {
   void keepForClasses(const StreamPlan& plan, uint32_t frame);
   Status fillFrame(LayerGop& open, const StreamPlan& plan, DrawnFrame frame, uint32_t index);
   Status encodeFrames(LayerGop& open, const StreamPlan& plan);
-  Status saveStill(const std::vector<uint8_t>& labels);
+  Status saveStill(const encode::I420Picture& picture, const std::vector<uint8_t>& labels);
   Status saveGop(LayerGop& open, const StreamPlan& plan, uint32_t gop);
   Status waitForSave();
 
@@ -163,8 +163,7 @@ class LayerGops : GopWork {
   package::ChunkMesh chunk_mesh_;
   std::unique_ptr<FrameBaker> frames_;
   std::vector<std::shared_ptr<const MemberLook>> looks_;  // [member] of the stream's latest filled frame
-  encode::I420Picture picture_;
-  std::vector<bool> kept_;      // [frame] of the stream: a class shows it later
+  std::vector<bool> kept_;                                // [frame] of the stream: a class shows it later
   std::future<Status> saving_;  // previous GOP; finishes before the next one is encoded: one encoder is in memory
 };
 
@@ -203,7 +202,6 @@ Result<std::unique_ptr<StreamReader>> LayerGops::openStream(const StreamPlan& pl
   FOURDVT_ASSIGN(auto reader, StreamReader::create(run_, plan));
   looks_.assign(plan.motion.members.size(), {});
   kept_ = shownByClasses(job_, plan);
-  picture_ = encode::I420Picture(plan.layout().width, plan.layout().height);
   return reader;
 }
 
@@ -324,6 +322,7 @@ Status LayerGops::encodeFrames(LayerGop& open, const StreamPlan& plan) {
   const size_t layers = job_.options.layers, members = open.looks[0].size();
   std::vector<DetailMean> details(job_.options.common_detail ? members * layers : 0);
   std::vector<Image> shown(members * layers);  // [member][layer]
+  encode::I420Picture picture(plan.layout().width, plan.layout().height);
   const auto isNew = [&](size_t frame, size_t m) {
     return frame == 0 || open.looks[frame][m] != open.looks[frame - 1][m];
   };
@@ -342,21 +341,21 @@ Status LayerGops::encodeFrames(LayerGop& open, const StreamPlan& plan) {
     const uint32_t index = plan.gop_first_frames[open.number] + static_cast<uint32_t>(f);
     {
       StageClock::Span span(run_.clock, Stage::Tile);
-      encode::tileFrame(plan.layout(), parts, index, picture_);
+      encode::tileFrame(plan.layout(), parts, index, picture);
     }
-    if (index == 0 && isFirst(plan)) FOURDVT_TRY(saveStill(open.looks[f][0]->labels));
-    FOURDVT_TRY(encode(open, plan, picture_, parts, index));
+    if (index == 0 && isFirst(plan)) FOURDVT_TRY(saveStill(picture, open.looks[f][0]->labels));
+    FOURDVT_TRY(encode(open, plan, picture, parts, index));
   }
   open.looks.clear();
   return finishVideos(open);
 }
 
-Status LayerGops::saveStill(const std::vector<uint8_t>& labels) {
+Status LayerGops::saveStill(const encode::I420Picture& picture, const std::vector<uint8_t>& labels) {
   StageClock::Span span(run_.clock, Stage::Assemble);
   FOURDVT_ASSIGN(auto texture,
-                 platform::encodeImage(encode::rgbFromTile(picture_.view(), job_.layout.layers[0]), ".jpg", 90));
-  FOURDVT_ASSIGN(auto tile_jpeg, tiledJpeg(picture_));
-  return run_.work.save(kStillFile, StillArtefact{picture_, labels, std::move(texture), std::move(tile_jpeg)});
+                 platform::encodeImage(encode::rgbFromTile(picture.view(), job_.layout.layers[0]), ".jpg", 90));
+  FOURDVT_ASSIGN(auto tile_jpeg, tiledJpeg(picture));
+  return run_.work.save(kStillFile, StillArtefact{picture, labels, std::move(texture), std::move(tile_jpeg)});
 }
 
 Status LayerGops::saveGop(LayerGop& open, const StreamPlan& plan, uint32_t gop) {
