@@ -11,7 +11,8 @@ namespace {
 // Chosen on the sample's walk, at its held-out cameras (algorithms/texels.md).
 constexpr double kRadius = 2.0 / 1024;  // standard deviation of the low-pass filter, sides of the layer
 constexpr float kGain = 1.4f;           // compensates the blur of cameras, resampling and blending
-constexpr float kDisagreement = 1.5f;   // share of differing energy from which a frame keeps its own detail
+constexpr float kAgrees = 0.2f;         // share of differing energy up to which a frame takes the mean detail,
+constexpr float kDiffers = 0.5f;        // and from which on it keeps its own
 constexpr float kNoise = 3;             // energy of a texel's noise, squared levels
 const cv::Size kNeighbourhood(7, 7);    // texels over which energies are compared
 
@@ -57,7 +58,7 @@ Image DetailMean::sharpened(const Image& layer) const {
     for (int x = 0; x < sum_.cols; ++x) {
       const cv::Vec3f common = mean.at<cv::Vec3f>(y, x), own = bands.detail.at<cv::Vec3s>(y, x);
       const float disagreement = difference.at<float>(y, x) / (energy.at<float>(y, x) + kNoise);
-      const float share = std::max(1 - disagreement / kDisagreement, 0.0f);
+      const float share = std::clamp((kDiffers - disagreement) / (kDiffers - kAgrees), 0.0f, 1.0f);
       const cv::Vec3f detail = own + share * (kGain * common - own);
       const cv::Vec3b low = bands.low.at<cv::Vec3b>(y, x);
       for (int c = 0; c < 3; ++c)
