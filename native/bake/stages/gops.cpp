@@ -224,6 +224,7 @@ Status LayerGops::bakeStream(const StreamPlan& plan) {
 }
 
 Status LayerGops::bakeGop(const StreamPlan& plan, uint32_t gop, StreamReader& reader) {
+  if (run_.lane() == std::launch::deferred) FOURDVT_TRY(waitForSave());  // nothing overlaps: one GOP in memory
   auto open = std::make_unique<LayerGop>(ChunkBuilder(job_, plan));
   open->number = gop;
   const uint32_t first = plan.gop_first_frames[gop], end = plan.gopEnd(gop);
