@@ -71,7 +71,7 @@ inline std::string gopFile(const std::string& stream, uint32_t gop) {
   return stream + "." + std::to_string(gop) + ".gop";
 }
 inline constexpr const char* kStillFile = "still.bin";
-// Bytes of a GOP's chunk, from package::encodeChunk or encodeCoarseChunk.
+// Bytes of a GOP's chunk, from package::encodeChunk.
 inline std::string chunkFile(const std::string& stream, uint32_t gop, Precision precision = Precision::Fine) {
   return stream + "." + std::to_string(gop) + (precision == Precision::Fine ? ".chunk" : ".coarse");
 }
