@@ -49,8 +49,8 @@ namespace {
 constexpr double kNoEdge = std::numeric_limits<double>::infinity();
 constexpr double kNeighbour = 1.3;  // largest dissimilarity of neighbours, relative to the nearest one
 
-// Tree that grows from the root by the open frame of least length (Prim, Dijkstra). `length`: of a frame b by an edge
-// from a, which has a length already; infinite without an edge.
+// Tree that grows from the root by the open frame of least length (Prim, Dijkstra). length(length of a, a, b): length
+// of frame b if it is reached from a, a frame of the tree; infinite if no edge joins them.
 template <class Length>
 std::vector<TrackingStep> grownTree(const std::vector<std::vector<double>>& apart, uint32_t root, Length length) {
   const auto count = uint32_t(apart.size());

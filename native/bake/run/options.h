@@ -61,8 +61,8 @@ struct BakeOptions {
   int gop = 20;         // maximum number of frames per GOP; lengths in a sequence differ by at most 1
   int jobs = 0;         // worker threads; 0: number of cores
   bool resume = false;  // reuse finished GOPs of an interrupted run with the same settings
-  // Quantisation of streamed vertices; none: 0.5 mm from layers, that of their residuals
-  // (package::ResidualSteps), 1 mm from cameras for a person, and in proportion for smaller and larger surfaces.
+  // Quantisation step of streamed vertices, from layers that of their residuals (package::ResidualSteps). None: for a
+  // person 0.5 mm from layers and 1 mm from cameras, in proportion for smaller and larger surfaces.
   std::optional<double> position_step_m;
   // Quantisation for renditions below the highest; 0: position_step_m; none: 3.5 mm for a person.
   std::optional<double> coarse_step_m;

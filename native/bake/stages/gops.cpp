@@ -128,9 +128,9 @@ struct LayerGop : OpenGop {
 };
 
 // GOPs of a character from layers. Lanes overlap: reading the next frame, the GPU stages of this one (on the calling
-// thread, which owns the context), filling the previous one; and encoding the previous GOP, whose detail is known once
-// all of its frames are. A class reuses frames that its members' own streams have rendered and filled: they are stored
-// in the work folder until then, and rendered again if an interrupted bake left none. Memory: the layers of two GOPs.
+// thread, which owns the context), filling the previous one; and encoding the previous GOP, which needs the detail of
+// all its frames. A class reuses frames that its members' own streams have rendered and filled: they are stored in the
+// work folder until then, and rendered again if an interrupted bake left none. Memory: the layers of two GOPs.
 class LayerGops : GopWork {
  public:
   LayerGops(BakeRun& run, const Survey& survey) : GopWork(run), survey_(survey) {}

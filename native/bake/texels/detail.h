@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fine detail of a texture layer over the frames of a GOP (algorithms/texels.md). On the surface it hardly changes from
-// frame to frame, while pictures sample it at other places every time, blurred and with noise: its mean over the frames
-// resolves more, and costs the codec next to nothing. CPU only.
+// frame to frame, while every picture samples it at other places, blurred and with noise: the mean over the frames
+// resolves more. CPU only.
 #pragma once
 
 #include <opencv2/core.hpp>

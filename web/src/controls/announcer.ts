@@ -50,7 +50,7 @@ export class Announcer {
     this.#live.remove();
   }
 
-  // Announces text() after QUIET_MS, and repeats while it differs from `said`, the last text: the character may turn.
+  // Announces text() after QUIET_MS unless it is `said`, the last announcement; then again until it no longer changes: the character may turn.
   #later(text: () => string, said = ''): void {
     clearTimeout(this.#timers.get(text));
     this.#timers.set(text, setTimeout(() => {
